@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/bus/topics.hpp"
+
+namespace eti::bus {
+
+struct Options {
+    std::string session = "default";     ///< partition; several sessions share a domain
+    int domain = 0;                      ///< DDS domain, 0-232
+    std::string name;                    ///< of this participant, e.g. "eti-server"
+    std::filesystem::path profile;       ///< optional XML profile file (transports, peers, security)
+};
+
+/// Something about the bus that a person can mend; the text says what to do.
+class BusError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+/// A process's place on the bus: participant, publisher and subscriber in the session's partition.
+/// Throws BusError from the constructor.
+class Node {
+  public:
+    explicit Node(const Options& options);
+    ~Node();
+    Node(const Node&) = delete;
+    Node& operator=(const Node&) = delete;
+    struct Impl;
+    [[nodiscard]] Impl& impl() const { return *impl_; }
+    [[nodiscard]] const Options& options() const;
+
+  private:
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Writes one topic. publish() never blocks longer than the topic's QoS allows; false: not written.
+template <class Message>
+class Publisher {
+  public:
+    Publisher(Node& node, const Topic<Message>& topic);
+    ~Publisher();
+    Publisher(Publisher&&) noexcept;
+    bool publish(const Message& message);
+    [[nodiscard]] int matched() const;   ///< readers now matched
+    void assert_liveliness();            ///< for topics with manual liveliness
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Reads one topic. Samples wait in the reader's bounded history until taken; nothing is called back
+/// on a DDS thread, so message handling stays on the caller's thread.
+template <class Message>
+class Subscriber {
+  public:
+    Subscriber(Node& node, const Topic<Message>& topic);
+    ~Subscriber();
+    Subscriber(Subscriber&&) noexcept;
+    /// Oldest sample not yet taken; never blocks. `message` is reused to spare allocations.
+    [[nodiscard]] bool take(Message& message);
+    /// Newest sample not yet taken, dropping older ones; never blocks.
+    [[nodiscard]] bool take_latest(Message& message);
+    /// Waits until there is something to take.
+    [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
+    [[nodiscard]] int matched() const;   ///< writers now matched
+    [[nodiscard]] bool alive() const;    ///< some writer is matched and, where liveliness is asked for, alive
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// What the start-up check found, one line each, with the remedy; empty when all is well.
+struct SelfCheck {
+    std::vector<std::string> warnings;
+};
+
+/// Looks for stale shared memory of dead processes, an unusable network, a taken session.
+/// `is_server`: refuses (BusError) when another live server owns the session.
+[[nodiscard]] SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait);
+
+}  // namespace eti::bus

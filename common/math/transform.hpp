@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstdint>
+
+namespace eti {
+
+using Vec3f = Eigen::Vector3f;
+using Vec3d = Eigen::Vector3d;
+using Mat3f = Eigen::Matrix3f;
+using Quatf = Eigen::Quaternion<float, Eigen::DontAlign>;
+
+/// A rigid transform x -> rotation * x + translation; lengths in metres.
+struct RigidTransform {
+    Quatf rotation = Quatf::Identity();
+    Vec3f translation = Vec3f::Zero();
+
+    [[nodiscard]] Vec3f operator*(const Vec3f& point) const { return rotation * point + translation; }
+
+    [[nodiscard]] RigidTransform operator*(const RigidTransform& inner) const {
+        return {(rotation * inner.rotation).normalized(), rotation * inner.translation + translation};
+    }
+
+    [[nodiscard]] RigidTransform inverse() const {
+        const Quatf back = rotation.conjugate();
+        return {back, back * (-translation)};
+    }
+
+    [[nodiscard]] static RigidTransform from(const Quatf& rotation, const Vec3f& translation) {
+        return {rotation, translation};
+    }
+
+    /// Rotation by `angle` [rad] about the axis `direction` (unit) through `pivot`.
+    [[nodiscard]] static RigidTransform about(const Vec3f& pivot, const Vec3f& direction, float angle) {
+        const Quatf turn(Eigen::AngleAxisf(angle, direction));
+        return {turn, pivot - turn * pivot};
+    }
+};
+
+/// Rotation vector (axis times angle, rad, angle in [0, pi]) of a unit quaternion.
+[[nodiscard]] inline Vec3f rotation_vector(const Quatf& q) {
+    const Quatf shorter = q.w() < 0 ? Quatf(-q.w(), -q.x(), -q.y(), -q.z()) : q;
+    const float sine = shorter.vec().norm();
+    if (sine < 1e-7f) {
+        return 2.0f * shorter.vec();
+    }
+    return shorter.vec() * (2.0f * std::atan2(sine, shorter.w()) / sine);
+}
+
+/// Unit quaternion of a rotation vector [rad].
+[[nodiscard]] inline Quatf quaternion_from(const Vec3f& rotation) {
+    const float angle = rotation.norm();
+    if (angle < 1e-7f) {
+        return Quatf(1.0f, 0.5f * rotation.x(), 0.5f * rotation.y(), 0.5f * rotation.z()).normalized();
+    }
+    return Quatf(Eigen::AngleAxisf(angle, rotation / angle));
+}
+
+}  // namespace eti

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace eti {
+
+/// The performance parameters: the twelve of Xiao et al. 2020, Table 2, and those beyond it. Units as in the names; the
+/// definitions stand in docs/metrics.md. Not-a-number where a value does not exist for an attempt
+/// (a tube that never entered the mouth has no speed).
+struct Parameters {
+    double gum_force_max_n = 0, gum_force_mean_n = 0;
+    double blade_depth_max_cm = 0, blade_depth_mean_cm = 0;
+    double pitch_peaks = 0, yaw_peaks = 0;
+    double pitch_rocking_deg = 0, yaw_rocking_deg = 0;
+    double attempts = 0;
+    double time_s = 0;
+    double glottic_opening_max_percent = 0, glottic_opening_mean_percent = 0;
+    double tube_speed_max_cm_per_s = 0, tube_speed_mean_cm_per_s = 0;
+    double head_elevation_deg = 0;
+    double oesophageal_entries = 0;
+    // Beyond the paper.
+    double tube_depth_at_lip_cm = 0, tube_depth_rule_cm = 0;
+    double main_stem_entries = 0;
+    double cormack_lehane_grade = 0;
+    double over_time_limit = 0;  ///< 1 when the attempt took longer than 30 s
+    double epiglottis_force_max_n = 0, tongue_force_max_n = 0;
+    double blade_path_length_cm = 0;
+    double blade_smoothness = 0;  ///< spectral arc length is negative; closer to zero is smoother
+};
+
+/// One row of the table of parameters: where a value lies in JSON and files, and how it is shown.
+struct ParameterField {
+    std::string_view key;    ///< JSON key; "name.max" and "name.mean" become an object with two members
+    std::string_view label;
+    std::string_view unit;
+    double Parameters::*value;
+    bool in_paper;
+};
+
+/// Every parameter, in the order of display. JSON, the session file, the bus and the printed table
+/// all walk this list, so a parameter is added in one place.
+extern const std::array<ParameterField, 25> parameter_fields;
+
+/// How a run or an attempt ended.
+struct Outcome {
+    bool success = false;
+    std::string reason;  ///< one sentence, also on success
+};
+
+}  // namespace eti

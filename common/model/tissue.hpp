@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace eti {
+
+/// What a particle, a surface triangle or a contact belongs to. Values go over the bus and into
+/// files: append, never renumber.
+enum class Tissue : std::uint8_t {
+    soft,        ///< skin, muscle, mucosa of cheeks, pharynx and neck
+    tongue,
+    epiglottis,
+    larynx,      ///< arytenoids, vocal cords, cricoid region
+    trachea,
+    oesophagus,
+    upper_gum,
+    lower_gum,
+    palate,
+    skull,
+    mandible,
+    spine,
+};
+inline constexpr std::size_t tissue_count = 12;
+
+inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
+    "soft",       "tongue",    "epiglottis", "larynx", "trachea", "oesophagus",
+    "upper gum",  "lower gum", "palate",     "skull",  "mandible", "spine"};
+
+[[nodiscard]] constexpr std::string_view name_of(Tissue tissue) {
+    return tissue_names[static_cast<std::size_t>(tissue)];
+}
+
+}  // namespace eti

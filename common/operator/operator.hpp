@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/model/landmark.hpp"
+#include "common/model/tools.hpp"
+
+namespace eti {
+
+/// What a scripted hand may look at: the same that a person sees and feels.
+struct Observation {
+    double time = 0.0;                       ///< [s], simulation time
+    Landmarks landmarks{};
+    float glottic_opening_percent = 0.0f;
+    Vec3f tube_tip = Vec3f::Zero();          ///< [m]
+    float tube_depth_past_glottis = -1.0f;   ///< [m], negative before the cords
+    RigidTransform proxy;                    ///< laryngoscope
+};
+
+/// One stage of a track. A pose is built from landmarks, not from coordinates.
+struct Stage {
+    std::string name;
+    // Tip position: landmark plus offset along the current left, posterior, superior axes [m].
+    Landmark tip_at = Landmark::mouth_opening;
+    Vec3f tip_offset = Vec3f::Zero();
+    // Axis of blade or tube: from one landmark towards another.
+    Landmark axis_from = Landmark::mouth_opening;
+    Landmark axis_to = Landmark::vallecula;
+    bool keep = false;              ///< start from the previous stage's target and only add the below
+    float lift = 0.0f;              ///< [m], along the handle
+    float advance = 0.0f;           ///< [m], along the tool's axis
+    float pitch = 0.0f;             ///< [rad], tip up (towards the handle), about `pivot`
+    float yaw = 0.0f;               ///< [rad]
+    float roll = 0.0f;              ///< [rad]
+    Landmark pivot = Landmark::upper_gum;
+    bool pivot_at_tip = true;       ///< turn about the tool's tip, else about `pivot`
+    float speed = 0.03f;            ///< [m/s] of the tip along its path
+    float hold = 0.0f;              ///< [s] after arriving
+    // Go on when these hold (all of those set); `timeout` ends waiting in any case.
+    float until_view_percent = -1.0f;
+    float until_tube_depth = -1.0f;        ///< [m] past the glottis
+    float until_time = -1.0f;              ///< [s] since the start of the run
+    float timeout = 10.0f;                 ///< [s]
+    bool abort_on_timeout = false;         ///< give up: the rest of the track is skipped up to the last stage
+};
+
+struct Track {
+    std::vector<Stage> stages;
+};
+
+/// A scripted operator: a track for each hand, tremor, and the hand's impedance.
+struct OperatorScript {
+    std::string name;
+    std::string description;
+    Track laryngoscope;
+    Track tube;
+    float tremor = 0.0f;             ///< [m], RMS of the hand's physiological tremor (8-12 Hz)
+    float reaction = 0.2f;           ///< [s], delay before a stage reacts to what is seen
+    std::uint64_t seed = 1;
+};
+
+[[nodiscard]] OperatorScript load_operator(const std::filesystem::path& file);
+
+}  // namespace eti

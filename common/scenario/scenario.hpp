@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "common/model/tools.hpp"
+
+namespace eti {
+
+/// A training scenario as read from YAML; angles in radians, lengths in metres, as everywhere inside.
+struct Scenario {
+    std::string name;
+    std::string description;
+    std::string text;  ///< the file as read, for the session record
+
+    struct Patient {
+        float weight = 3.5f;              ///< [kg], 0.5-4.5
+        float gestational_age = 40.0f;    ///< [weeks], 24-42
+        float tongue_scale = 1.0f;        ///< 0.8-1.4
+        float head_elevation = 0.0f;      ///< [rad], 0-30 deg
+        float jaw_opening = 0.0f;         ///< [rad], 0-35 deg
+        float tissue_stiffness = 8e3f;    ///< [Pa], Young's modulus of tongue and mucosa
+    } patient;
+
+    Blade blade = Blade::miller_1;
+    Tube tube;
+
+    struct Physics {
+        int substeps = 4;                 ///< per 1/180 s step; cost grows linearly
+        float spacing = 2.0e-3f;          ///< [m], particles in the bulk; cost grows with its -3rd power
+        float fine_spacing = 1.0e-3f;     ///< [m], particles at epiglottis and larynx
+        float region = 10e-3f;            ///< [m], tissue farther than this from the airway moves with the bones
+    } physics;
+
+    bool saliva = false;
+    bool enhanced_view = false;           ///< the client shows the section view beside the scene
+    float time_limit = 30.0f;             ///< [s], per attempt
+    std::uint64_t seed = 1;
+};
+
+/// A mistake in a file that a user wrote: says file, line, key, what was found, what was expected.
+class InputError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Resolves a scenario or operator by name (a file `NAME.yaml` in the data folder's `kind` folder)
+/// or by path. Throws InputError naming the places searched and the names there are.
+[[nodiscard]] std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind);
+
+/// Reads and validates a scenario. Throws InputError; nothing is half-configured.
+[[nodiscard]] Scenario load_scenario(const std::filesystem::path& file);
+
+}  // namespace eti
