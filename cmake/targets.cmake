@@ -16,6 +16,9 @@ if(ETI_SANITIZE)
   target_link_options(eti_options INTERFACE -fsanitize=${ETI_SANITIZE})
 endif()
 
+add_custom_target(programs COMMENT "Every eti-* program")
+add_custom_target(unit_tests COMMENT "Every test program under tests/unit")
+
 # A room: a static library named after its folder, e.g. eti_library(server_pbd SOURCES ... LINK ...).
 function(eti_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
@@ -29,7 +32,15 @@ function(eti_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE eti_options ${ARG_LINK})
   target_include_directories(${name} SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
+  add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION bin)
+endfunction()
+
+# The first folder under tests/ that the current folder lies in: the label of its ctest cases.
+function(eti_test_label result)
+  file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REGEX REPLACE "/.*" "" label "${path}")
+  set(${result} ${label} PARENT_SCOPE)
 endfunction()
 
 # A test program; every TEST becomes a ctest case.
@@ -38,7 +49,32 @@ function(eti_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE eti_options GTest::gtest GTest::gtest_main ${ARG_LINK})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  eti_test_label(label)
+  if(label STREQUAL unit)
+    add_dependencies(unit_tests ${name})
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${label})
+endfunction()
+
+# A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. PROPERTIES are passed
+# to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it.
+function(eti_python_test prefix script)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "ENVIRONMENT;PROPERTIES" ${ARGN})
+  find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${script})
+  file(STRINGS ${script} methods REGEX "^    def test_[a-z0-9_]+\\(")
+  if(NOT methods)
+    message(FATAL_ERROR "${script} has no test methods")
+  endif()
+  eti_test_label(label)
+  foreach(line ${methods})
+    string(REGEX REPLACE "^    def (test_[a-z0-9_]+).*" "\\1" method "${line}")
+    string(REGEX REPLACE "^test_" "" short "${method}")
+    add_test(NAME ${prefix}.${short}
+             COMMAND ${ETI_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/${script} -v -k *.${method})
+    set_tests_properties(${prefix}.${short} PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT}
+                         SKIP_REGULAR_EXPRESSION "OK \\(skipped=" ENVIRONMENT "${ARG_ENVIRONMENT}" ${ARG_PROPERTIES})
+  endforeach()
 endfunction()
 
 # Adds the rooms that a part consists of.

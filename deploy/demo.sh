@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Installs what is missing, builds, runs one whole intubation with every process, and shows the result.
+set -u
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+usage() {
+    cat <<USAGE
+Usage: deploy/demo.sh [OPTION...]
+Runs one intubation by a scripted operator with five processes over the bus: server, haptic device,
+tube tracker, the trainee's client and an observer's client. Prints the performance table and names the
+session file, the pictures and the video. Exit 0 only if the trachea was intubated.
+  --scenario NAME   scenario under deploy/scenarios, or a file (default: term)
+  --operator NAME   operator under deploy/operators, or a file (default: expert)
+  --out DIR         where the results go, in a folder of their own (default: out/demo)
+  --domain N        DDS domain (default: 0)
+  --keep-going      when a process dies, carry on with the others
+  --no-build        use build/release as it is
+  --help            print this
+USAGE
+}
+
+build=yes options=()
+while [ $# -gt 0 ]; do
+    case $1 in
+        --scenario | --operator | --out | --domain)
+            [ $# -ge 2 ] || eti_fail "$1 wants a value; see --help"
+            options+=("$1" "$2")
+            shift
+            ;;
+        --keep-going) options+=("$1") ;;
+        --no-build) build=no ;;
+        --help) usage; exit 0 ;;
+        *) usage >&2; exit 2 ;;
+    esac
+    shift
+done
+
+if [ $build = yes ]; then
+    eti_install build client
+    eti_say "Building build/release ..."
+    eti_build release programs || exit 1
+fi
+exec python3 -B "$ETI_ROOT/deploy/session_run.py" --bin "$ETI_ROOT/build/release/bin" "${options[@]}"

@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Runs the five processes of a session, watches them, and shows what came of it.
+
+demo.sh calls this after building; the system tests use its classes to do unkind things to a session.
+"""
+
+import argparse
+import ctypes
+import errno
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+SPACE_NEEDED = 200e6     # [bytes] session file, pictures and video of a demo, with room to spare
+STALL_LIMIT = 180.0      # [s] without any simulation time passing before a server counts as hung
+END_BY_ITSELF = 20.0     # [s] that processes have to notice the session's end; a lease on the bus lasts 1.5 s
+END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
+LONGEST_SESSION = 120    # [s] of simulation time; an attempt should take 30 s
+PR_SET_PDEATHSIG = 1
+
+
+def die_with_parent():
+    """Has the kernel end this process when its parent dies, so that none is left running alone."""
+    ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+class Program:
+    """One process of a session: its command, its log, and how it ended."""
+
+    def __init__(self, name, command, folder):
+        self.name = name
+        self.command = [str(part) for part in command]
+        self.log = folder / "logs" / f"{name}.log"
+        self.output = folder / "logs" / f"{name}.out"
+        self.process = None
+        self.reported = False
+
+    def start(self):
+        self.log.parent.mkdir(parents=True, exist_ok=True)
+        # A session of its own: Ctrl-C in the terminal reaches this script alone, which ends the others in order.
+        with self.log.open("wb") as log, self.output.open("wb") as output:
+            self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL, stdout=output, stderr=log,
+                                            start_new_session=True, preexec_fn=die_with_parent)
+
+    def running(self):
+        return self.process is not None and self.process.poll() is None
+
+    def exit_code(self):
+        """Exit status; negative: the signal that killed it; None: still running."""
+        return self.process.poll()
+
+    def send(self, number):
+        if self.running():
+            self.process.send_signal(number)
+
+    def wait(self, seconds):
+        """True if the process has ended within `seconds`."""
+        try:
+            self.process.wait(max(0.0, seconds))
+            return True
+        except subprocess.TimeoutExpired:
+            return False
+
+    def last_words(self, count=5):
+        lines = self.log.read_text(errors="replace").splitlines()
+        return [line.split("\r")[-1] for line in lines[-count:]]
+
+    def how_it_ended(self):
+        code = self.exit_code()
+        if code == 0:
+            return "ended"
+        if code > 0:
+            return f"failed with exit status {code}"
+        return f"was killed by {signal.Signals(-code).name}"
+
+
+class Session:
+    """The five processes: server, haptics, tracker, trainee, observer."""
+
+    def __init__(self, bin_folder, folder, scenario="term", operator="expert", domain=0, name=None, extra=None,
+                 say=lambda text: print(text, file=sys.stderr, flush=True)):
+        self.bin = Path(bin_folder)
+        self.folder = Path(folder)
+        self.name = name or f"demo-{os.getpid()}"
+        self.record = self.folder / "session.eti.h5"
+        self.say = say
+        self.stopping = None    # why the session is being stopped early, if it is
+        bus = ["--session", self.name, "--domain", domain]
+        commands = {
+            "server": ["eti-server", "--scenario", scenario, "--record", self.record, "--finish-after-attempt",
+                       "--duration", LONGEST_SESSION, "--json"],
+            "haptics": ["eti-haptics", "--device", "simulated", "--operator", operator],
+            "tracker": ["eti-tracker", "--device", "scripted", "--operator", operator],
+            "trainee": ["eti-client", "--offscreen", self.folder / "trainee"],
+            "observer": ["eti-client", "--observe", "--offscreen", self.folder / "observer"],
+        }
+        self.programs = {
+            role: Program(role, [self.bin / command[0], *command[1:], *bus, *(extra or {}).get(role, [])], self.folder)
+            for role, command in commands.items()
+        }
+        self.server = self.programs["server"]
+
+    def start(self):
+        for program in self.programs.values():
+            program.start()
+
+    def progress(self):
+        """Simulation time and lag behind the clock [s] as the server last logged them, or None."""
+        if not self.server.log.exists():
+            return None
+        with self.server.log.open("rb") as log:
+            log.seek(max(0, log.seek(0, os.SEEK_END) - 4096))
+            tail = log.read().decode(errors="replace")
+        found = re.findall(r"simulation time ([\d.]+) s.*?([\d.]+) s behind", tail)
+        return (float(found[-1][0]), float(found[-1][1])) if found else None
+
+    def stop(self, why):
+        """Asks the server to finish the session; the others end when it has."""
+        if self.stopping is None:
+            self.stopping = why
+            self.say(f"Stopping: {why}.")
+            self.server.send(signal.SIGINT)
+
+    def report_ended(self):
+        """Says of each process that has newly ended how; returns those that did not end well."""
+        failed = []
+        for program in self.programs.values():
+            if program.running() or program.reported:
+                continue
+            program.reported = True
+            self.say(f"{program.name} {program.how_it_ended()}.")
+            if program.exit_code() != 0:
+                failed.append(program)
+                for line in program.last_words():
+                    self.say(f"  {program.name}: {line}")
+        return failed
+
+    def watch(self, keep_going=False):
+        """Waits until the server has ended; False if it hung. When another process dies, stops the session."""
+        moved, last, shown = time.monotonic(), None, 0.0
+        asked = None
+        while True:
+            failed = self.report_ended()
+            if not self.server.running():
+                return True
+            if failed and not keep_going:
+                self.stop(f"{failed[0].name} died")
+            now, progress = time.monotonic(), self.progress()
+            if progress != last:
+                moved, last = now, progress
+            if now - moved > STALL_LIMIT:
+                self.stop(f"no simulation time has passed for {STALL_LIMIT:.0f} s")
+            if self.stopping:
+                asked = asked or now
+                if now - asked > END_ON_REQUEST:
+                    return False
+            if progress and now - shown > (1.0 if sys.stderr.isatty() else 10.0):
+                shown = now
+                self.say(f"simulation time {progress[0]:6.1f} s, {progress[1]:.1f} s behind the clock")
+            time.sleep(0.1)
+
+    def finish(self):
+        """Lets every process end by itself, then ends what remains. Returns the names of those that would not."""
+        late = []
+        deadline = time.monotonic() + (END_BY_ITSELF if not self.server.running() else 0.0)
+        for program in self.programs.values():
+            if program.process and not program.wait(deadline - time.monotonic()):
+                late.append(program.name)
+        for name in late:
+            self.say(f"{name} did not end by itself; ending it.")
+            self.programs[name].send(signal.SIGTERM)
+        deadline = time.monotonic() + END_ON_REQUEST
+        for name in late:
+            if not self.programs[name].wait(deadline - time.monotonic()):
+                self.say(f"{name} did not answer SIGTERM; killing it.")
+                self.programs[name].send(signal.SIGKILL)
+                self.programs[name].wait(END_ON_REQUEST)
+        self.report_ended()
+        return late
+
+    def summary(self):
+        """The session's summary as eti-review gives it: a dictionary, and the printed table."""
+        review = [self.bin / "eti-review", "summary", self.record]
+        as_json = subprocess.run([*review, "--json"], stdout=subprocess.PIPE, text=True, check=True)
+        table = subprocess.run(review, stdout=subprocess.PIPE, text=True, check=True)
+        return json.loads(as_json.stdout), table.stdout
+
+    def products(self):
+        """Pictures and videos made, by kind."""
+        found = {"picture": [], "video": []}
+        for file in sorted(self.folder.glob("*/*")):
+            kind = {".png": "picture", ".mp4": "video", ".avi": "video"}.get(file.suffix)
+            if kind and file.stat().st_size > 0:
+                found[kind].append(file)
+        return found
+
+
+def prepare_folder(folder):
+    """Makes the folder for results and tries it; raises SystemExit with what is wrong and what to do."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        trial = folder / ".written"
+        trial.write_bytes(b"x" * 4096)
+        trial.unlink()
+    except OSError as error:
+        remedy = "free some space" if error.errno in (errno.ENOSPC, errno.EDQUOT) else "choose another folder"
+        sys.exit(f"demo: cannot write into {folder}: {error.strerror}. Remedy: {remedy}, or --out DIR.")
+    free = shutil.disk_usage(folder).free
+    if free < SPACE_NEEDED:
+        sys.exit(f"demo: {folder} has {free / 1e6:.0f} MB left, a demo may need {SPACE_NEEDED / 1e6:.0f} MB. "
+                 "Remedy: free some space, or --out DIR on another disk.")
+
+
+def show(session):
+    """Prints what came of a session; True if the trachea was intubated and everything asked for is there."""
+    try:
+        summary, table = session.summary()
+    except (subprocess.CalledProcessError, json.JSONDecodeError) as error:
+        session.say(f"The session file cannot be read: {error}. Remedy: eti-review check --repair {session.record}")
+        return False
+    print(table)
+    products = session.products()
+    print(f"Session file  {session.record}")
+    for kind, files in products.items():
+        for file in files:
+            print(f"{kind.capitalize():<13} {file}")
+        if not files:
+            session.say(f"No {kind} was made; see {session.programs['trainee'].log}.")
+    print(f"Logs          {session.folder / 'logs'}")
+    return bool(summary.get("success")) and all(products.values())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="folder of the programs")
+    parser.add_argument("--scenario", default="term")
+    parser.add_argument("--operator", default="expert")
+    parser.add_argument("--out", type=Path, default=ROOT / "out/demo")
+    parser.add_argument("--domain", type=int, default=0)
+    parser.add_argument("--keep-going", action="store_true")
+    options = parser.parse_args()
+
+    name = f"demo-{os.getpid()}"
+    folder = (options.out / name).absolute()
+    missing = [p for p in ("eti-server", "eti-haptics", "eti-tracker", "eti-client", "eti-review")
+               if not (options.bin / p).exists()]
+    if missing:
+        sys.exit(f"demo: {options.bin} lacks {', '.join(missing)}. Remedy: run deploy/demo.sh without --no-build.")
+    prepare_folder(folder)
+
+    session = Session(options.bin, folder, options.scenario, options.operator, options.domain, name)
+    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "asked to end")):
+        signal.signal(number, lambda *_, why=why: session.stop(why))
+    session.say(f"Session {name}: {options.operator} intubates in scenario {options.scenario}.")
+    session.start()
+    session.watch(options.keep_going)
+    late = session.finish()
+    succeeded = show(session) if session.record.exists() else False
+    ended_well = not late and all(p.exit_code() == 0 for p in session.programs.values())
+    if session.stopping:
+        session.say(f"The demo was stopped: {session.stopping}.")
+    elif not ended_well:
+        session.say("Not every process ended well; see above.")
+    return 0 if succeeded and ended_well and not session.stopping else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Installs what is missing, builds, runs the tests, and ends with the line "N passed, N failed".
+set -u
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+usage() {
+    cat <<USAGE
+Usage: deploy/test.sh [--quick | --sanitize] [--no-install]
+Builds into build/release and runs every test, then the unit tests under the address, undefined-behaviour
+and thread sanitizers. The last line reads "N passed, N failed"; exit 0 only if none failed.
+  --quick        only the unit tests, without sanitizers
+  --sanitize     only the unit tests under the sanitizers
+  --no-install   do not look for missing packages
+USAGE
+}
+
+optimised=yes sanitized=yes install=yes only=()
+while [ $# -gt 0 ]; do
+    case $1 in
+        --quick) sanitized=no only=(--label-regex '^unit$') ;;
+        --sanitize) optimised=no ;;
+        --no-install) install=no ;;
+        --help) usage; exit 0 ;;
+        *) usage >&2; exit 2 ;;
+    esac
+    shift
+done
+
+passed=0 failed=0
+
+# Adds one ctest run's results to the count and names what failed or was skipped.
+count() {
+    local counted
+    counted=$(python3 - "$1" <<'PYTHON'
+import sys
+import xml.etree.ElementTree as ET
+
+passed = failed = 0
+for case in ET.parse(sys.argv[1]).getroot().iter("testcase"):
+    status = case.get("status")
+    if status == "run":
+        passed += 1
+    elif status == "notrun" and case.find("skipped") is not None:
+        reason = [line for line in (case.findtext("system-out") or "").splitlines() if "skipped" in line.lower()]
+        print(f"Skipped: {case.get('name')}: {reason[0].strip() if reason else 'no reason given'}", file=sys.stderr)
+    else:
+        failed += 1
+        print(f"Failed: {case.get('name')}", file=sys.stderr)
+print(passed, failed)
+PYTHON
+    ) || counted="0 1"
+    passed=$((passed + ${counted% *}))
+    failed=$((failed + ${counted#* }))
+}
+
+# run PRESET [CTEST OPTION...]: runs a built preset's tests. A run that leaves no results counts as one failure.
+run() {
+    local preset=$1 results="$ETI_ROOT/build/$1/test-results.xml"
+    shift
+    rm -f "$results"
+    eti_say "== Tests of build/$preset"
+    (cd "$ETI_ROOT" && ctest --preset "$preset" --parallel "$(eti_jobs)" --no-tests=error \
+        --output-junit "$results" "$@" >&2)
+    count "$results"
+}
+
+[ $install = yes ] && eti_install build client test
+started=$SECONDS
+if [ $optimised = yes ]; then
+    eti_say "== Building build/release"
+    if eti_build release; then run release "${only[@]}"; else failed=$((failed + 1)); fi
+fi
+if [ $sanitized = yes ]; then
+    for preset in asan tsan; do
+        eti_say "== Building the unit tests in build/$preset"
+        if eti_build $preset unit_tests; then
+            run $preset --label-regex '^unit$'
+        else
+            failed=$((failed + 1))
+        fi
+    done
+fi
+eti_say "Took $((SECONDS - started)) s."
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ] && [ $passed -gt 0 ]

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Rules for the source tree: who may include whom, and what every file looks like.
+
+Usage: structure.py [ROOT]. Prints one line per violation, FILE:LINE: what, and what to do.
+"""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+TOP = ("common", "server", "devices", "client", "idl")
+NOT_SOURCE = {"build", "out", ".git", "__pycache__"}
+
+# Folders that the files of a folder may include, besides their own. The longest matching folder
+# decides. Inside the server, only app knows the bus; pbd and rigid do not know each other.
+WITHOUT_BUS = tuple(f"common/{room}" for room in
+                    ("hdf5", "math", "mesh", "model", "operator", "scenario", "session"))
+MAY_INCLUDE = {
+    "idl": (),
+    "common": ("idl",),
+    "server/anatomy": WITHOUT_BUS,
+    "server/pbd": WITHOUT_BUS,
+    "server/rigid": WITHOUT_BUS,
+    "server/scene": WITHOUT_BUS + ("server/anatomy", "server/pbd", "server/rigid"),
+    "server/metrics": WITHOUT_BUS + ("server/anatomy", "server/scene"),
+    "server/app": ("common", "idl", "server"),
+    "devices": ("common", "idl"),
+    "client": ("common", "idl"),
+    "tests/unit/common": ("common", "idl", "tests"),
+    "tests/unit/server": ("common", "idl", "server", "tests"),
+    "tests/unit/devices": ("common", "idl", "devices", "tests"),
+    "tests/unit/client": ("common", "idl", "client", "tests"),
+    "tests": TOP,
+}
+
+# Libraries that stay behind one folder's interface.
+LIBRARIES = (
+    (re.compile(r"fast(dds|rtps|cdr)/"), ("common/bus", "idl"), "Fast DDS"),
+    (re.compile(r"bt[A-Z]\w*\.h$|Bullet(Collision|Dynamics)/|LinearMath/|bullet/"), ("server/rigid",), "Bullet"),
+    (re.compile(r"(epoxy|GLFW|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
+    (re.compile(r"opencv2/"), ("client",), "OpenCV"),
+    (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
+)
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
+SPDX = ("SPDX-License-Identifier: Apache-2.0", "Copyright the NeoETI authors")
+C_SOURCES = {".hpp", ".cpp", ".h", ".c"}
+SOURCES = C_SOURCES | {".idl", ".cmake", ".py", ".sh", ".glsl", ".vert", ".frag"}
+LONG_FILE = 600
+
+
+def source_files(root):
+    for folder, subfolders, names in os.walk(root):
+        subfolders[:] = sorted(d for d in subfolders if d not in NOT_SOURCE)
+        for name in sorted(names):
+            path = Path(folder, name)
+            if path.suffix in SOURCES or name == "CMakeLists.txt":
+                yield path.relative_to(root)
+
+
+def inside(path, folder):
+    return path == folder or path.startswith(folder + "/")
+
+
+def owner_of(path):
+    """The key of MAY_INCLUDE that a file falls under."""
+    return max((f for f in MAY_INCLUDE if inside(path, f)), key=len, default=None)
+
+
+def include_violation(path, line):
+    """What is wrong with a line's #include in the file `path`, or None."""
+    match = INCLUDE.match(line)
+    if not match:
+        return None
+    target = match.group(1) or match.group(2)
+    for library, homes, label in LIBRARIES:
+        if library.search(target) and not inside(path, "tests") and not any(inside(path, h) for h in homes):
+            return f"includes {target}; {label} stays behind {' and '.join(homes)}"
+    if match.group(2):
+        return None
+    if target.split("/")[0] not in TOP + ("tests",):
+        return f'includes "{target}"; write the path from the repository\'s root'
+    owner = owner_of(path)
+    if owner is None:
+        return f"lies outside the known folders ({', '.join(sorted(MAY_INCLUDE))})"
+    allowed = MAY_INCLUDE[owner] + (owner,)
+    if not any(inside(target, folder) for folder in allowed):
+        return f"includes {target}; {owner} may include only {', '.join(sorted(allowed))}"
+    return None
+
+
+def room_of(path):
+    return "/".join(path.split("/")[:2])
+
+
+def room_cycle(edges):
+    """One cycle in the graph {room: rooms it includes} as a list of rooms, or None."""
+    done, trail = set(), []
+
+    def visit(room):
+        if room in trail:
+            return trail[trail.index(room):] + [room]
+        if room in done:
+            return None
+        trail.append(room)
+        for following in sorted(edges.get(room, ())):
+            if cycle := visit(following):
+                return cycle
+        trail.pop()
+        done.add(room)
+        return None
+
+    return next((cycle for room in sorted(edges) if (cycle := visit(room))), None)
+
+
+def forbidden_words():
+    lines = (HERE / "forbidden_words.txt").read_text().splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def check_file(path, lines, forbidden):
+    """Violations within one file as (line number, text)."""
+    head = lines[:3] if lines and lines[0].startswith("#!") else lines[:2]
+    if not all(any(s in line for line in head) for s in SPDX):
+        yield 1, "lacks the two-line SPDX header"
+    if len(lines) > LONG_FILE and not any(f"{LONG_FILE} lines" in line for line in lines[:15]):
+        yield 1, (f"has {len(lines)} lines; split it, or say within its first 15 lines why it passes {LONG_FILE} lines")
+    if path.endswith((".hpp", ".h")) and not any(line.strip() == "#pragma once" for line in lines):
+        yield 1, "lacks #pragma once"
+    for number, line in enumerate(lines, 1):
+        if match := forbidden.search(line):
+            yield number, f"says '{match.group(0)}'; finish the work, or say what is the case"
+        if re.search(r"\bDISABLED_\w", line):
+            yield number, "switches a test off; mend the test or remove it"
+        if Path(path).suffix in C_SOURCES and (text := include_violation(path, line)):
+            yield number, text
+
+
+def check(root):
+    """All violations under `root`, one string each."""
+    forbidden = re.compile(r"\b(" + "|".join(map(re.escape, forbidden_words())) + r")\b", re.IGNORECASE)
+    found, edges = [], {}
+    for relative in source_files(root):
+        path = relative.as_posix()
+        lines = (Path(root) / relative).read_text(errors="replace").splitlines()
+        found += [f"{path}:{number}: {text}" for number, text in check_file(path, lines, forbidden)]
+        for match in filter(None, map(INCLUDE.match, lines)):
+            target = match.group(1)
+            if target and path.split("/")[0] in TOP and room_of(target) != room_of(path):
+                edges.setdefault(room_of(path), set()).add(room_of(target))
+    if cycle := room_cycle(edges):
+        found.append(f"{cycle[0]}: rooms include each other in a circle: {' -> '.join(cycle)}")
+    return found
+
+
+if __name__ == "__main__":
+    violations = check(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parents[2])
+    print(*violations, sep="\n", end="\n" if violations else "")
+    sys.exit(1 if violations else 0)

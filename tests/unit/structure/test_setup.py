@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""deploy/setup.sh against a PATH whose apt-get only notes how it was called."""
+
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+SETUP = ROOT / "deploy" / "setup.sh"
+TOOLS = ("bash", "sed", "grep", "dirname", "basename", "id", "env", "cat")
+
+
+class Setup(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.bin = Path(self.folder.name)
+        self.calls = self.bin / "calls"
+        self.calls.touch()
+        for tool in TOOLS:
+            (self.bin / tool).symlink_to(shutil.which(tool))
+        self.wanted = self.run_setup("--list").stdout.split()
+
+    def run_setup(self, *arguments):
+        return subprocess.run(["bash", SETUP, *arguments], env={"PATH": str(self.bin)}, capture_output=True, text=True)
+
+    def program(self, name, body):
+        file = self.bin / name
+        file.unlink(missing_ok=True)
+        file.write_text(f"#!{shutil.which('bash')}\n{body}\n")
+        file.chmod(0o755)
+
+    def apt(self, installed, body="exit 0"):
+        """An apt on which `installed` is installed and whose apt-get, called, does `body`."""
+        self.program("dpkg-query", "".join(f"echo 'installed {p}'\n" for p in installed))
+        self.program("sudo", '"$@"')
+        self.program("apt-get", f'echo "$*" >> {self.calls}\n{body}')
+
+    def test_lists_name_packages_once(self):
+        self.assertGreater(len(self.wanted), 20)
+        self.assertEqual(len(self.wanted), len(set(self.wanted)))
+        for name in self.wanted:
+            self.assertRegex(name, r"^[a-z0-9][a-z0-9+.-]+$")
+
+    def test_server_list_has_no_graphics(self):
+        server = (ROOT / "deploy/packages/build.txt").read_text()
+        for word in ("epoxy", "egl", "mesa", "glfw", "imgui", "opencv"):
+            self.assertNotIn(word, server)
+
+    def test_nothing_missing_asks_apt_nothing(self):
+        self.apt(self.wanted)
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.calls.read_text(), "")
+
+    def test_missing_packages_are_named_and_then_installed(self):
+        missing = [self.wanted[0], self.wanted[-1]]
+        self.apt([p for p in self.wanted if p not in missing], 'echo "apt-get is running" >&2')
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        said_before = done.stderr.split("apt-get is running")[0]
+        self.assertIn("To be installed with apt-get: " + " ".join(missing), said_before)
+        update, install = self.calls.read_text().splitlines()
+        self.assertIn("update", update)
+        self.assertTrue(install.endswith(" ".join(missing)), install)
+
+    def test_without_apt_lists_packages_and_stops(self):
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("no apt", done.stderr)
+        self.assertLessEqual(set(self.wanted), set(done.stderr.split()))
+
+    def test_unreachable_mirror_is_reported_and_nothing_installed(self):
+        self.apt(self.wanted[1:], "echo 'Could not resolve host' >&2; exit 100")
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("apt-get update failed", done.stderr)
+        self.assertIn("Check the network", done.stderr)
+        self.assertEqual(len(self.calls.read_text().splitlines()), 1)
+
+    def test_failed_install_is_reported(self):
+        self.apt(self.wanted[1:], '[[ "$*" == *install* ]] && exit 100 || exit 0')
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("apt-get install failed", done.stderr)
+
+    def test_without_root_goes_through_sudo(self):
+        self.apt(self.wanted[1:])
+        self.program("id", "echo 1000")
+        self.program("sudo", f'echo sudo >> {self.calls}; "$@"')
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.calls.read_text().split("\n")[::2], ["sudo", "sudo", ""])
+
+    def test_without_root_and_sudo_says_what_to_run(self):
+        self.apt(self.wanted[1:])
+        self.program("id", "echo 1000")
+        (self.bin / "sudo").unlink()
+        done = self.run_setup()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("As root run: apt-get install " + self.wanted[0], done.stderr)
+        self.assertEqual(self.calls.read_text(), "")
+
+
+if __name__ == "__main__":
+    unittest.main()

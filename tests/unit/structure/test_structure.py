@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""The tree keeps the rules, and the checker notices each way of breaking them."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import structure
+
+HEADER = "// SPDX-License-Identifier: Apache-2.0\n// Copyright the NeoETI authors\n"
+WORD = structure.forbidden_words()[0]
+
+
+def violations(files):
+    """What the checker says of a tree made of {path: text}."""
+    with tempfile.TemporaryDirectory() as folder:
+        for path, text in files.items():
+            file = Path(folder, path)
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+        return structure.check(folder)
+
+
+def including(path, target):
+    """A tree of one source that includes `target`, which stands in quotes or angle brackets."""
+    return {path: f"{HEADER}#include {target}\n"}
+
+
+class ThisTree(unittest.TestCase):
+    def test_this_tree_keeps_the_rules(self):
+        found = structure.check(structure.HERE.parents[2])
+        self.assertEqual(found, [], "\n" + "\n".join(found))
+
+    def test_this_tree_is_really_read(self):
+        read = {p.as_posix() for p in structure.source_files(structure.HERE.parents[2])}
+        self.assertLessEqual({"idl/eti.idl", "common/bus/bus.hpp", "cmake/targets.cmake", "deploy/setup.sh"}, read)
+
+
+class Includes(unittest.TestCase):
+    def test_allowed_includes_pass(self):
+        for path, target in (
+            ("common/bus/a.cpp", '"common/math/transform.hpp"'),
+            ("common/bus/a.cpp", '"idl/eti.h"'),
+            ("common/bus/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
+            ("server/scene/a.cpp", '"server/pbd/solver.hpp"'),
+            ("server/app/a.cpp", '"common/bus/bus.hpp"'),
+            ("server/rigid/a.cpp", "<btBulletDynamicsCommon.h>"),
+            ("client/render/a.cpp", "<epoxy/gl.h>"),
+            ("tests/unit/server/pbd/a.cpp", '"server/pbd/solver.hpp"'),
+            ("tests/validation/a.cpp", '"server/scene/scene.hpp"'),
+        ):
+            with self.subTest(path=path, target=target):
+                self.assertEqual(violations(including(path, target)), [])
+
+    def test_forbidden_includes_are_found(self):
+        for path, target in (
+            ("common/math/a.cpp", '"server/pbd/solver.hpp"'),
+            ("server/pbd/a.cpp", '"server/rigid/world.hpp"'),
+            ("server/rigid/a.cpp", '"server/pbd/solver.hpp"'),
+            ("server/pbd/a.cpp", '"common/bus/bus.hpp"'),
+            ("server/scene/a.cpp", '"idl/eti.h"'),
+            ("server/metrics/a.cpp", '"common/bus/topics.hpp"'),
+            ("server/app/a.cpp", '"client/view/view.hpp"'),
+            ("server/app/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
+            ("server/scene/a.cpp", "<btBulletDynamicsCommon.h>"),
+            ("server/app/a.cpp", "<epoxy/gl.h>"),
+            ("devices/app/a.cpp", '"server/scene/snapshot.hpp"'),
+            ("devices/app/a.cpp", '"client/view/view.hpp"'),
+            ("client/view/a.cpp", '"server/scene/snapshot.hpp"'),
+            ("client/view/a.cpp", "<hdf5.h>"),
+            ("tests/unit/client/a.cpp", '"server/scene/snapshot.hpp"'),
+            ("server/pbd/a.cpp", '"solver.hpp"'),
+            ("elsewhere/a.cpp", '"common/math/transform.hpp"'),
+        ):
+            with self.subTest(path=path, target=target):
+                found = violations(including(path, target))
+                self.assertEqual(len(found), 1, found)
+                self.assertTrue(found[0].startswith(f"{path}:3: "), found)
+
+    def test_rooms_that_include_each_other_are_found(self):
+        found = violations(including("common/mesh/a.cpp", '"common/model/b.hpp"')
+                           | including("common/model/b.cpp", '"common/mesh/a.hpp"'))
+        self.assertEqual(len(found), 1, found)
+        self.assertIn("circle", found[0])
+
+
+class Files(unittest.TestCase):
+    def only(self, files, expected):
+        found = violations(files)
+        self.assertEqual(len(found), 1, found)
+        self.assertIn(expected, found[0])
+
+    def test_a_clean_tree_has_no_violations(self):
+        self.assertEqual(violations({
+            "common/math/a.hpp": HEADER + "#pragma once\n",
+            "deploy/run.sh": "#!/bin/sh\n" + HEADER.replace("//", "#"),
+            "CMakeLists.txt": HEADER.replace("//", "#"),
+            "build/generated.cpp": "no header here\n",
+            "notes.md": WORD + "\n",
+        }), [])
+
+    def test_missing_header_is_found(self):
+        for path in ("a.cpp", "a.py", "a.sh", "a.idl", "a.cmake", "CMakeLists.txt"):
+            with self.subTest(path=path):
+                self.only({f"common/math/{path}": "\n"}, "SPDX")
+
+    def test_missing_pragma_once_is_found(self):
+        self.only({"common/math/a.hpp": HEADER}, "#pragma once")
+
+    def test_every_forbidden_word_is_found_in_any_case(self):
+        for word in structure.forbidden_words():
+            for written in (word, word.upper(), word.capitalize()):
+                with self.subTest(word=written):
+                    self.only({"common/math/a.cpp": f"{HEADER}// {written}: later\n"}, ":3: says")
+
+    def test_words_that_only_contain_a_forbidden_word_pass(self):
+        self.assertEqual(violations({"common/math/a.cpp": f"{HEADER}int un{WORD}ne;\n"}), [])
+
+    def test_a_switched_off_test_is_found(self):
+        self.only({"tests/unit/a.cpp": HEADER + "TEST(Solver, DISABLED" + "_converges) {}\n"}, "switches a test off")
+
+    def test_a_long_file_must_say_why(self):
+        filling = "\n" * structure.LONG_FILE
+        self.only({"common/math/a.cpp": HEADER + filling}, "split it")
+        reason = "// Over 600 lines: one table of the wire's values.\n"
+        self.assertEqual(violations({"common/math/a.cpp": HEADER + reason + filling}), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
