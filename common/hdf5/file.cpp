@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/hdf5/file.hpp"
+
+#include <fmt/format.h>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace eti::hdf5 {
+
+namespace {
+
+Handle access_properties() {
+    Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_libver_bounds(properties.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+    // A file is closed when its handle is, whatever else is still open in it.
+    H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG);
+    return properties;
+}
+
+unsigned flags_of(Access access) {
+    switch (access) {
+        case Access::read:
+            return H5F_ACC_RDONLY;
+        case Access::read_beside_writer:
+            return H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
+        case Access::modify:
+            return H5F_ACC_RDWR;
+        case Access::append_beside_readers:
+            return H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE;
+    }
+    return H5F_ACC_RDONLY;
+}
+
+/// What a person can see without the library: missing, a folder, empty, no permission.
+void require_plain_file(const std::filesystem::path& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) {
+        throw Error(fmt::format("{}: no such file", path.string()));
+    }
+    if (!std::filesystem::is_regular_file(status)) {
+        throw Error(fmt::format("{}: not a regular file", path.string()));
+    }
+    if (std::filesystem::file_size(path, error) == 0) {
+        throw Error(fmt::format("{}: the file is empty", path.string()));
+    }
+    errno = 0;
+    if (!std::ifstream(path)) {
+        throw Error(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+    }
+}
+
+}  // namespace
+
+File::File(Handle id, const std::filesystem::path& path) : id_(std::move(id)), path_(path) {
+    Handle root(H5Gopen2(id_.get(), "/", H5P_DEFAULT), H5Gclose);
+    if (!root) {
+        throw Error(fmt::format("{}: no readable root group: {}", path.string(), last_error()));
+    }
+    root_ = Group(std::move(root), path.string() + ": /");
+}
+
+File File::create(const std::filesystem::path& path) {
+    prepare_thread();
+    const Handle properties = access_properties();
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) {
+        throw Error(fmt::format("{}: exists already and is not overwritten; choose another name or remove it",
+                                path.string()));
+    }
+    errno = 0;
+    Handle id(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, properties.get()), H5Fclose);
+    if (!id) {
+        const int reason = errno;
+        throw Error(fmt::format("{}: cannot be created: {}; name a folder that exists and may be written",
+                                path.string(), reason != 0 ? std::strerror(reason) : last_error()));
+    }
+    return {std::move(id), path};
+}
+
+File File::open(const std::filesystem::path& path, Access access) {
+    prepare_thread();
+    require_plain_file(path);
+    if (H5Fis_hdf5(path.c_str()) <= 0) {
+        throw Error(fmt::format("{}: not an HDF5 file", path.string()));
+    }
+    const Handle properties = access_properties();
+    Handle id(H5Fopen(path.c_str(), flags_of(access), properties.get()), H5Fclose);
+    if (!id) {
+        throw Error(fmt::format("{}: cannot be opened: {}", path.string(), last_error()));
+    }
+    return {std::move(id), path};
+}
+
+void File::close() {
+    root_ = Group();
+    if (!id_.close()) {
+        throw Error(fmt::format("{}: cannot be written to the end: {}", path_.string(), last_error()));
+    }
+}
+
+void File::abandon() {
+    id_.abandon();
+}
+
+}  // namespace eti::hdf5

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+
+#include "common/hdf5/group.hpp"
+
+namespace eti::hdf5 {
+
+enum class Access {
+    read,
+    read_beside_writer,  ///< also a file that a writer has open or left behind when it was killed
+    modify,
+    append_beside_readers  ///< single writer, multiple readers: what is on disk is consistent at any time
+};
+
+/// An HDF5 file and its root group. Functions throw Error.
+class File {
+  public:
+    /// Creates the file, in the format of HDF5 1.10 (which the access modes above need); refuses to replace
+    /// one.
+    [[nodiscard]] static File create(const std::filesystem::path& path);
+    [[nodiscard]] static File open(const std::filesystem::path& path, Access access);
+
+    [[nodiscard]] const Group& root() const { return root_; }
+    [[nodiscard]] hid_t id() const { return id_.get(); }
+
+    /// Writes out and closes. Throws Error if that fails.
+    void close();
+    /// Lets go of a file that can no longer be written, without touching it again.
+    void abandon();
+
+  private:
+    File(Handle id, const std::filesystem::path& path);
+
+    Handle id_;
+    Group root_;
+    std::filesystem::path path_;
+};
+
+}  // namespace eti::hdf5

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/hdf5/packing.hpp"
+
+#include <fmt/format.h>
+#include <cmath>
+
+namespace eti::hdf5 {
+
+static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+
+void write_mesh(const Group& group, const TriangleMesh& mesh) {
+    write_rows(group, "vertices", mesh.vertices, {"m", "x y z of each vertex, rest posture"});
+    write_rows(group, "triangles", mesh.triangles,
+               {"1", "vertex indices, counter-clockwise seen from outside"});
+}
+
+TriangleMesh read_mesh(const Group& group) {
+    TriangleMesh mesh{read_rows<Vec3f>(group, "vertices"), read_rows<Triangle>(group, "triangles")};
+    require_finite(group, "vertices", numbers_of(mesh.vertices));
+    require_indices(group, "triangles", numbers_of(mesh.triangles), mesh.vertices.size(), "vertices");
+    return mesh;
+}
+
+void write_skin(const Group& group, const std::vector<SkinWeights>& skin) {
+    std::vector<std::array<std::uint16_t, 4>> frames;
+    std::vector<std::array<float, 4>> weights;
+    for (const SkinWeights& point : skin) {
+        frames.push_back(point.frame);
+        weights.push_back(point.weight);
+    }
+    write_rows(group, "skin_frame", frames, {"1", "the up to four frames that carry each point"});
+    write_rows(group, "skin_weight", weights,
+               {"1", "their weights, which sum to one; unused entries are zero"});
+}
+
+std::vector<SkinWeights> read_skin(const Group& group, std::size_t count) {
+    const auto frames = read_rows<std::array<std::uint16_t, 4>>(group, "skin_frame", count);
+    const auto weights = read_rows<std::array<float, 4>>(group, "skin_weight", count);
+    std::vector<SkinWeights> skin(frames.size());
+    for (std::size_t i = 0; i < skin.size(); ++i) {
+        skin[i] = {frames[i], weights[i]};
+    }
+    return skin;
+}
+
+void write_tissues(const Group& group, const std::string& name, const std::vector<Tissue>& tissues) {
+    std::string description = "tissue:";
+    for (std::size_t i = 0; i < tissue_count; ++i) {
+        description += fmt::format(" {} {}{}", i, tissue_names[i], i + 1 < tissue_count ? "," : "");
+    }
+    std::vector<std::uint8_t> numbers;
+    numbers.reserve(tissues.size());
+    for (const Tissue tissue : tissues) {
+        numbers.push_back(static_cast<std::uint8_t>(tissue));
+    }
+    group.write<std::uint8_t>(name, numbers, {numbers.size()}, {"1", description});
+}
+
+std::vector<Tissue> read_tissues(const Group& group, const std::string& name, std::size_t count) {
+    const auto array = group.read<std::uint8_t>(name, {count});
+    std::vector<Tissue> tissues;
+    tissues.reserve(array.values.size());
+    for (const std::uint8_t number : array.values) {
+        if (number >= tissue_count) {
+            throw Error(fmt::format("{}: {} is no tissue; expected 0 to {}", group.at(name), number,
+                                    tissue_count - 1));
+        }
+        tissues.push_back(static_cast<Tissue>(number));
+    }
+    return tissues;
+}
+
+void require_finite(const Group& group, const std::string& name, std::span<const float> values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!std::isfinite(values[i])) {
+            throw Error(fmt::format("{}: value {} is not finite", group.at(name), i));
+        }
+    }
+}
+
+void require_indices(const Group& group, const std::string& name, std::span<const std::uint32_t> indices,
+                     std::size_t count, std::string_view of_what) {
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        if (indices[i] >= count) {
+            throw Error(fmt::format("{}: value {} is {}, but there are only {} {}", group.at(name), i,
+                                    indices[i], count, of_what));
+        }
+    }
+}
+
+void require_skin(const Group& group, std::span<const SkinWeights> skin, std::size_t frames) {
+    // Four float32 weights that each were rounded once sum to one within 4 * 6e-8; 1e-3 also takes
+    // weights that a tool rounded to three decimals, and no weight that was lost.
+    constexpr float tolerance = 1e-3f;
+    for (std::size_t i = 0; i < skin.size(); ++i) {
+        float sum = 0.0f;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const float weight = skin[i].weight[k];
+            if (!(weight >= 0.0f && weight <= 1.0f + tolerance)) {
+                throw Error(fmt::format("{}: point {} has the weight {}; expected 0 to 1",
+                                        group.at("skin_weight"), i, weight));
+            }
+            if (weight > 0.0f && skin[i].frame[k] >= frames) {
+                throw Error(fmt::format("{}: point {} names frame {}, but there are only {}",
+                                        group.at("skin_frame"), i, skin[i].frame[k], frames));
+            }
+            sum += weight;
+        }
+        if (std::abs(sum - 1.0f) > tolerance) {
+            throw Error(fmt::format("{}: the weights of point {} sum to {}; expected 1",
+                                    group.at("skin_weight"), i, sum));
+        }
+    }
+}
+
+}  // namespace eti::hdf5
