@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/scene_object.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace eti::view {
+namespace {
+
+bool read_points(const std::vector<float>& flat, std::vector<Vec3f>& points, std::string& why) {
+    if (flat.empty() || flat.size() % 3 != 0) {
+        why = fmt::format("{} vertex coordinates; expected a positive multiple of 3", flat.size());
+        return false;
+    }
+    points.reserve(flat.size() / 3);
+    for (std::size_t i = 0; i < flat.size(); i += 3) {
+        const Vec3f point(flat[i], flat[i + 1], flat[i + 2]);
+        if (!plausible(point)) {
+            why = fmt::format("vertex {} is not finite or lies beyond {} m", i / 3, farthest_coordinate);
+            return false;
+        }
+        points.push_back(point);
+    }
+    return true;
+}
+
+bool read_mesh(const msg::SceneDescription& message, TriangleMesh& mesh, std::string& why) {
+    if (!read_points(message.vertices(), mesh.vertices, why)) {
+        return false;
+    }
+    const auto& flat = message.triangles();
+    if (flat.empty() || flat.size() % 3 != 0) {
+        why = fmt::format("{} triangle indices; expected a positive multiple of 3", flat.size());
+        return false;
+    }
+    mesh.triangles.reserve(flat.size() / 3);
+    for (std::size_t i = 0; i < flat.size(); i += 3) {
+        const Triangle triangle{flat[i], flat[i + 1], flat[i + 2]};
+        for (const std::uint32_t index : triangle) {
+            if (index >= mesh.vertices.size()) {
+                why = fmt::format("triangle {} names vertex {} of {}", i / 3, index, mesh.vertices.size());
+                return false;
+            }
+        }
+        mesh.triangles.push_back(triangle);
+    }
+    return true;
+}
+
+bool read_tissues(const msg::SceneDescription& message, SurfaceModel& surface, std::string& why) {
+    if (message.tissue() >= tissue_count) {
+        why = fmt::format("tissue {}; there are {}", message.tissue(), tissue_count);
+        return false;
+    }
+    surface.tissue = static_cast<Tissue>(message.tissue());
+    const auto& octets = message.triangle_tissue();
+    if (octets.empty()) {
+        surface.triangle_tissue.assign(surface.mesh.triangles.size(), surface.tissue);
+        return true;
+    }
+    if (octets.size() != surface.mesh.triangles.size()) {
+        why =
+            fmt::format("{} triangle tissues for {} triangles", octets.size(), surface.mesh.triangles.size());
+        return false;
+    }
+    surface.triangle_tissue.reserve(octets.size());
+    for (const std::uint8_t octet : octets) {
+        if (octet >= tissue_count) {
+            why = fmt::format("triangle tissue {}; there are {}", octet, tissue_count);
+            return false;
+        }
+        surface.triangle_tissue.push_back(static_cast<Tissue>(octet));
+    }
+    return true;
+}
+
+bool read_skin(const msg::SceneDescription& message, SurfaceModel& surface, std::string& why) {
+    const std::size_t count = surface.mesh.vertices.size();
+    const auto& frames = message.skin_frame();
+    const auto& weights = message.skin_weight();
+    if (frames.size() != 4 * count || weights.size() != 4 * count) {
+        why = fmt::format("{} skin frames and {} skin weights for {} vertices; expected four each",
+                          frames.size(), weights.size(), count);
+        return false;
+    }
+    surface.skin.resize(count);
+    for (std::size_t v = 0; v < count; ++v) {
+        const int sum = weights[4 * v] + weights[4 * v + 1] + weights[4 * v + 2] + weights[4 * v + 3];
+        if (sum == 0) {
+            why = fmt::format("no frame carries vertex {}", v);
+            return false;
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            const bool used = weights[4 * v + k] > 0;
+            // Normalised here, so that rounding to 1/255 neither shrinks nor swells the surface.
+            surface.skin[v].weight[k] = static_cast<float>(weights[4 * v + k]) / static_cast<float>(sum);
+            surface.skin[v].frame[k] = used ? frames[4 * v + k] : std::uint16_t{0};
+            surface.highest_frame = std::max(surface.highest_frame, surface.skin[v].frame[k]);
+        }
+    }
+    return true;
+}
+
+std::optional<SceneObject> decode_surface(const msg::SceneDescription& message, std::string& why) {
+    SurfaceModel surface;
+    surface.name = message.object().to_string();
+    if (!read_mesh(message, surface.mesh, why) || !read_tissues(message, surface, why) ||
+        !read_skin(message, surface, why)) {
+        return std::nullopt;
+    }
+    return surface;
+}
+
+std::optional<SceneObject> decode_tube(const msg::SceneDescription& message, std::string& why) {
+    if (message.vertices().size() < 3) {
+        why = "a tube needs length, grip from tip and curve radius";
+        return std::nullopt;
+    }
+    const TubeModel tube{message.outer_radius(), message.inner_radius(), message.vertices()[0],
+                         message.vertices()[1], message.vertices()[2]};
+    const bool finite = std::isfinite(tube.outer_radius) && std::isfinite(tube.inner_radius) &&
+                        std::isfinite(tube.length) && std::isfinite(tube.grip_from_tip) &&
+                        std::isfinite(tube.curve_radius);
+    if (!finite || tube.inner_radius <= 0.0f || tube.outer_radius <= tube.inner_radius ||
+        tube.outer_radius > 0.02f || tube.length <= 0.0f || tube.length > 1.0f) {
+        why = fmt::format("impossible tube: radii {} and {} m, length {} m", tube.outer_radius,
+                          tube.inner_radius, tube.length);
+        return std::nullopt;
+    }
+    return tube;
+}
+
+std::optional<SceneObject> decode_landmarks(const msg::SceneDescription& message, std::string& why) {
+    std::vector<Vec3f> points;
+    if (!read_points(message.vertices(), points, why)) {
+        return std::nullopt;
+    }
+    if (points.size() != message.names().size()) {
+        why = fmt::format("{} landmark names for {} positions", message.names().size(), points.size());
+        return std::nullopt;
+    }
+    LandmarkModel model;
+    std::array<bool, landmark_count> found{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        // Names of a newer server that this client does not know are no error.
+        if (const auto landmark = landmark_named(message.names()[i].c_str())) {
+            model.rest[static_cast<std::size_t>(*landmark)] = points[i];
+            found[static_cast<std::size_t>(*landmark)] = true;
+        }
+    }
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        if (!found[i]) {
+            why = fmt::format("landmark {} is missing", landmark_names[i]);
+            return std::nullopt;
+        }
+    }
+    return model;
+}
+
+}  // namespace
+
+bool plausible(const Vec3f& point) {
+    // Written so that a NaN fails it.
+    return point.cwiseAbs().maxCoeff() <= farthest_coordinate && point.allFinite();
+}
+
+std::optional<SceneObject> decode(const msg::SceneDescription& message, std::string& why) {
+    switch (message.kind()) {
+        case msg::OBJECT_FRAMES: {
+            FrameModel frames;
+            if (!read_points(message.vertices(), frames.rest_centre, why)) {
+                return std::nullopt;
+            }
+            if (frames.rest_centre.size() > 65536) {
+                why = fmt::format("{} frames; an index has 16 bits", frames.rest_centre.size());
+                return std::nullopt;
+            }
+            return frames;
+        }
+        case msg::OBJECT_SURFACE:
+            return decode_surface(message, why);
+        case msg::OBJECT_TOOL: {
+            ToolModel tool;
+            if (!read_mesh(message, tool.mesh, why)) {
+                return std::nullopt;
+            }
+            return tool;
+        }
+        case msg::OBJECT_TUBE:
+            return decode_tube(message, why);
+        case msg::OBJECT_LANDMARKS:
+            return decode_landmarks(message, why);
+    }
+    why = fmt::format("unknown kind {}", static_cast<int>(message.kind()));
+    return std::nullopt;
+}
+
+}  // namespace eti::view

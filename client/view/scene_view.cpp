@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/scene_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace eti::view {
+namespace {
+
+constexpr float quaternion_unit = 32767.0f;
+// Time this far [ns] behind the newest is no late datagram: the session began anew.
+constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
+
+Vec3f vector_of(const msg::Vec3& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+// A unit quaternion within what rounding and transport may do to it.
+std::optional<Quatf> unit_quaternion(float w, float x, float y, float z) {
+    const Quatf q(w, x, y, z);
+    const float norm = q.norm();
+    if (!(norm > 0.9f && norm < 1.1f)) {
+        return std::nullopt;
+    }
+    return q.normalized();
+}
+
+std::optional<Quatf> rotation_of(const msg::FrameUpdate& update) {
+    const auto part = [](std::int16_t value) { return static_cast<float>(value) / quaternion_unit; };
+    return unit_quaternion(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
+}
+
+std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
+    const auto& q = pose.orientation();
+    const auto rotation = unit_quaternion(q.w(), q.x(), q.y(), q.z());
+    const Vec3f position = vector_of(pose.position());
+    if (!rotation || !plausible(position)) {
+        return std::nullopt;
+    }
+    return RigidTransform::from(*rotation, position);
+}
+
+}  // namespace
+
+bool SceneView::refuse(const char* topic, const std::string& why) {
+    drops_.note(topic, why);
+    return false;
+}
+
+bool SceneView::apply(const msg::SceneDescription& message) {
+    const std::string name = message.object().to_string();
+    std::string why;
+    auto object = decode(message, why);
+    if (!object) {
+        return refuse("eti/scene", fmt::format("object '{}': {}", name, why));
+    }
+    if (message.object_count() == 0 || message.object_count() > 4096) {
+        return refuse("eti/scene",
+                      fmt::format("object '{}': a scene of {} objects", name, message.object_count()));
+    }
+    const auto* surface = std::get_if<SurfaceModel>(&*object);
+    if (surface != nullptr && !rest_centres_.empty() && surface->highest_frame >= rest_centres_.size()) {
+        return refuse("eti/scene", fmt::format("object '{}': frame {} of {}", name, surface->highest_frame,
+                                               rest_centres_.size()));
+    }
+    if (message.object_count() != object_count_) {
+        clear_scene();
+        object_count_ = message.object_count();
+    }
+    std::visit([&](auto&& part) { keep(name, std::move(part)); }, std::move(*object));
+    arrived_[name] = message.kind();
+    ++scene_revision_;
+    return true;
+}
+
+void SceneView::keep(const std::string&, FrameModel&& object) {
+    rest_centres_ = std::move(object.rest_centre);
+    frames_.assign(rest_centres_.size(), FramePose{});
+    maps_.assign(rest_centres_.size(), FrameMap{});
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+        frames_[f].centre = rest_centres_[f];
+    }
+    moved_.assign(rest_centres_.size(), 1);
+    any_moved_ = true;
+    frame_time_ns_.assign(rest_centres_.size(), 0);
+    for (auto surface = surfaces_.begin(); surface != surfaces_.end();) {
+        const std::uint16_t highest = surface->second.model().highest_frame;
+        if (highest >= rest_centres_.size()) {
+            drops_.note("eti/scene", fmt::format("object '{}': frame {} of {}", surface->first, highest,
+                                                 rest_centres_.size()));
+            arrived_.erase(surface->first);
+            surface = surfaces_.erase(surface);
+        } else {
+            ++surface;
+        }
+    }
+}
+
+void SceneView::keep(const std::string& name, SurfaceModel&& object) {
+    surfaces_.erase(name);
+    surfaces_.emplace(name, SkinnedSurface(std::move(object)));
+    std::fill(moved_.begin(), moved_.end(), std::uint8_t{1});
+    any_moved_ = !moved_.empty();
+}
+
+void SceneView::keep(const std::string&, ToolModel&& object) {
+    laryngoscope_ = std::move(object);
+}
+
+void SceneView::keep(const std::string&, TubeModel&& object) {
+    tube_.emplace(object);
+    tube_moved_ = !tube_nodes_.empty();
+}
+
+void SceneView::keep(const std::string&, LandmarkModel&& object) {
+    if (!live_landmarks_) {
+        landmarks_ = object.rest;
+    }
+}
+
+void SceneView::clear_scene() {
+    arrived_.clear();
+    surfaces_.clear();
+    laryngoscope_.reset();
+    tube_.reset();
+    rest_centres_.clear();
+    frames_.clear();
+    maps_.clear();
+    moved_.clear();
+    frame_time_ns_.clear();
+    any_moved_ = false;
+}
+
+void SceneView::note_time(std::uint64_t time_ns) {
+    if (time_ns + restart_gap_ns < simulation_time_ns_) {
+        std::fill(frame_time_ns_.begin(), frame_time_ns_.end(), std::uint64_t{0});
+        tube_time_ns_ = 0;
+        simulation_time_ns_ = time_ns;
+    }
+    simulation_time_ns_ = std::max(simulation_time_ns_, time_ns);
+}
+
+bool SceneView::apply(const msg::DeformationState& message) {
+    if (message.chunks() == 0 || message.chunk() >= message.chunks()) {
+        return refuse("eti/deformation", fmt::format("chunk {} of {}", message.chunk(), message.chunks()));
+    }
+    // Before the frames' rest centres are known a chunk means nothing; the slow refresh repeats it.
+    const bool usable = !rest_centres_.empty();
+    for (const msg::FrameUpdate& update : message.frames()) {
+        if (usable && update.frame() >= frames_.size()) {
+            return refuse("eti/deformation", fmt::format("frame {} of {}", update.frame(), frames_.size()));
+        }
+        if (!rotation_of(update) || !plausible({update.x(), update.y(), update.z()})) {
+            return refuse("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
+        }
+    }
+    for (const msg::Vec3& node : message.tube_nodes()) {
+        if (!plausible(vector_of(node))) {
+            return refuse("eti/deformation", "impossible tube node");
+        }
+    }
+    if (message.tube_nodes().size() == 1) {
+        return refuse("eti/deformation", "a tube of one node");
+    }
+    const std::uint64_t time = message.header().simulation_time_ns();
+    note_time(time);
+    if (!message.tube_nodes().empty() && time >= tube_time_ns_) {
+        tube_time_ns_ = time;
+        tube_nodes_.clear();
+        for (const msg::Vec3& node : message.tube_nodes()) {
+            tube_nodes_.push_back(vector_of(node));
+        }
+        tube_moved_ = true;
+    }
+    if (!usable) {
+        return true;
+    }
+    for (const msg::FrameUpdate& update : message.frames()) {
+        const std::size_t f = update.frame();
+        // Datagrams may overtake each other; an older pose never replaces a newer one.
+        if (time >= frame_time_ns_[f]) {
+            frame_time_ns_[f] = time;
+            frames_[f] = {{update.x(), update.y(), update.z()}, *rotation_of(update)};
+            moved_[f] = 1;
+            any_moved_ = true;
+        }
+    }
+    return true;
+}
+
+bool SceneView::apply(const msg::ProxyState& message) {
+    const auto pose = transform_of(message.proxy());
+    if (!pose) {
+        return refuse("eti/proxy", "impossible pose");
+    }
+    note_time(message.header().simulation_time_ns());
+    laryngoscope_pose_ = *pose;
+    return true;
+}
+
+bool SceneView::apply(const msg::LiveMetrics& message) {
+    if (message.landmarks().size() != landmark_count) {
+        return refuse("eti/live_metrics",
+                      fmt::format("{} landmarks; expected {}", message.landmarks().size(), landmark_count));
+    }
+    Landmarks points;
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        points[i] = vector_of(message.landmarks()[i]);
+        if (!plausible(points[i])) {
+            return refuse("eti/live_metrics", fmt::format("impossible landmark {}", landmark_names[i]));
+        }
+    }
+    if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
+        return refuse("eti/live_metrics", "gum force or glottic opening is not finite");
+    }
+    note_time(message.header().simulation_time_ns());
+    landmarks_ = points;
+    live_landmarks_ = true;
+    metrics_ = message;
+    return true;
+}
+
+bool SceneView::apply(const msg::SessionStatus& message) {
+    if (!std::isfinite(message.load()) || !std::isfinite(message.behind_s())) {
+        return refuse("eti/session_status", "load or delay is not finite");
+    }
+    status_ = message;
+    return true;
+}
+
+void SceneView::update() {
+    if (any_moved_) {
+        for (std::size_t f = 0; f < frames_.size(); ++f) {
+            if (moved_[f] != 0) {
+                maps_[f] = frame_map(frames_[f], rest_centres_[f]);
+            }
+        }
+        for (auto& [name, surface] : surfaces_) {
+            surface.update(maps_, moved_);
+        }
+        std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
+        any_moved_ = false;
+    }
+    if (tube_moved_ && tube_) {
+        tube_->update(tube_nodes_);
+        tube_moved_ = false;
+    }
+}
+
+bool SceneView::complete() const {
+    return object_count_ > 0 && arrived_.size() >= object_count_ && !rest_centres_.empty();
+}
+
+const TubeSweep* SceneView::tube() const {
+    return tube_ && tube_->revision() > 0 ? &*tube_ : nullptr;
+}
+
+}  // namespace eti::view

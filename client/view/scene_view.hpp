@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/view/drop_log.hpp"
+#include "client/view/scene_object.hpp"
+#include "client/view/skinned_surface.hpp"
+#include "client/view/tube_sweep.hpp"
+#include "common/mesh/skinning.hpp"
+#include "common/model/landmark.hpp"
+#include "idl/eti.h"
+
+namespace eti::view {
+
+/// What arrived from the bus, put together: the scene's objects, their current shape and pose, and
+/// the session's numbers. Every apply() checks its message first; one that cannot be right changes
+/// nothing, is counted, and makes apply() return false. One thread uses it.
+class SceneView {
+  public:
+    bool apply(const msg::SceneDescription& message);
+    bool apply(const msg::DeformationState& message);
+    bool apply(const msg::ProxyState& message);
+    bool apply(const msg::LiveMetrics& message);
+    bool apply(const msg::SessionStatus& message);
+
+    /// Brings surfaces and tube up to date with the frames and nodes that arrived.
+    void update();
+
+    /// All objects that the server announced have arrived.
+    [[nodiscard]] bool complete() const;
+
+    [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const { return surfaces_; }
+    [[nodiscard]] const std::optional<ToolModel>& laryngoscope() const { return laryngoscope_; }
+    [[nodiscard]] const std::optional<RigidTransform>& laryngoscope_pose() const {
+        return laryngoscope_pose_;
+    }
+    /// The tube once its course is known, else null.
+    [[nodiscard]] const TubeSweep* tube() const;
+    [[nodiscard]] std::span<const Vec3f> tube_nodes() const { return tube_nodes_; }
+    /// Newest landmarks; those of the rest posture until live ones come.
+    [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
+
+    [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
+    [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
+    /// Newest simulation time [ns] seen on any topic of the scene's state.
+    [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
+    /// Changes whenever an object of the scene was added or replaced.
+    [[nodiscard]] std::uint64_t scene_revision() const { return scene_revision_; }
+    [[nodiscard]] std::uint64_t dropped() const { return drops_.count(); }
+    [[nodiscard]] std::span<const FramePose> frames() const { return frames_; }
+
+  private:
+    bool refuse(const char* topic, const std::string& why);
+    void keep(const std::string& name, FrameModel&& object);
+    void keep(const std::string& name, SurfaceModel&& object);
+    void keep(const std::string& name, ToolModel&& object);
+    void keep(const std::string& name, TubeModel&& object);
+    void keep(const std::string& name, LandmarkModel&& object);
+    void clear_scene();
+    void note_time(std::uint64_t time_ns);
+
+    std::map<std::string, msg::ObjectKind> arrived_;
+    std::uint32_t object_count_ = 0;
+    std::uint64_t scene_revision_ = 0;
+
+    std::vector<Vec3f> rest_centres_;
+    std::vector<FramePose> frames_;
+    std::vector<FrameMap> maps_;
+    std::vector<std::uint8_t> moved_;           ///< since the last update()
+    std::vector<std::uint64_t> frame_time_ns_;  ///< of the newest update of each frame
+    bool any_moved_ = false;
+
+    std::map<std::string, SkinnedSurface> surfaces_;
+    std::optional<ToolModel> laryngoscope_;
+    std::optional<RigidTransform> laryngoscope_pose_;
+    std::optional<TubeSweep> tube_;
+    std::vector<Vec3f> tube_nodes_;
+    std::uint64_t tube_time_ns_ = 0;
+    bool tube_moved_ = false;
+    Landmarks landmarks_{};
+    bool live_landmarks_ = false;
+
+    std::optional<msg::LiveMetrics> metrics_;
+    std::optional<msg::SessionStatus> status_;
+    std::uint64_t simulation_time_ns_ = 0;
+    DropLog drops_;
+};
+
+}  // namespace eti::view

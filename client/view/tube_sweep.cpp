@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/tube_sweep.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace eti::view {
+namespace {
+
+// Angle between the bevel and the tube's axis is 45 deg; its tangent relates radius to set-back.
+constexpr float bevel_slope = 1.0f;
+// The 15 mm conical connector (ISO 5356-1), its flange, and the spigot that enters the tube.
+constexpr float connector_length = 0.022f;
+constexpr float connector_radius = 7.5e-3f;
+constexpr float spigot_length = 6e-3f;
+
+struct CurvePoint {
+    Vec3f position;
+    Vec3f tangent;
+    Vec3f across;  // unit, normal to the tangent; carried along without twist
+    float arc;     // [m] from the connector
+};
+
+Vec3f catmull_rom(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d, float t) {
+    return 0.5f * (2.0f * b + t * (c - a) + t * t * (2.0f * a - 5.0f * b + 4.0f * c - d) +
+                   t * t * t * (3.0f * (b - c) + d - a));
+}
+
+// The concave side at the connector: where the curve bends to. A straight tube has none; the
+// patient's anterior then decides, and a little of it keeps a nearly straight one from flipping.
+Vec3f concave_side(std::span<const Vec3f> nodes, const Vec3f& tangent) {
+    Vec3f bend = 1e-4f * -Vec3f::UnitY();
+    for (std::size_t i = 1; i + 1 < nodes.size(); ++i) {
+        bend += nodes[i - 1] - 2.0f * nodes[i] + nodes[i + 1];
+    }
+    Vec3f side = bend - bend.dot(tangent) * tangent;
+    if (side.norm() < 1e-7f) {
+        side = tangent.unitOrthogonal();
+    }
+    return side.normalized();
+}
+
+std::vector<CurvePoint> smooth_curve(std::span<const Vec3f> nodes) {
+    constexpr int pieces = 4;
+    std::vector<CurvePoint> curve;
+    curve.reserve(pieces * nodes.size());
+    const auto node = [&](std::ptrdiff_t i) -> Vec3f {
+        const auto last = static_cast<std::ptrdiff_t>(nodes.size()) - 1;
+        if (i < 0) {
+            return 2.0f * nodes[0] - nodes[1];
+        }
+        return i > last ? Vec3f(2.0f * nodes.back() - nodes[nodes.size() - 2])
+                        : nodes[static_cast<std::size_t>(i)];
+    };
+    const auto add = [&](const Vec3f& position) {
+        const float step = curve.empty() ? 0.0f : (position - curve.back().position).norm();
+        if (curve.empty() || step > 1e-6f) {
+            curve.push_back(
+                {position, Vec3f::UnitZ(), Vec3f::UnitX(), curve.empty() ? 0.0f : curve.back().arc + step});
+        }
+    };
+    for (std::ptrdiff_t i = 0; i + 1 < static_cast<std::ptrdiff_t>(nodes.size()); ++i) {
+        for (int piece = 0; piece < pieces; ++piece) {
+            const float t = static_cast<float>(piece) / pieces;
+            add(catmull_rom(node(i - 1), node(i), node(i + 1), node(i + 2), t));
+        }
+    }
+    add(nodes.back());
+    for (std::size_t i = 0; curve.size() > 1 && i < curve.size(); ++i) {
+        const std::size_t before = i > 0 ? i - 1 : i;
+        const std::size_t after = std::min(i + 1, curve.size() - 1);
+        const Vec3f chord = curve[after].position - curve[before].position;
+        curve[i].tangent = chord.norm() > 1e-9f ? chord.normalized() : curve[before].tangent;
+        const Vec3f carried = i > 0 ? curve[i - 1].across : concave_side(nodes, curve[0].tangent);
+        const Vec3f across = carried - carried.dot(curve[i].tangent) * curve[i].tangent;
+        curve[i].across = across.norm() > 1e-6f ? across.normalized() : curve[i].tangent.unitOrthogonal();
+    }
+    return curve;
+}
+
+// The curve at `arc`; before the connector's end and past the tip it goes on straight.
+CurvePoint at_arc(const std::vector<CurvePoint>& curve, float arc) {
+    const auto above =
+        std::upper_bound(curve.begin(), curve.end(), arc,
+                         [](float value, const CurvePoint& point) { return value < point.arc; });
+    if (above == curve.begin() || above == curve.end()) {
+        CurvePoint end = above == curve.begin() ? curve.front() : curve.back();
+        end.position += (arc - end.arc) * end.tangent;
+        return end;
+    }
+    const CurvePoint& low = *(above - 1);
+    const float t = (arc - low.arc) / (above->arc - low.arc);
+    CurvePoint between;
+    between.position = low.position + t * (above->position - low.position);
+    between.tangent = (low.tangent + t * (above->tangent - low.tangent)).normalized();
+    const Vec3f across = low.across + t * (above->across - low.across);
+    between.across = (across - across.dot(between.tangent) * between.tangent).normalized();
+    between.arc = arc;
+    return between;
+}
+
+struct Ring {
+    float arc;     // [m] from the connector's end of the tube; negative on the connector
+    float radius;  // [m], outer
+};
+
+std::array<Ring, TubeSweep::rings> profile(const TubeModel& model, float length) {
+    std::array<Ring, TubeSweep::rings> result{};
+    const float widest = std::max(connector_radius, 1.2f * model.outer_radius);
+    const std::array<Ring, 6> connector{{{-spigot_length - connector_length, 0.97f * widest},
+                                         {-spigot_length - 0.1f * connector_length, widest},
+                                         {-spigot_length, 1.15f * widest},
+                                         {-spigot_length + 1e-3f, 1.15f * widest},
+                                         {-spigot_length + 1.5e-3f, 1.3f * model.outer_radius},
+                                         {-1e-4f, 1.25f * model.outer_radius}}};
+    std::copy(connector.begin(), connector.end(), result.begin());
+    const std::size_t rest = result.size() - connector.size();
+    for (std::size_t i = 0; i < rest; ++i) {
+        const float share = static_cast<float>(i) / static_cast<float>(rest - 1);
+        result[connector.size() + i] = {share * length, model.outer_radius};
+    }
+    return result;
+}
+
+std::vector<Triangle> wall_triangles() {
+    constexpr std::uint32_t sides = TubeSweep::sides;
+    constexpr std::uint32_t rings = TubeSweep::rings;
+    // Once around a lengthwise section: outer wall to the tip, over the rim, inner wall back, rim.
+    constexpr std::uint32_t loop = 2 * rings;
+    std::vector<Triangle> triangles;
+    triangles.reserve(std::size_t{2} * loop * sides);
+    for (std::uint32_t ring = 0; ring < loop; ++ring) {
+        const std::uint32_t next = (ring + 1) % loop;
+        for (std::uint32_t side = 0; side < sides; ++side) {
+            const std::uint32_t turn = (side + 1) % sides;
+            const std::uint32_t a = ring * sides + side, b = ring * sides + turn;
+            const std::uint32_t c = next * sides + side, d = next * sides + turn;
+            triangles.push_back({a, b, c});
+            triangles.push_back({b, d, c});
+        }
+    }
+    return triangles;
+}
+
+}  // namespace
+
+TubeSweep::TubeSweep(const TubeModel& model)
+    : model_(model), vertices_(std::size_t{2} * rings * sides), triangles_(wall_triangles()) {}
+
+bool TubeSweep::update(std::span<const Vec3f> nodes) {
+    if (nodes.size() < 2) {
+        return false;
+    }
+    const std::vector<CurvePoint> curve = smooth_curve(nodes);
+    if (curve.size() < 2) {
+        return false;
+    }
+    const float length = curve.back().arc;
+    const auto outline = profile(model_, length);
+    const float setback_zone = std::min(4.0f * model_.outer_radius, length);
+    std::size_t index = 0;
+    const auto sweep_ring = [&](const Ring& ring, float radius, float outward) {
+        for (int side = 0; side < sides; ++side, ++index) {
+            const float around = static_cast<float>(side) / sides;
+            const float angle = 2.0f * std::numbers::pi_v<float> * around;
+            const float leftness = 0.5f * (1.0f + std::sin(angle));
+            const float near_tip = std::max(0.0f, 1.0f - (length - ring.arc) / setback_zone);
+            const float arc = ring.arc - near_tip * leftness * 2.0f * bevel_slope * radius;
+            const CurvePoint centre = at_arc(curve, arc);
+            const Vec3f left = centre.across.cross(centre.tangent);
+            const Vec3f radial = std::cos(angle) * centre.across + std::sin(angle) * left;
+            vertices_[index] = {centre.position + radius * radial, outward * radial, length - arc, around};
+        }
+    };
+    for (const Ring& ring : outline) {
+        sweep_ring(ring, ring.radius, 1.0f);
+    }
+    for (auto ring = outline.rbegin(); ring != outline.rend(); ++ring) {
+        sweep_ring(*ring, model_.inner_radius, -1.0f);
+    }
+    ++revision_;
+    return true;
+}
+
+}  // namespace eti::view

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/view/scene_object.hpp"
+#include "common/math/transform.hpp"
+
+namespace eti::view {
+
+struct TubeVertex {
+    Vec3f position = Vec3f::Zero();  ///< [m]
+    Vec3f normal = Vec3f::UnitZ();
+    float from_tip = 0.0f;  ///< [m] along the centre line; beyond the tube's length lies the connector
+    float around = 0.0f;    ///< turns from the concave side, 0-1, towards the patient's left
+};
+
+/// The tube's surface: outer and inner wall swept along the centre line, a connector at one end and
+/// a bevelled opening at the other, closed. The bevel faces left when the concave side lies
+/// anterior, as on a Magill tip.
+class TubeSweep {
+  public:
+    static constexpr int rings = 80;  ///< along each wall
+    static constexpr int sides = 16;  ///< around
+
+    explicit TubeSweep(const TubeModel& model);
+
+    /// Sweeps along `nodes` [m], connector to tip; at least two distinct ones, else nothing changes.
+    bool update(std::span<const Vec3f> nodes);
+
+    [[nodiscard]] const TubeModel& model() const { return model_; }
+    [[nodiscard]] std::span<const TubeVertex> vertices() const { return vertices_; }
+    [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
+    [[nodiscard]] std::uint64_t revision() const { return revision_; }
+
+  private:
+    TubeModel model_;
+    std::vector<TubeVertex> vertices_;
+    std::vector<Triangle> triangles_;
+    std::uint64_t revision_ = 0;  ///< 0: no course known yet
+};
+
+}  // namespace eti::view
