@@ -12,19 +12,20 @@ namespace eti {
 
 /// A distance and its direction of steepest increase.
 struct DistanceSample {
-    float distance = 0.0f;              ///< [m]
-    Vec3f normal = Vec3f::UnitZ();      ///< unit, away from the solid
+    float distance = 0.0f;          ///< [m]
+    Vec3f normal = Vec3f::UnitZ();  ///< unit, away from the solid
 };
 
 /// Signed distances on a regular grid, trilinear between nodes; negative inside the solid.
 struct DistanceGrid {
-    Vec3f origin = Vec3f::Zero();       ///< [m], node (0, 0, 0)
-    float spacing = 1e-3f;              ///< [m]
-    std::array<int, 3> size{};          ///< nodes along x, y, z
-    std::vector<float> value;           ///< [m], x fastest
+    Vec3f origin = Vec3f::Zero();  ///< [m], node (0, 0, 0)
+    float spacing = 1e-3f;         ///< [m]
+    std::array<int, 3> size{};     ///< nodes along x, y, z
+    std::vector<float> value;      ///< [m], x fastest
 
     [[nodiscard]] std::size_t index(int x, int y, int z) const {
-        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
+        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size[1]) +
+                static_cast<std::size_t>(y)) *
                    static_cast<std::size_t>(size[0]) +
                static_cast<std::size_t>(x);
     }

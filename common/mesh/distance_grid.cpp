@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/mesh/distance_grid.hpp"
+
+#include <algorithm>
+
+namespace eti {
+namespace {
+
+/// The cell that holds a point, the point's place in it (0..1 along each axis) and its eight nodes.
+struct Cell {
+    Vec3f place = Vec3f::Zero();
+    std::array<float, 8> value{};  ///< x fastest
+};
+
+Cell cell_at(const DistanceGrid& grid, const Vec3f& point) {
+    const Vec3f scaled = (point - grid.origin) / grid.spacing;
+    Cell cell;
+    std::array<int, 3> base{};
+    std::array<std::size_t, 3> step{
+        1, static_cast<std::size_t>(grid.size[0]),
+        static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1])};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int last = grid.size[axis] - 1;
+        const auto a = static_cast<Eigen::Index>(axis);
+        // The comparison order sends not-a-number to zero, so that no index leaves the grid.
+        const float clamped = std::min(std::max(0.0f, scaled[a]), static_cast<float>(last));
+        base[axis] = std::min(static_cast<int>(clamped), std::max(last - 1, 0));
+        cell.place[a] = clamped - static_cast<float>(base[axis]);
+        if (last == 0) {
+            step[axis] = 0;
+        }
+    }
+    const std::size_t corner = grid.index(base[0], base[1], base[2]);
+    for (std::size_t k = 0; k < 8; ++k) {
+        cell.value[k] = grid.value[corner + (k & 1) * step[0] + (k >> 1 & 1) * step[1] + (k >> 2) * step[2]];
+    }
+    return cell;
+}
+
+float mix(float a, float b, float t) {
+    return a + (b - a) * t;
+}
+
+}  // namespace
+
+float DistanceGrid::distance(const Vec3f& point) const {
+    const Cell cell = cell_at(*this, point);
+    const auto& v = cell.value;
+    const Vec3f& t = cell.place;
+    const float lower = mix(mix(v[0], v[1], t.x()), mix(v[2], v[3], t.x()), t.y());
+    const float upper = mix(mix(v[4], v[5], t.x()), mix(v[6], v[7], t.x()), t.y());
+    return mix(lower, upper, t.z());
+}
+
+DistanceSample DistanceGrid::sample(const Vec3f& point) const {
+    const Cell cell = cell_at(*this, point);
+    const auto& v = cell.value;
+    const Vec3f& t = cell.place;
+    const std::array<float, 4> along_x = {mix(v[0], v[1], t.x()), mix(v[2], v[3], t.x()),
+                                          mix(v[4], v[5], t.x()), mix(v[6], v[7], t.x())};
+    const float lower = mix(along_x[0], along_x[1], t.y());
+    const float upper = mix(along_x[2], along_x[3], t.y());
+    const Vec3f gradient(
+        mix(mix(v[1] - v[0], v[3] - v[2], t.y()), mix(v[5] - v[4], v[7] - v[6], t.y()), t.z()),
+        mix(along_x[1] - along_x[0], along_x[3] - along_x[2], t.z()), upper - lower);
+    DistanceSample result;
+    result.distance = mix(lower, upper, t.z());
+    const float length = gradient.norm();
+    // On a ridge of the distance the gradient vanishes; any direction is then as good as another.
+    if (length > 1e-6f * spacing) {
+        result.normal = gradient / length;
+    }
+    return result;
+}
+
+}  // namespace eti

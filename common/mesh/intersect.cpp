@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/mesh/intersect.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti {
+namespace {
+
+double volume(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    return (b - a).dot((c - a).cross(d - a));
+}
+
+struct Box {
+    Vec3f low;
+    Vec3f high;
+};
+
+using Cell = std::array<int, 3>;
+
+/// A triangle listed in a cell; the list is sorted by cell, which serves as the spatial hash.
+struct Entry {
+    std::uint64_t cell;
+    std::uint32_t triangle;
+};
+
+class Search {
+  public:
+    explicit Search(const TriangleMesh& mesh) : mesh_(mesh) {
+        boxes_.reserve(mesh.triangles.size());
+        double extent = 0.0;
+        low_ = mesh.vertices.empty() ? Vec3f(Vec3f::Zero()) : mesh.vertices.front();
+        for (const Triangle& t : mesh.triangles) {
+            const Vec3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+            boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
+            extent += static_cast<double>((boxes_.back().high - boxes_.back().low).maxCoeff());
+            low_ = low_.cwiseMin(boxes_.back().low);
+        }
+        // About twice the mean triangle: few cells per triangle and few triangles per cell.
+        const double mean = extent / static_cast<double>(std::max<std::size_t>(1, boxes_.size()));
+        spacing_ = std::max(2.0f * static_cast<float>(mean), 1e-9f);
+    }
+
+    std::vector<std::array<std::uint32_t, 2>> run() const {
+        std::vector<Entry> entries;
+        for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
+            const Cell first = cell_of(boxes_[i].low);
+            const Cell last = cell_of(boxes_[i].high);
+            for (int z = first[2]; z <= last[2]; ++z) {
+                for (int y = first[1]; y <= last[1]; ++y) {
+                    for (int x = first[0]; x <= last[0]; ++x) {
+                        entries.push_back({key({x, y, z}), i});
+                    }
+                }
+            }
+        }
+        std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+            return a.cell != b.cell ? a.cell < b.cell : a.triangle < b.triangle;
+        });
+        std::vector<std::array<std::uint32_t, 2>> found;
+        for (std::size_t begin = 0; begin < entries.size();) {
+            std::size_t end = begin;
+            while (end < entries.size() && entries[end].cell == entries[begin].cell) {
+                ++end;
+            }
+            for (std::size_t i = begin; i < end; ++i) {
+                for (std::size_t j = i + 1; j < end; ++j) {
+                    if (intersect(entries[i].triangle, entries[j].triangle, entries[begin].cell)) {
+                        found.push_back({entries[i].triangle, entries[j].triangle});
+                    }
+                }
+            }
+            begin = end;
+        }
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+  private:
+    [[nodiscard]] Cell cell_of(const Vec3f& p) const {
+        const Vec3f scaled = (p - low_) / spacing_;
+        return {static_cast<int>(scaled.x()), static_cast<int>(scaled.y()), static_cast<int>(scaled.z())};
+    }
+
+    [[nodiscard]] static std::uint64_t key(const Cell& c) {
+        return static_cast<std::uint64_t>(c[2]) << 42 | static_cast<std::uint64_t>(c[1]) << 21 |
+               static_cast<std::uint64_t>(c[0]);
+    }
+
+    [[nodiscard]] bool intersect(std::uint32_t i, std::uint32_t j, std::uint64_t cell) const {
+        const Vec3f low = boxes_[i].low.cwiseMax(boxes_[j].low);
+        const Vec3f high = boxes_[i].high.cwiseMin(boxes_[j].high);
+        // A pair that shares several cells is tested in the one that holds its common box's corner.
+        if ((low.array() > high.array()).any() || key(cell_of(low)) != cell) {
+            return false;
+        }
+        return pierces(mesh_.triangles[i], mesh_.triangles[j]) ||
+               pierces(mesh_.triangles[j], mesh_.triangles[i]);
+    }
+
+    /// Whether an edge of `edges` that has no vertex in common with `face` passes through it.
+    [[nodiscard]] bool pierces(const Triangle& edges, const Triangle& face) const {
+        const auto shared = [&](std::uint32_t v) { return v == face[0] || v == face[1] || v == face[2]; };
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t p = edges[k];
+            const std::uint32_t q = edges[(k + 1) % 3];
+            if (!shared(p) && !shared(q) &&
+                crosses(mesh_.vertices[p], mesh_.vertices[q], mesh_.vertices[face[0]],
+                        mesh_.vertices[face[1]], mesh_.vertices[face[2]])) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    const TriangleMesh& mesh_;
+    std::vector<Box> boxes_;
+    Vec3f low_ = Vec3f::Zero();
+    float spacing_ = 1.0f;
+};
+
+}  // namespace
+
+bool crosses(const Vec3f& p, const Vec3f& q, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const Vec3d pd = p.cast<double>();
+    const Vec3d qd = q.cast<double>();
+    const Vec3d ad = a.cast<double>();
+    const Vec3d bd = b.cast<double>();
+    const Vec3d cd = c.cast<double>();
+    if (volume(pd, ad, bd, cd) * volume(qd, ad, bd, cd) >= 0.0) {
+        return false;
+    }
+    const double ab = volume(pd, qd, ad, bd);
+    const double bc = volume(pd, qd, bd, cd);
+    const double ca = volume(pd, qd, cd, ad);
+    return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
+}
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh) {
+    return Search(mesh).run();
+}
+
+}  // namespace eti

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/mesh/simplify.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+using Mat3d = Eigen::Matrix3d;
+
+/// Weighted sum of squared distances to planes: x'Ax + 2 b'x + c.
+struct Quadric {
+    double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    Vec3d b = Vec3d::Zero();
+    double c = 0;
+
+    void add_plane(const Vec3d& normal, double offset, double weight) {
+        xx += weight * normal.x() * normal.x();
+        xy += weight * normal.x() * normal.y();
+        xz += weight * normal.x() * normal.z();
+        yy += weight * normal.y() * normal.y();
+        yz += weight * normal.y() * normal.z();
+        zz += weight * normal.z() * normal.z();
+        b += weight * offset * normal;
+        c += weight * offset * offset;
+    }
+
+    Quadric& operator+=(const Quadric& o) {
+        xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz;
+        b += o.b;
+        c += o.c;
+        return *this;
+    }
+
+    [[nodiscard]] double trace() const { return xx + yy + zz; }
+
+    [[nodiscard]] Vec3d times(const Vec3d& x) const {
+        return {xx * x.x() + xy * x.y() + xz * x.z(), xy * x.x() + yy * x.y() + yz * x.z(),
+                xz * x.x() + yz * x.y() + zz * x.z()};
+    }
+
+    [[nodiscard]] double at(const Vec3d& x) const { return std::max(0.0, x.dot(times(x) + 2.0 * b) + c); }
+
+    /// The minimum, drawn towards `anchor` along directions the planes leave undetermined.
+    [[nodiscard]] Vec3d minimum(const Vec3d& anchor) const {
+        // A thousandth of the trace: it moves the point by a thousandth of the distance between
+        // anchor and surface, and keeps the system well conditioned on flat ground.
+        const double pull = 1e-3 * trace();
+        const double a00 = xx + pull, a11 = yy + pull, a22 = zz + pull;
+        const double m00 = a11 * a22 - yz * yz, m01 = xz * yz - xy * a22, m02 = xy * yz - xz * a11;
+        const double determinant = a00 * m00 + xy * m01 + xz * m02;
+        if (!(determinant > 0.0)) {
+            return anchor;
+        }
+        const double m11 = a00 * a22 - xz * xz, m12 = xy * xz - a00 * yz, m22 = a00 * a11 - xy * xy;
+        const Vec3d r = -(times(anchor) + b);
+        return anchor + Vec3d(m00 * r.x() + m01 * r.y() + m02 * r.z(),
+                              m01 * r.x() + m11 * r.y() + m12 * r.z(),
+                              m02 * r.x() + m12 * r.y() + m22 * r.z()) /
+                            determinant;
+    }
+};
+
+struct Candidate {
+    float cost;
+    std::uint32_t a, b;
+    std::uint32_t stamp;  ///< sum of both vertices' stamps when the cost was computed
+
+    /// Orders the heap: cheapest first, ties by index, so that the result does not depend on the heap.
+    bool operator<(const Candidate& o) const {
+        return cost != o.cost ? cost > o.cost : a != o.a ? a > o.a : b > o.b;
+    }
+};
+
+/// The mesh under collapse. Corner 3 t + k is vertex k of triangle t; the corners of a vertex form a
+/// singly linked list.
+class Collapser {
+  public:
+    Collapser(const TriangleMesh& mesh, const SimplifySettings& settings)
+        : settings_(settings), triangles_(mesh.triangles), alive_(mesh.triangles.size()) {
+        position_.reserve(mesh.vertices.size());
+        for (const Vec3f& v : mesh.vertices) {
+            position_.push_back(v.cast<double>());
+        }
+        head_.assign(position_.size(), none);
+        next_.assign(3 * triangles_.size(), none);
+        stamp_.assign(position_.size(), 0);
+        locked_.assign(position_.size(), 0);
+        quadric_.resize(position_.size());
+        for (std::uint32_t corner = 0; corner < next_.size(); ++corner) {
+            const std::uint32_t v = triangles_[corner / 3][corner % 3];
+            next_[corner] = head_[v];
+            head_[v] = corner;
+        }
+        accumulate();
+        lock_borders();
+    }
+
+    TriangleMesh run() {
+        // A collapse that was refused may be allowed once its neighbours have moved: sweep over all
+        // edges again until the budget is met or a sweep hardly gets on.
+        std::size_t before = 0;
+        do {
+            before = alive_;
+            sweep();
+        } while (alive_ > settings_.triangles && alive_ + before / 50 < before);
+        return compact();
+    }
+
+  private:
+    void sweep() {
+        heap_.clear();
+        for (std::uint32_t a = 0; a < head_.size(); ++a) {
+            if (head_[a] == none || locked_[a]) {
+                continue;
+            }
+            neighbours(a, around_);
+            for (const std::uint32_t b : around_) {
+                if (a < b && !locked_[b]) {
+                    heap_.push_back(evaluate(a, b));
+                }
+            }
+        }
+        std::make_heap(heap_.begin(), heap_.end());
+        while (alive_ > settings_.triangles && !heap_.empty()) {
+            std::pop_heap(heap_.begin(), heap_.end());
+            const Candidate candidate = heap_.back();
+            heap_.pop_back();
+            if (stamp_[candidate.a] + stamp_[candidate.b] == candidate.stamp && head_[candidate.a] != none &&
+                head_[candidate.b] != none) {
+                try_collapse(candidate.a, candidate.b);
+            }
+        }
+    }
+
+    [[nodiscard]] Vec3d normal_of(const Triangle& t) const {
+        return (position_[t[1]] - position_[t[0]]).cross(position_[t[2]] - position_[t[0]]);
+    }
+
+    void accumulate() {
+        for (const Triangle& t : triangles_) {
+            const Vec3d twice_area = normal_of(t);
+            const double length = twice_area.norm();
+            if (length == 0.0) {
+                continue;
+            }
+            const Vec3d normal = twice_area / length;
+            for (const std::uint32_t v : t) {
+                const double factor = settings_.importance.empty() ? 1.0 : double{settings_.importance[v]};
+                quadric_[v].add_plane(normal, -normal.dot(position_[t[0]]), factor * length / 6.0);
+            }
+        }
+    }
+
+    /// Vertices of edges that do not have exactly two triangles never move.
+    void lock_borders() {
+        for (std::uint32_t v = 0; v < head_.size(); ++v) {
+            around_.clear();
+            for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+                around_.push_back(follower(corner, 1));
+                around_.push_back(follower(corner, 2));
+            }
+            std::sort(around_.begin(), around_.end());
+            for (std::size_t i = 0; i < around_.size();) {
+                std::size_t end = i;
+                while (end < around_.size() && around_[end] == around_[i]) {
+                    ++end;
+                }
+                if (end - i != 2) {
+                    locked_[v] = 1;
+                }
+                i = end;
+            }
+        }
+    }
+
+    [[nodiscard]] std::uint32_t follower(std::uint32_t corner, std::uint32_t steps) const {
+        return triangles_[corner / 3][(corner % 3 + steps) % 3];
+    }
+
+    [[nodiscard]] Vec3d target(std::uint32_t a, std::uint32_t b, const Quadric& sum) const {
+        return sum.minimum(0.5 * (position_[a] + position_[b]));
+    }
+
+    [[nodiscard]] Candidate evaluate(std::uint32_t a, std::uint32_t b) const {
+        Quadric sum = quadric_[a];
+        sum += quadric_[b];
+        // On flat ground short edges go first: an edge counts as if 0.3 % of its length were error.
+        const double bias = 1e-5 * sum.trace() * (position_[a] - position_[b]).squaredNorm();
+        return {static_cast<float>(sum.at(target(a, b, sum)) + bias), a, b, stamp_[a] + stamp_[b]};
+    }
+
+    void neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
+        out.clear();
+        for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+            // On a closed fan every neighbour follows v in exactly one triangle.
+            out.push_back(follower(corner, 1));
+        }
+    }
+
+    /// Exactly the two opposite vertices may neighbour both ends, and the result may not be flat.
+    [[nodiscard]] bool keeps_manifold(std::uint32_t a, std::uint32_t b) {
+        neighbours(a, around_);
+        neighbours(b, around_other_);
+        int common = 0;
+        for (const std::uint32_t v : around_) {
+            common += std::find(around_other_.begin(), around_other_.end(), v) != around_other_.end() ? 1 : 0;
+        }
+        return common == 2 && around_.size() + around_other_.size() > 6;
+    }
+
+    /// Whether the triangles of `v` without `other` keep their side and shape when v moves to `to`.
+    [[nodiscard]] bool keeps_shape(std::uint32_t v, std::uint32_t other, const Vec3d& to) const {
+        for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+            const std::uint32_t p = follower(corner, 1);
+            const std::uint32_t q = follower(corner, 2);
+            if (p == other || q == other) {
+                continue;
+            }
+            const Vec3d side = position_[q] - position_[p];
+            const Vec3d before = side.cross(position_[v] - position_[p]);
+            const Vec3d after = side.cross(to - position_[p]);
+            const double turn = before.dot(after);
+            // cos 70 deg = 0.34
+            if (turn <= 0.0 || turn * turn < 0.1156 * before.squaredNorm() * after.squaredNorm()) {
+                return false;
+            }
+            const double shape = slimness(after, side, to - position_[p], to - position_[q]);
+            if (shape < 0.08 &&
+                shape < slimness(before, side, position_[v] - position_[p], position_[v] - position_[q])) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /// Twice the area over the longest side squared: 0.87 for an equilateral triangle.
+    [[nodiscard]] static double slimness(const Vec3d& twice_area, const Vec3d& a, const Vec3d& b,
+                                         const Vec3d& c) {
+        return twice_area.norm() / std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
+    }
+
+    void try_collapse(std::uint32_t a, std::uint32_t b) {
+        Quadric sum = quadric_[a];
+        sum += quadric_[b];
+        const Vec3d to = target(a, b, sum);
+        const double limit = static_cast<double>(settings_.max_error);
+        if (sum.at(to) > limit * limit * sum.trace() || !keeps_manifold(a, b) || !keeps_shape(a, b, to) ||
+            !keeps_shape(b, a, to)) {
+            return;
+        }
+        merge(a, b);
+        position_[a] = to;
+        quadric_[a] = sum;
+        ++stamp_[a];
+        ++stamp_[b];
+        neighbours(a, around_);
+        for (const std::uint32_t v : around_) {
+            if (!locked_[v]) {
+                heap_.push_back(evaluate(std::min(a, v), std::max(a, v)));
+                std::push_heap(heap_.begin(), heap_.end());
+            }
+        }
+    }
+
+    /// Removes b and the two triangles at edge ab; a inherits the rest.
+    void merge(std::uint32_t a, std::uint32_t b) {
+        std::uint32_t kept = none;
+        const auto keep = [&](std::uint32_t corner) {
+            next_[corner] = kept;
+            kept = corner;
+        };
+        std::uint32_t following = none;
+        for (std::uint32_t corner = head_[a]; corner != none; corner = following) {
+            following = next_[corner];
+            const std::uint32_t p = follower(corner, 1);
+            const std::uint32_t q = follower(corner, 2);
+            if (p == b || q == b) {
+                unlink(p == b ? q : p, corner / 3);
+            } else {
+                keep(corner);
+            }
+        }
+        for (std::uint32_t corner = head_[b]; corner != none; corner = following) {
+            following = next_[corner];
+            if (follower(corner, 1) == a || follower(corner, 2) == a) {
+                triangles_[corner / 3][0] = none;
+                --alive_;
+            } else {
+                triangles_[corner / 3][corner % 3] = a;
+                keep(corner);
+            }
+        }
+        head_[a] = kept;
+        head_[b] = none;
+    }
+
+    void unlink(std::uint32_t v, std::uint32_t triangle) {
+        std::uint32_t* link = &head_[v];
+        while (*link / 3 != triangle) {
+            link = &next_[*link];
+        }
+        *link = next_[*link];
+    }
+
+    [[nodiscard]] TriangleMesh compact() const {
+        TriangleMesh mesh;
+        mesh.triangles.reserve(alive_);
+        std::vector<std::uint32_t> renamed(position_.size(), none);
+        for (const Triangle& t : triangles_) {
+            if (t[0] == none) {
+                continue;
+            }
+            Triangle out{};
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (renamed[t[k]] == none) {
+                    renamed[t[k]] = static_cast<std::uint32_t>(mesh.vertices.size());
+                    mesh.vertices.push_back(position_[t[k]].cast<float>());
+                }
+                out[k] = renamed[t[k]];
+            }
+            mesh.triangles.push_back(out);
+        }
+        return mesh;
+    }
+
+    const SimplifySettings& settings_;
+    std::vector<Triangle> triangles_;
+    std::size_t alive_;
+    std::vector<Vec3d> position_;
+    std::vector<std::uint32_t> head_;
+    std::vector<std::uint32_t> next_;
+    std::vector<std::uint32_t> stamp_;
+    std::vector<std::uint8_t> locked_;
+    std::vector<Quadric> quadric_;
+    std::vector<Candidate> heap_;
+    std::vector<std::uint32_t> around_;
+    std::vector<std::uint32_t> around_other_;
+};
+
+}  // namespace
+
+TriangleMesh simplify(const TriangleMesh& mesh, const SimplifySettings& settings) {
+    return Collapser(mesh, settings).run();
+}
+
+}  // namespace eti
