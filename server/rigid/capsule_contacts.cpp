@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/rigid/capsule_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace eti::rigid {
+namespace {
+
+// Angles below this count as flat: float positions of a millimetre mesh are good to about 1e-4 rad.
+constexpr float flat_sine = 1e-3f;
+
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+    return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
+}
+
+Vec3f face_normal(const MeshView& mesh, std::uint32_t triangle) {
+    const Triangle& t = mesh.triangles[triangle];
+    const Vec3f cross =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    const float norm = cross.norm();
+    return norm > 0.0f ? Vec3f(cross / norm) : Vec3f(Vec3f::Zero());
+}
+
+// True when moving from the mesh point along `towards` does not approach the core point.
+bool recedes(const Vec3f& to_core, const Vec3f& towards) {
+    return to_core.dot(towards) <= flat_sine * to_core.norm() * towards.norm();
+}
+
+bool is_front_and_minimal_at_edge(const MeshView& mesh, std::uint32_t triangle, int edge, const Vec3f& point,
+                                  const Vec3f& to_core) {
+    Vec3f outward = face_normal(mesh, triangle);
+    const std::uint32_t opposite = mesh.topology.across(triangle, edge);
+    if (opposite == MeshTopology::none) {
+        return to_core.dot(outward) >= 0.0f;
+    }
+    const Triangle& t = mesh.triangles[triangle];
+    const Vec3f& start = mesh.vertices[t[static_cast<std::size_t>(edge)]];
+    const Vec3f along = (mesh.vertices[t[static_cast<std::size_t>((edge + 1) % 3)]] - start).normalized();
+    Vec3f into = mesh.vertices[opposite] - point;
+    into -= along.dot(into) * along;
+    if (!recedes(to_core, into)) {
+        return false;
+    }
+    outward += face_normal(mesh, mesh.topology.neighbour(triangle, edge));
+    return to_core.dot(outward) > 0.0f;
+}
+
+bool is_front_and_minimal_at_vertex(const MeshView& mesh, std::uint32_t vertex, const Vec3f& to_core) {
+    Vec3f outward = Vec3f::Zero();
+    for (const std::uint32_t triangle : mesh.topology.around(vertex)) {
+        outward += face_normal(mesh, triangle);
+        for (const std::uint32_t other : mesh.triangles[triangle]) {
+            if (other != vertex && !recedes(to_core, mesh.vertices[other] - mesh.vertices[vertex])) {
+                return false;
+            }
+        }
+    }
+    return to_core.dot(outward) > 0.0f;
+}
+
+// Convex or border edges can hold a local minimum of the distance to a core's inside; flat and
+// concave ones cannot, and an edge that two triangles share is tried once.
+bool edge_can_touch(const MeshView& mesh, std::uint32_t triangle, int edge) {
+    const std::uint32_t neighbour = mesh.topology.neighbour(triangle, edge);
+    if (neighbour == MeshTopology::none) {
+        return true;
+    }
+    if (neighbour < triangle) {
+        return false;
+    }
+    const Triangle& t = mesh.triangles[triangle];
+    const Vec3f across = mesh.vertices[mesh.topology.across(triangle, edge)] -
+                         mesh.vertices[t[static_cast<std::size_t>(edge)]];
+    return face_normal(mesh, triangle).dot(across) < -flat_sine * across.norm();
+}
+
+struct Candidate {
+    Vec3f core;
+    ClosestPoint closest;
+};
+
+void append_if_contact(const Candidate& candidate, float radius, std::uint32_t capsule_index,
+                       std::uint32_t triangle, const MeshView& mesh, float margin,
+                       std::vector<CapsuleContact>& contacts) {
+    const Vec3f to_core = candidate.core - candidate.closest.point;
+    const float length = to_core.norm();
+    if (length - radius > margin || length < 1e-6f * radius) {
+        return;
+    }
+    switch (candidate.closest.feature) {
+        case Feature::face:
+            if (to_core.dot(face_normal(mesh, triangle)) <= 0.0f) {
+                return;
+            }
+            break;
+        case Feature::edge:
+            if (!is_front_and_minimal_at_edge(mesh, triangle, candidate.closest.index,
+                                              candidate.closest.point, to_core)) {
+                return;
+            }
+            break;
+        case Feature::vertex:
+            if (!is_front_and_minimal_at_vertex(
+                    mesh, mesh.triangles[triangle][static_cast<std::size_t>(candidate.closest.index)],
+                    to_core)) {
+                return;
+            }
+            break;
+    }
+    const Vec3f normal = to_core / length;
+    const float same = 1e-3f * radius;
+    for (const CapsuleContact& known : contacts) {
+        if (known.capsule == capsule_index &&
+            (known.point - candidate.closest.point).squaredNorm() < same * same &&
+            known.normal.dot(normal) > 0.9999f) {
+            return;
+        }
+    }
+    contacts.push_back({candidate.closest.point, normal, length - radius, triangle, capsule_index});
+}
+
+}  // namespace
+
+MeshTopology::MeshTopology(std::span<const Triangle> triangles, std::size_t vertex_count)
+    : across_(triangles.size(), {none, none, none}),
+      neighbour_(triangles.size(), {none, none, none}),
+      ring_first_(vertex_count + 1, 0),
+      ring_(triangles.size() * 3) {
+    struct Side {
+        std::uint32_t triangle;
+        std::size_t edge;
+    };
+    std::unordered_map<std::uint64_t, Side> open;
+    open.reserve(triangles.size() * 2);
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+        for (std::size_t e = 0; e < 3; ++e) {
+            ++ring_first_[triangles[i][e] + 1];
+            const auto [found, fresh] =
+                open.try_emplace(edge_key(triangles[i][e], triangles[i][(e + 1) % 3]), Side{i, e});
+            if (!fresh) {
+                const Side other = found->second;
+                open.erase(found);
+                across_[i][e] = triangles[other.triangle][(other.edge + 2) % 3];
+                across_[other.triangle][other.edge] = triangles[i][(e + 2) % 3];
+                neighbour_[i][e] = other.triangle;
+                neighbour_[other.triangle][other.edge] = i;
+            }
+        }
+    }
+    for (std::size_t v = 0; v < vertex_count; ++v) {
+        ring_first_[v + 1] += ring_first_[v];
+    }
+    std::vector<std::uint32_t> next(ring_first_.begin(), ring_first_.end() - 1);
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+        for (const std::uint32_t v : triangles[i]) {
+            ring_[next[v]++] = i;
+        }
+    }
+}
+
+ClosestPoint closest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const Vec3f ab = b - a;
+    const Vec3f ac = c - a;
+    const Vec3f ap = p - a;
+    const float d1 = ab.dot(ap);
+    const float d2 = ac.dot(ap);
+    if (d1 <= 0.0f && d2 <= 0.0f) {
+        return {a, Feature::vertex, 0};
+    }
+    const Vec3f bp = p - b;
+    const float d3 = ab.dot(bp);
+    const float d4 = ac.dot(bp);
+    if (d3 >= 0.0f && d4 <= d3) {
+        return {b, Feature::vertex, 1};
+    }
+    const float vc = d1 * d4 - d3 * d2;
+    if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) {
+        return {a + d1 / (d1 - d3) * ab, Feature::edge, 0};
+    }
+    const Vec3f cp = p - c;
+    const float d5 = ab.dot(cp);
+    const float d6 = ac.dot(cp);
+    if (d6 >= 0.0f && d5 <= d6) {
+        return {c, Feature::vertex, 2};
+    }
+    const float vb = d5 * d2 - d1 * d6;
+    if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) {
+        return {a + d2 / (d2 - d6) * ac, Feature::edge, 2};
+    }
+    const float va = d3 * d6 - d5 * d4;
+    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) {
+        return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), Feature::edge, 1};
+    }
+    const float scale = 1.0f / (va + vb + vc);
+    return {a + ab * (vb * scale) + ac * (vc * scale), Feature::face, 0};
+}
+
+std::array<float, 2> closest_on_segments(const Vec3f& p0, const Vec3f& p1, const Vec3f& q0, const Vec3f& q1) {
+    const Vec3f d1 = p1 - p0;
+    const Vec3f d2 = q1 - q0;
+    const Vec3f r = p0 - q0;
+    const float a = d1.squaredNorm();
+    const float e = d2.squaredNorm();
+    const float f = d2.dot(r);
+    if (a == 0.0f) {
+        return {0.0f, e > 0.0f ? std::clamp(f / e, 0.0f, 1.0f) : 0.0f};
+    }
+    const float c = d1.dot(r);
+    if (e == 0.0f) {
+        return {std::clamp(-c / a, 0.0f, 1.0f), 0.0f};
+    }
+    const float b = d1.dot(d2);
+    const float denominator = a * e - b * b;
+    float s = denominator > 1e-6f * a * e ? std::clamp((b * f - c * e) / denominator, 0.0f, 1.0f) : 0.0f;
+    float t = (b * s + f) / e;
+    if (t < 0.0f) {
+        t = 0.0f;
+        s = std::clamp(-c / a, 0.0f, 1.0f);
+    } else if (t > 1.0f) {
+        t = 1.0f;
+        s = std::clamp((b - c) / a, 0.0f, 1.0f);
+    }
+    return {s, t};
+}
+
+void append_contacts(const Capsule& capsule, std::uint32_t capsule_index, std::uint32_t triangle,
+                     const MeshView& mesh, float margin, std::vector<CapsuleContact>& contacts) {
+    const Triangle& corners = mesh.triangles[triangle];
+    const std::array<Vec3f, 3> v = {mesh.vertices[corners[0]], mesh.vertices[corners[1]],
+                                    mesh.vertices[corners[2]]};
+    const auto try_candidate = [&](const Candidate& candidate) {
+        append_if_contact(candidate, capsule.radius, capsule_index, triangle, mesh, margin, contacts);
+    };
+    try_candidate({capsule.a, closest_on_triangle(capsule.a, v[0], v[1], v[2])});
+    if (capsule.a == capsule.b) {
+        return;
+    }
+    try_candidate({capsule.b, closest_on_triangle(capsule.b, v[0], v[1], v[2])});
+    for (int edge = 0; edge < 3; ++edge) {
+        if (!edge_can_touch(mesh, triangle, edge)) {
+            continue;
+        }
+        const std::size_t i = static_cast<std::size_t>(edge);
+        const std::size_t j = (i + 1) % 3;
+        const auto [s, t] = closest_on_segments(capsule.a, capsule.b, v[i], v[j]);
+        const Vec3f core = capsule.a + s * (capsule.b - capsule.a);
+        ClosestPoint closest{v[i] + t * (v[j] - v[i]), Feature::edge, edge};
+        if (t == 0.0f || t == 1.0f) {
+            closest = {v[t == 0.0f ? i : j], Feature::vertex, static_cast<int>(t == 0.0f ? i : j)};
+        }
+        try_candidate({core, closest});
+    }
+}
+
+}  // namespace eti::rigid

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/math/transform.hpp"
+#include "common/mesh/triangle_mesh.hpp"
+#include "common/model/tools.hpp"
+
+namespace eti::rigid {
+
+/// A capsule close to, or into, a triangle. Units are those of the input.
+struct CapsuleContact {
+    Vec3f point = Vec3f::Zero();    ///< on the triangle
+    Vec3f normal = Vec3f::UnitZ();  ///< unit, from the triangle to the capsule's core
+    float distance = 0.0f;          ///< of the capsule's surface; negative when it penetrates
+    std::uint32_t triangle = 0;
+    std::uint32_t capsule = 0;
+};
+
+/// Which triangles share the edges and vertices of a mesh; positions play no part.
+class MeshTopology {
+  public:
+    MeshTopology() = default;
+    MeshTopology(std::span<const Triangle> triangles, std::size_t vertex_count);
+
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+    /// The vertex across edge `edge` (from corner `edge` to the next) of `triangle`; none at a border.
+    [[nodiscard]] std::uint32_t across(std::uint32_t triangle, int edge) const {
+        return across_[triangle][static_cast<std::size_t>(edge)];
+    }
+    /// The triangle across that edge; none at a border.
+    [[nodiscard]] std::uint32_t neighbour(std::uint32_t triangle, int edge) const {
+        return neighbour_[triangle][static_cast<std::size_t>(edge)];
+    }
+    [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t vertex) const {
+        return std::span(ring_).subspan(ring_first_[vertex], ring_first_[vertex + 1] - ring_first_[vertex]);
+    }
+
+  private:
+    std::vector<std::array<std::uint32_t, 3>> across_;
+    std::vector<std::array<std::uint32_t, 3>> neighbour_;
+    std::vector<std::uint32_t> ring_first_;
+    std::vector<std::uint32_t> ring_;  // triangles around each vertex
+};
+
+struct MeshView {
+    std::span<const Vec3f> vertices;
+    std::span<const Triangle> triangles;
+    const MeshTopology& topology;
+};
+
+/// Appends the contacts of `capsule` with one triangle whose distance is below `margin`.
+///
+/// A contact is a pair of a core point p and a mesh point q where q is a local minimum over the
+/// whole mesh of the distance to p. Pairs that are a minimum on their own triangle only (the inner
+/// edges that a sliding body catches on) are left out, because a neighbour supplies the nearer pair.
+/// Triangles act on their front side only. Core points tried: the core's ends, and those nearest
+/// to the triangle's convex and border edges; these include every local minimum of the pair, and
+/// both ends of a capsule that lies flat.
+void append_contacts(const Capsule& capsule, std::uint32_t capsule_index, std::uint32_t triangle,
+                     const MeshView& mesh, float margin, std::vector<CapsuleContact>& contacts);
+
+/// Part of a triangle that a point lies nearest to.
+enum class Feature : std::uint8_t { vertex, edge, face };
+
+struct ClosestPoint {
+    Vec3f point = Vec3f::Zero();
+    Feature feature = Feature::face;
+    int index = 0;  ///< corner, or edge from that corner to the next
+};
+
+/// Closest point of triangle a, b, c to p (Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5).
+[[nodiscard]] ClosestPoint closest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b,
+                                               const Vec3f& c);
+
+/// Parameters s, t in [0, 1] of the closest points p0 + s (p1 - p0) and q0 + t (q1 - q0)
+/// (Ericson 2005, sec. 5.1.9).
+[[nodiscard]] std::array<float, 2> closest_on_segments(const Vec3f& p0, const Vec3f& p1, const Vec3f& q0,
+                                                       const Vec3f& q1);
+
+}  // namespace eti::rigid

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/rigid/proxy_world.hpp"
+
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti::rigid {
+
+btTransform bullet_pose(const RigidTransform& pose) {
+    const Quatf q = pose.rotation.normalized();
+    return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(Vec3f(to_cm * pose.translation)));
+}
+
+RigidTransform pose_of(const btTransform& pose) {
+    const btQuaternion q = pose.getRotation();
+    return {Quatf(q.w(), q.x(), q.y(), q.z()).normalized(), from_bullet(pose.getOrigin()) / to_cm};
+}
+
+RigidLayer::World::World(const Laryngoscope& scope, const TriangleMesh& mesh,
+                         std::span<const Tissue> triangle_tissue, const Settings& chosen)
+    : settings(chosen),
+      triangles(mesh.triangles),
+      tissue(triangle_tissue.begin(), triangle_tissue.end()),
+      topology(mesh.triangles, mesh.vertices.size()) {
+    vertices.reserve(mesh.vertices.size());
+    for (const Vec3f& vertex : mesh.vertices) {
+        vertices.push_back(to_cm * vertex);
+    }
+    dispatcher.registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, TRIANGLE_MESH_SHAPE_PROXYTYPE, &create);
+    dispatcher.registerCollisionCreateFunc(TRIANGLE_MESH_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE, &create);
+
+    // No random order, no processor-dependent code path: same inputs, same bits. The solver hands back
+    // the impulses only in warm-starting mode; the contacts it gets are new, so nothing is warm.
+    btContactSolverInfo& info = world.getSolverInfo();
+    info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS;
+    info.m_warmstartingFactor = 0.0f;
+    info.m_numIterations = settings.solver_iterations;
+    info.m_splitImpulse = true;  // depth is corrected without adding to the reported force
+    info.m_splitImpulsePenetrationThreshold = 0.0f;
+    info.m_erp2 = 0.4f;  // share of the depth corrected per substep
+    info.m_splitImpulseTurnErp = 1.0f;
+    world.getSimulationIslandManager()->setSplitIslands(false);
+    world.setGravity({0, 0, 0});
+
+    build_tool(scope);
+    if (!triangles.empty()) {
+        build_shell();
+    }
+    buffer.friction = settings.friction;
+    buffer.proxy = proxy.get();
+    place({});
+}
+
+RigidLayer::World::~World() {
+    world.removeRigidBody(proxy.get());
+    world.removeRigidBody(blade.get());
+    if (shell) {
+        world.removeRigidBody(shell.get());
+    }
+}
+
+void RigidLayer::World::build_tool(const Laryngoscope& scope) {
+    smallest_radius = to_cm * scope.capsules[0].radius;
+    for (std::size_t i = 0; i < scope.capsules.size(); ++i) {
+        const Capsule& source = scope.capsules[i];
+        capsules[i] = {to_cm * source.a, to_cm * source.b, to_cm * source.radius};
+        const Vec3f axis = capsules[i].b - capsules[i].a;
+        capsule_shapes.push_back(std::make_unique<btCapsuleShape>(capsules[i].radius, axis.norm()));
+        const Quatf turn = Quatf::FromTwoVectors(Vec3f::UnitY(), axis.norm() > 0.0f ? axis : Vec3f::UnitY());
+        tool_shape.addChildShape(btTransform(btQuaternion(turn.x(), turn.y(), turn.z(), turn.w()),
+                                             to_bullet(Vec3f(0.5f * (capsules[i].a + capsules[i].b)))),
+                                 capsule_shapes.back().get());
+        reach = std::max(
+            {reach, capsules[i].a.norm() + capsules[i].radius, capsules[i].b.norm() + capsules[i].radius});
+        smallest_radius = std::min(smallest_radius, capsules[i].radius);
+    }
+    const float inertia = settings.inertia * to_cm * to_cm;
+    proxy = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(
+        settings.mass, nullptr, &tool_shape, {inertia, inertia, inertia}));
+    proxy->setDamping(0.0f, 0.0f);
+    proxy->setFlags(0);
+    proxy->setActivationState(DISABLE_DEACTIVATION);
+    world.addRigidBody(proxy.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::StaticFilter);
+
+    blade =
+        std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(0.0f, nullptr, &tool_shape));
+    blade->setCollisionFlags(blade->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    blade->setActivationState(DISABLE_DEACTIVATION);
+    world.addRigidBody(blade.get(), btBroadphaseProxy::KinematicFilter, 0);
+}
+
+void RigidLayer::World::build_shell() {
+    static_assert(sizeof(Triangle) == 3 * sizeof(int) && sizeof(Vec3f) == 3 * sizeof(btScalar));
+    shell_mesh = std::make_unique<btTriangleIndexVertexArray>(
+        static_cast<int>(triangles.size()), reinterpret_cast<int*>(triangles.data()),
+        static_cast<int>(sizeof(Triangle)), static_cast<int>(vertices.size()), vertices[0].data(),
+        static_cast<int>(sizeof(Vec3f)));
+    const auto [low, high] = bounds();
+    shell_shape = std::make_unique<btBvhTriangleMeshShape>(shell_mesh.get(), true, low, high);
+    // Widens the box that the broad phase sees, so that contacts still ahead are found there too.
+    shell_shape->setMargin(smallest_radius);
+    shell = std::make_unique<btRigidBody>(
+        btRigidBody::btRigidBodyConstructionInfo(0.0f, nullptr, shell_shape.get()));
+    world.addRigidBody(shell.get(), btBroadphaseProxy::StaticFilter, btBroadphaseProxy::DefaultFilter);
+}
+
+std::pair<btVector3, btVector3> RigidLayer::World::bounds() const {
+    Vec3f low = vertices[0];
+    Vec3f high = vertices[0];
+    for (const Vec3f& vertex : vertices) {
+        low = low.cwiseMin(vertex);
+        high = high.cwiseMax(vertex);
+    }
+    // A flat shell has a box without volume, which the quantised tree cannot divide by.
+    const Vec3f room = Vec3f::Constant(smallest_radius);
+    return {to_bullet(Vec3f(low - room)), to_bullet(Vec3f(high + room))};
+}
+
+void RigidLayer::World::place(const RigidTransform& pose) {
+    proxy->setWorldTransform(bullet_pose(pose));
+    proxy->setInterpolationWorldTransform(proxy->getWorldTransform());
+    proxy->setLinearVelocity({0, 0, 0});
+    proxy->setAngularVelocity({0, 0, 0});
+    blade->setWorldTransform(bullet_pose(pose));
+    blade->setInterpolationWorldTransform(blade->getWorldTransform());
+    device = pose;
+    result = {};
+    result.pose = pose;
+    result.last_free = pose;
+    gather_contacts();
+    result.penetration = depth() / to_cm;
+}
+
+void RigidLayer::World::gather_contacts() {
+    const btTransform& pose = proxy->getWorldTransform();
+    buffer.origin = pose.getOrigin();
+    buffer.capsules.clear();
+    buffer.contacts.clear();
+    const float margin = motion_share * smallest_radius;
+    const MeshView mesh{vertices, triangles, topology};
+
+    struct Collector : btTriangleCallback {
+        Collector(const MeshView& view, float reach_of_contact, std::vector<CapsuleContact>& found)
+            : mesh(view), margin(reach_of_contact), contacts(found) {}
+        void processTriangle(btVector3*, int, int index) override {
+            append_contacts(capsule, number, static_cast<std::uint32_t>(index), mesh, margin, contacts);
+        }
+        MeshView mesh;
+        float margin;
+        std::vector<CapsuleContact>& contacts;
+        Capsule capsule;
+        std::uint32_t number = 0;
+    } collector(mesh, margin, buffer.contacts);
+
+    for (std::uint32_t i = 0; i < capsules.size(); ++i) {
+        collector.capsule = {from_bullet(pose * to_bullet(capsules[i].a)),
+                             from_bullet(pose * to_bullet(capsules[i].b)), capsules[i].radius};
+        collector.number = i;
+        buffer.capsules.push_back(collector.capsule);
+        if (shell_shape) {
+            const Vec3f room = Vec3f::Constant(capsules[i].radius + margin);
+            const Vec3f low = collector.capsule.a.cwiseMin(collector.capsule.b) - room;
+            const Vec3f high = collector.capsule.a.cwiseMax(collector.capsule.b) + room;
+            shell_shape->processAllTriangles(&collector, to_bullet(low), to_bullet(high));
+        }
+    }
+    const std::size_t bound = static_cast<std::size_t>(settings.max_contacts);
+    if (buffer.contacts.size() > bound) {
+        std::stable_sort(
+            buffer.contacts.begin(), buffer.contacts.end(),
+            [](const CapsuleContact& a, const CapsuleContact& b) { return a.distance < b.distance; });
+        result.dropped_contacts += static_cast<std::uint32_t>(buffer.contacts.size() - bound);
+        buffer.contacts.resize(bound);
+    }
+}
+
+float RigidLayer::World::depth() const {
+    float deepest = 0.0f;
+    for (const CapsuleContact& contact : buffer.contacts) {
+        deepest = std::max(deepest, -contact.distance);
+    }
+    return deepest;
+}
+
+float RigidLayer::World::farthest_move(const btTransform& before, const btTransform& after) const {
+    float farthest = 0.0f;
+    for (const Capsule& capsule : capsules) {
+        for (const Vec3f& end : {capsule.a, capsule.b}) {
+            const btVector3 point = to_bullet(end);
+            farthest = std::max(farthest, (after * point - before * point).length());
+        }
+    }
+    return farthest;
+}
+
+// Virtual coupling, implicit in time. With target x_d at the substep's end and velocity v_d,
+//   m (v' - v) = dt (k (x_d - x - dt v') + c (v_d - v') + f_contact)
+// is the same as a body of mass m + dt c + dt^2 k under the force k (x_d - x - dt v) + c (v_d - v):
+// with that mass the contact solver sees the coupling's resistance, so a pressed proxy at rest
+// carries exactly k (x_d - x), and no stiffness makes it unstable. The same holds for rotation.
+void RigidLayer::World::pull_towards(const RigidTransform& target, float dt) {
+    const RigidTransform pose = pose_of(proxy->getWorldTransform());
+    Vec3f velocity = from_bullet(proxy->getLinearVelocity()) / to_cm;
+    Vec3f angular = from_bullet(proxy->getAngularVelocity());
+
+    const auto pull = [dt](const Vec3f& offset, const Vec3f& speed, const Vec3f& target_speed, float own,
+                           float k, float c, float limit, float& effective) {
+        Vec3f spring = k * (offset - dt * speed);
+        effective = own + dt * c + dt * dt * k;
+        if (const float size = spring.norm(); size > limit) {
+            spring *= limit / size;
+            effective = own + dt * c;
+        }
+        return Vec3f(speed + dt * (spring + c * (target_speed - speed)) / effective);
+    };
+    float mass = 0.0f;
+    float inertia = 0.0f;
+    velocity = pull(target.translation - pose.translation, velocity, device_velocity, settings.mass,
+                    settings.stiffness, settings.damping, settings.force_limit, mass);
+    angular = pull(rotation_vector(target.rotation * pose.rotation.conjugate()), angular,
+                   device_angular_velocity, settings.inertia, settings.rotational_stiffness,
+                   settings.rotational_damping, settings.torque_limit, inertia);
+
+    const float motion = dt * (to_cm * velocity.norm() + reach * angular.norm());
+    if (const float allowed = motion_share * smallest_radius; motion > allowed) {
+        velocity *= allowed / motion;
+        angular *= allowed / motion;
+    }
+    const float inertia_cm = inertia * to_cm * to_cm;
+    proxy->setMassProps(mass, {inertia_cm, inertia_cm, inertia_cm});
+    proxy->updateInertiaTensor();
+    proxy->setLinearVelocity(to_bullet(Vec3f(to_cm * velocity)));
+    proxy->setAngularVelocity(to_bullet(angular));
+    blade->setWorldTransform(bullet_pose(target));
+}
+
+void RigidLayer::World::advance(float dt) {
+    const btTransform before = proxy->getWorldTransform();
+    world.stepSimulation(dt, 0);
+    buffer.read_impulses();
+
+    // Contacts can turn translation into rotation and so speed up one end of the tool.
+    const float allowed = motion_share * smallest_radius;
+    if (const float moved = farthest_move(before, proxy->getWorldTransform()); moved > allowed) {
+        const btTransform after = proxy->getWorldTransform();
+        const float share = allowed / moved;
+        proxy->setWorldTransform(btTransform(before.getRotation().slerp(after.getRotation(), share),
+                                             before.getOrigin().lerp(after.getOrigin(), share)));
+        proxy->setLinearVelocity(share * proxy->getLinearVelocity());
+        proxy->setAngularVelocity(share * proxy->getAngularVelocity());
+    }
+}
+
+void RigidLayer::World::record_contacts(float step_dt) {
+    const float to_newton = 1.0f / (to_cm * step_dt);
+    for (std::size_t i = 0; i < buffer.contacts.size(); ++i) {
+        const CapsuleContact& found = buffer.contacts[i];
+        const ContactBuffer::Impulse& impulse = buffer.impulses[i];
+        result.force += to_newton * from_bullet(impulse.total);
+        result.torque += (to_newton / to_cm) * from_bullet(impulse.arm.cross(impulse.total));
+        const float force = to_newton * impulse.normal;
+        if (force <= 0.0f) {
+            continue;
+        }
+        std::size_t slot = 0;
+        while (slot < merge_keys.size() &&
+               !(merge_keys[slot] == found.capsule && result.contacts[slot].triangle == found.triangle &&
+                 (result.contacts[slot].position - found.point / to_cm).norm() < 1e-3f)) {
+            ++slot;
+        }
+        if (slot == merge_keys.size()) {
+            merge_keys.push_back(found.capsule);
+            result.contacts.push_back(
+                {found.point / to_cm, found.normal, 0.0f, tissue[found.triangle], found.triangle});
+        }
+        Contact& contact = result.contacts[slot];
+        const float share = force / (contact.force + force);
+        contact.position += share * (found.point / to_cm - contact.position);
+        contact.normal = ((1.0f - share) * contact.normal + share * found.normal).normalized();
+        contact.force += force;
+    }
+}
+
+}  // namespace eti::rigid

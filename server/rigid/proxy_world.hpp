@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <array>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "server/rigid/capsule_contacts.hpp"
+#include "server/rigid/contact_algorithm.hpp"
+#include "server/rigid/rigid_layer.hpp"
+
+namespace eti::rigid {
+
+// Bullet is tuned for objects of 0.05 to 10 units: its world runs in centimetres.
+inline constexpr float to_cm = 100.0f;
+
+// Part of the smallest radius that any point of the tool may move in one substep. A core keeps half
+// its radius off every triangle (deeper is rolled back), so it cannot reach one.
+inline constexpr float motion_share = 0.45f;
+inline constexpr float depth_share = 0.5f;
+
+/// A pose in Bullet's world, and back to SI.
+[[nodiscard]] btTransform bullet_pose(const RigidTransform& pose);
+[[nodiscard]] RigidTransform pose_of(const btTransform& pose);
+
+/// Bullet's world behind the rigid layer: shell, kinematic blade, proxy.
+struct RigidLayer::World {
+    World(const Laryngoscope& scope, const TriangleMesh& mesh, std::span<const Tissue> triangle_tissue,
+          const Settings& chosen);
+    ~World();
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
+
+    void build_tool(const Laryngoscope& scope);
+    void build_shell();
+    void place(const RigidTransform& pose);
+    void gather_contacts();
+    void pull_towards(const RigidTransform& target, float dt);
+    void advance(float dt);
+    void record_contacts(float step_dt);
+    [[nodiscard]] std::pair<btVector3, btVector3> bounds() const;
+    [[nodiscard]] float depth() const;
+    [[nodiscard]] float farthest_move(const btTransform& before, const btTransform& after) const;
+
+    Settings settings;
+    std::array<Capsule, 3> capsules;  // [cm], tool frame
+    float reach = 0.0f;               // [cm], farthest point of the tool from its origin
+    float smallest_radius = 0.0f;     // [cm]
+    std::vector<Vec3f> vertices;      // [cm]
+    std::vector<Triangle> triangles;
+    std::vector<Tissue> tissue;
+    MeshTopology topology;
+    ContactBuffer buffer;
+
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    ProxyShellAlgorithm::Create create{buffer};
+
+    btCompoundShape tool_shape;
+    std::vector<std::unique_ptr<btCapsuleShape>> capsule_shapes;
+    std::unique_ptr<btRigidBody> proxy;
+    std::unique_ptr<btRigidBody> blade;  // kinematic, at the device's pose; collides with nothing
+    std::unique_ptr<btTriangleIndexVertexArray> shell_mesh;
+    std::unique_ptr<btBvhTriangleMeshShape> shell_shape;
+    std::unique_ptr<btRigidBody> shell;
+
+    RigidTransform device;
+    Vec3f device_velocity = Vec3f::Zero();          // [m/s]
+    Vec3f device_angular_velocity = Vec3f::Zero();  // [rad/s]
+    ProxyResult result;
+    std::vector<std::uint32_t> merge_keys;  // capsule of each entry of result.contacts
+};
+
+}  // namespace eti::rigid

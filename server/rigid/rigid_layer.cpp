@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/rigid/rigid_layer.hpp"
+
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "server/rigid/proxy_world.hpp"
+
+namespace eti::rigid {
+namespace {
+
+bool is_finite(const RigidTransform& pose) {
+    return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() && pose.rotation.norm() > 0.5f;
+}
+
+void require(bool condition, const std::string& what) {
+    if (!condition) {
+        throw std::invalid_argument("rigid layer: " + what);
+    }
+}
+
+void check(const Laryngoscope& scope, const TriangleMesh& shell, std::span<const Tissue> tissue,
+           const Settings& settings) {
+    for (const Capsule& capsule : scope.capsules) {
+        require(capsule.radius > 0.0f && capsule.a.allFinite() && capsule.b.allFinite(),
+                "a capsule of the laryngoscope has radius " + std::to_string(capsule.radius) +
+                    " m or ends that are not finite; expected a positive radius");
+    }
+    require(tissue.size() == shell.triangles.size(),
+            "the shell has " + std::to_string(shell.triangles.size()) + " triangles and " +
+                std::to_string(tissue.size()) + " tissue entries; expected one entry per triangle");
+    for (const Triangle& triangle : shell.triangles) {
+        for (const std::uint32_t vertex : triangle) {
+            require(vertex < shell.vertices.size(), "a shell triangle names vertex " +
+                                                        std::to_string(vertex) + " of " +
+                                                        std::to_string(shell.vertices.size()));
+        }
+    }
+    for (const Vec3f& vertex : shell.vertices) {
+        require(vertex.allFinite(), "a shell vertex is not finite");
+    }
+    require(settings.mass > 0.0f && settings.inertia > 0.0f,
+            "mass and inertia of the proxy must be positive");
+    require(settings.substeps >= 1 && settings.max_substeps >= settings.substeps,
+            "substeps must be at least 1 and at most max_substeps");
+}
+
+struct RayCollector : btTriangleRaycastCallback {
+    RayCollector(const btVector3& from, const btVector3& to) : btTriangleRaycastCallback(from, to) {}
+    btScalar reportHit(const btVector3& hit_normal, btScalar hit_fraction, int, int triangle_index) override {
+        normal = hit_normal;
+        triangle = triangle_index;
+        return hit_fraction;
+    }
+    btVector3 normal{0, 0, 1};
+    int triangle = -1;
+};
+
+}  // namespace
+
+RigidLayer::RigidLayer(const Laryngoscope& scope, const TriangleMesh& shell,
+                       std::span<const Tissue> triangle_tissue, const Settings& settings) {
+    check(scope, shell, triangle_tissue, settings);
+    world_ = std::make_unique<World>(scope, shell, triangle_tissue, settings);
+}
+
+RigidLayer::~RigidLayer() = default;
+RigidLayer::RigidLayer(RigidLayer&&) noexcept = default;
+RigidLayer& RigidLayer::operator=(RigidLayer&&) noexcept = default;
+
+void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
+    World& w = *world_;
+    if (!w.shell_shape || vertices.size() != w.vertices.size()) {
+        return;
+    }
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        w.vertices[i] = to_cm * vertices[i];
+    }
+    const auto [low, high] = w.bounds();
+    w.shell_shape->refitTree(low, high);
+    w.world.updateSingleAabb(w.shell.get());
+}
+
+void RigidLayer::reset(const RigidTransform& pose) {
+    if (is_finite(pose)) {
+        world_->place(pose);
+    }
+}
+
+const ProxyResult& RigidLayer::result() const {
+    return world_->result;
+}
+
+const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt) {
+    World& w = *world_;
+    const RigidTransform start = w.device;
+    const RigidTransform end = is_finite(device_pose) ? device_pose : start;
+    const Vec3f way = end.translation - start.translation;
+    const Vec3f turn = rotation_vector(end.rotation * start.rotation.conjugate());
+    const float reach = w.reach / to_cm;
+    const float device_speed = (way.norm() + reach * turn.norm()) / dt;
+    const bool jumped = device_speed > w.settings.device_speed_limit;
+    w.device = end;
+    w.device_velocity = jumped ? Vec3f::Zero() : Vec3f(way / dt);
+    w.device_angular_velocity = jumped ? Vec3f::Zero() : Vec3f(turn / dt);
+
+    ProxyResult& result = w.result;
+    result.force.setZero();
+    result.torque.setZero();
+    result.contacts.clear();
+    w.merge_keys.clear();
+    result.dropped_contacts = 0;
+    result.rolled_back = 0;
+    w.solver.reset();
+
+    const float proxy_speed = result.velocity.norm() + reach * result.angular_velocity.norm();
+    const float fastest = jumped ? w.settings.device_speed_limit : std::max(device_speed, proxy_speed);
+    const float allowed = motion_share * w.smallest_radius / to_cm;
+    // A fifth more than the motion needs, so that the bound does not brake a proxy that catches up.
+    const int count = static_cast<int>(std::clamp(std::ceil(1.2f * fastest * dt / allowed),
+                                                  static_cast<float>(w.settings.substeps),
+                                                  static_cast<float>(w.settings.max_substeps)));
+    const float substep = dt / static_cast<float>(count);
+    result.substeps = count;
+
+    w.gather_contacts();
+    for (int i = 1; i <= count; ++i) {
+        const float share = static_cast<float>(i) / static_cast<float>(count);
+        RigidTransform target = end;
+        if (!jumped && i < count) {
+            target = {(quaternion_from(share * turn) * start.rotation).normalized(),
+                      start.translation + share * way};
+        }
+        const btTransform before = w.proxy->getWorldTransform();
+        const float depth_before = w.depth();
+        w.pull_towards(target, substep);
+        w.advance(substep);
+        w.record_contacts(dt);
+        w.gather_contacts();
+        if (w.depth() > std::max(depth_share * w.smallest_radius, depth_before)) {
+            w.proxy->setWorldTransform(before);
+            w.proxy->setLinearVelocity({0, 0, 0});
+            w.proxy->setAngularVelocity({0, 0, 0});
+            w.gather_contacts();
+            ++result.rolled_back;
+        }
+        if (w.depth() <= w.settings.penetration_tolerance * to_cm) {
+            result.last_free = pose_of(w.proxy->getWorldTransform());
+        }
+    }
+    result.pose = pose_of(w.proxy->getWorldTransform());
+    result.velocity = from_bullet(w.proxy->getLinearVelocity()) / to_cm;
+    result.angular_velocity = from_bullet(w.proxy->getAngularVelocity());
+    result.penetration = w.depth() / to_cm;
+    return result;
+}
+
+std::optional<RayHit> RigidLayer::ray(const Vec3f& from, const Vec3f& to) const {
+    const World& w = *world_;
+    if (!w.shell_shape || !from.allFinite() || !to.allFinite()) {
+        return std::nullopt;
+    }
+    RayCollector collector(to_bullet(Vec3f(to_cm * from)), to_bullet(Vec3f(to_cm * to)));
+    w.shell_shape->performRaycast(&collector, collector.m_from, collector.m_to);
+    if (collector.triangle < 0) {
+        return std::nullopt;
+    }
+    const std::uint32_t triangle = static_cast<std::uint32_t>(collector.triangle);
+    return RayHit{from + collector.m_hitFraction * (to - from), from_bullet(collector.normal),
+                  collector.m_hitFraction * (to - from).norm(), triangle, w.tissue[triangle]};
+}
+
+}  // namespace eti::rigid
