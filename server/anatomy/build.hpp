@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "server/anatomy/newborn.hpp"
+#include "server/anatomy/patient.hpp"
+
+namespace eti::anatomy {
+
+/// How finely the patient is cut into particles and triangles. Lengths are those of a 3.5 kg
+/// newborn and shrink with the patient, so that a premature airway keeps its particle count.
+struct BuildSettings {
+    float spacing = 2.0e-3f;          ///< [m], particles of the bulk
+    float fine_spacing = 1.0e-3f;     ///< [m], particles of epiglottis and larynx
+    float region = 10.0e-3f;          ///< [m], tissue farther from the airway moves with the bones
+    float tissue_stiffness = 8.0e3f;  ///< [Pa], Young's modulus of tongue and mucosa (Cheng 2011: about 8 kPa)
+    float surface_spacing = 1.0e-3f;  ///< [m], grid of the visible surfaces
+    std::size_t body_triangles = 45000;
+    std::size_t shell_triangles = 12000;
+};
+
+/// Builds the whole model of a newborn: particles, clusters, links, surfaces, shell, landmarks.
+/// Some seconds on two cores.
+[[nodiscard]] Patient build_patient(const NewbornParameters& parameters, const BuildSettings& settings);
+
+// The steps of build_patient, each adding its part of the model.
+void build_particles(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_links(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_shell(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+
+/// Tissues that share clusters: 0 body, 1 tongue, 2 epiglottis.
+[[nodiscard]] constexpr int family_of(Tissue tissue) {
+    return tissue == Tissue::tongue ? 1 : tissue == Tissue::epiglottis ? 2 : 0;
+}
+
+}  // namespace eti::anatomy

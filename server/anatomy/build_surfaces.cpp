@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/units.hpp"
+#include "common/mesh/isosurface.hpp"
+#include "common/mesh/simplify.hpp"
+#include "common/mesh/smooth.hpp"
+#include "server/anatomy/build.hpp"
+#include "server/anatomy/point_grid.hpp"
+
+namespace eti::anatomy {
+
+namespace {
+
+// Takes the slivers of marching tetrahedra out, which would keep edges from collapsing; moves vertices by
+// a tenth of the grid's spacing.
+constexpr int smoothing = 3;
+
+DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
+    DistanceGrid grid;
+    grid.origin = low;
+    grid.spacing = spacing;
+    for (int k = 0; k < 3; ++k) {
+        grid.size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
+    }
+    grid.value.resize(static_cast<std::size_t>(grid.size[0]) * grid.size[1] * grid.size[2]);
+    return grid;
+}
+
+/// Evaluates the fields on a grid once and hands them to `store(node index, fields, point)`.
+template <class Store>
+void sample(const Newborn& newborn, const DistanceGrid& grid, const Store& store) {
+    tbb::parallel_for(0, grid.size[2], [&](int z) {
+        for (int y = 0; y < grid.size[1]; ++y) {
+            for (int x = 0; x < grid.size[0]; ++x) {
+                const Vec3f point = grid.node(x, y, z);
+                store(grid.index(x, y, z), newborn.fields(point), point);
+            }
+        }
+    });
+}
+
+/// The body without tongue and epiglottis; the tongue sinks a little into the mouth floor, so that no
+/// gap shows between their surfaces.
+float body_field(const NewbornFields& f, float overlap) {
+    return std::max(f.skin, -std::min(f.cavity, f.tongue + overlap));
+}
+
+Tissue lining_tissue(const Newborn& newborn, const Vec3f& point) {
+    const NewbornFields f = newborn.fields(point);
+    const float margin = 0.6f * newborn.scale();
+    const Vec3f model = newborn.to_model(point);
+    if (f.upper_gum < margin) {
+        return Tissue::upper_gum;
+    }
+    if (f.lower_gum < margin) {
+        return Tissue::lower_gum;
+    }
+    if (f.palate < margin) {
+        return Tissue::palate;
+    }
+    if (f.larynx < margin) {
+        return model.z() < -46.0f ? Tissue::trachea : Tissue::larynx;
+    }
+    if (model.z() < -41.0f && f.cavity < margin && f.skin < -3.0f * margin) {
+        return Tissue::oesophagus;
+    }
+    return Tissue::soft;
+}
+
+/// Carries points by the clusters of the nearest particle of the same family, or by the bones where no
+/// particle is near.
+class Skinner {
+  public:
+    Skinner(const Newborn& newborn, const BuildSettings& settings, const Patient& patient)
+        : newborn_(newborn), patient_(patient), clusters_of_(patient.particles.size()) {
+        reach_ = 2.2f * settings.spacing * newborn.scale() / millimetre;
+        const ClusterSet& clusters = patient.clusters;
+        for (std::uint32_t c = 0; c < clusters.size(); ++c) {
+            for (std::uint32_t k = clusters.first[c]; k < clusters.first[c + 1]; ++k) {
+                clusters_of_[clusters.member[k]].push_back(c);
+            }
+        }
+        for (int family = 0; family < 3; ++family) {
+            for (std::uint32_t i = 0; i < patient.particles.size(); ++i) {
+                if (family_of(patient.particles.tissue[i]) == family) {
+                    index_[family].push_back(i);
+                    points_[family].push_back(patient.particles.rest[i]);
+                }
+            }
+            grids_.emplace_back(points_[family], reach_);
+        }
+    }
+
+    [[nodiscard]] SkinWeights operator()(const Vec3f& point, Tissue tissue) const {
+        const int family = family_of(tissue);
+        std::uint32_t nearest = 0;
+        float nearest_squared = reach_ * reach_;
+        bool found = false;
+        grids_[static_cast<std::size_t>(family)].within(point, reach_, [&](std::uint32_t i, float squared) {
+            if (squared < nearest_squared) {
+                nearest = index_[family][i];
+                nearest_squared = squared;
+                found = true;
+            }
+        });
+        if (!found || clusters_of_[nearest].empty() || is_bone(tissue)) {
+            return by_bones(point, tissue);
+        }
+        std::vector<std::pair<float, std::uint32_t>> near;
+        for (const std::uint32_t c : clusters_of_[nearest]) {
+            // The epiglottis moves with its own cluster alone: body clusters that hold its stalk would
+            // drag the whole plate along (Xiao et al. 2020, Fig. 5).
+            if (family_of(patient_.clusters.tissue[c]) == family) {
+                near.emplace_back((patient_.frame_rest_centre[bone_count + c] - point).squaredNorm(), c);
+            }
+        }
+        if (near.empty()) {
+            return by_bones(point, tissue);
+        }
+        std::sort(near.begin(), near.end());
+        SkinWeights skin;
+        const float radius_squared = std::max(2.25f * reach_ * reach_, 1.1f * near.front().first);
+        float total = 0.0f;
+        for (std::size_t k = 0; k < std::min<std::size_t>(4, near.size()); ++k) {
+            const float w = std::pow(std::max(1.0f - near[k].first / radius_squared, 0.0f), 2.0f);
+            skin.frame[k] = static_cast<std::uint16_t>(bone_count + near[k].second);
+            skin.weight[k] = w;
+            total += w;
+        }
+        for (float& w : skin.weight) {
+            w /= total;
+        }
+        return skin;
+    }
+
+  private:
+    [[nodiscard]] static bool is_bone(Tissue tissue) {
+        return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine ||
+               tissue == Tissue::upper_gum || tissue == Tissue::lower_gum;
+    }
+    [[nodiscard]] SkinWeights by_bones(const Vec3f& point, Tissue tissue) const {
+        const BoneWeights weights = newborn_.bone_weights(point, tissue);
+        SkinWeights skin;
+        for (std::size_t b = 0; b < bone_count; ++b) {
+            skin.frame[b] = static_cast<std::uint16_t>(b);
+            skin.weight[b] = weights[b];
+        }
+        return skin;
+    }
+
+    const Newborn& newborn_;
+    const Patient& patient_;
+    float reach_ = 0.0f;
+    std::vector<std::vector<std::uint32_t>> clusters_of_;
+    std::vector<std::uint32_t> index_[3];
+    std::vector<Vec3f> points_[3];
+    std::vector<PointGrid> grids_;
+};
+
+Surface surface_from(const Newborn& newborn, const Skinner& skinner, const DistanceGrid& field, std::string name,
+                     Tissue tissue, std::size_t budget) {
+    Surface surface;
+    surface.name = std::move(name);
+    surface.tissue = tissue;
+    surface.mesh = isosurface(field, 0.0f);
+    smooth(surface.mesh, smoothing);
+    if (budget > 0 && surface.mesh.triangles.size() > budget) {
+        // The lining of the airway is looked at from near: keep it fine, let the scalp go coarse.
+        std::vector<float> importance(surface.mesh.vertices.size(), 1.0f);
+        const auto [low, high] = newborn.airway_bounds();
+        for (std::size_t i = 0; i < importance.size(); ++i) {
+            const Vec3f& p = surface.mesh.vertices[i];
+            const bool near = (p.array() > low.array()).all() && (p.array() < high.array()).all();
+            importance[i] = near ? 8.0f : 1.0f;
+        }
+        surface.mesh = simplify(surface.mesh, {.triangles = budget, .importance = importance});
+    }
+    for (const Triangle& t : surface.mesh.triangles) {
+        const Vec3f middle =
+            (surface.mesh.vertices[t[0]] + surface.mesh.vertices[t[1]] + surface.mesh.vertices[t[2]]) / 3.0f;
+        surface.triangle_tissue.push_back(tissue == Tissue::soft ? lining_tissue(newborn, middle) : tissue);
+    }
+    surface.skin.reserve(surface.mesh.vertices.size());
+    for (const Vec3f& v : surface.mesh.vertices) {
+        surface.skin.push_back(skinner(v, tissue == Tissue::soft ? lining_tissue(newborn, v) : tissue));
+    }
+    return surface;
+}
+
+Vec3f cluster_centre(const Patient& patient, std::size_t c) {
+    Vec3f sum = Vec3f::Zero();
+    const ClusterSet& clusters = patient.clusters;
+    for (std::uint32_t k = clusters.first[c]; k < clusters.first[c + 1]; ++k) {
+        sum += patient.particles.rest[clusters.member[k]];
+    }
+    return sum / static_cast<float>(clusters.first[c + 1] - clusters.first[c]);
+}
+
+}  // namespace
+
+void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+    patient.frame_rest_centre.assign(bone_count, Vec3f::Zero());
+    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
+        patient.frame_rest_centre.push_back(cluster_centre(patient, c));
+    }
+    const Skinner skinner(newborn, settings, patient);
+    const float size = newborn.scale() / millimetre;
+    const auto [low, high] = newborn.bounds();
+    const auto [inner_low, inner_high] = newborn.airway_bounds();
+
+    DistanceGrid body = grid_over(low, high, settings.surface_spacing * size);
+    DistanceGrid skull = grid_over(low, high, 1.5f * settings.surface_spacing * size);
+    DistanceGrid mandible = skull;
+    DistanceGrid spine = skull;
+    sample(newborn, body, [&](std::size_t i, const NewbornFields& f, const Vec3f&) {
+        body.value[i] = body_field(f, 0.5e-3f * size);
+    });
+    sample(newborn, skull, [&](std::size_t i, const NewbornFields& f, const Vec3f&) {
+        skull.value[i] = f.skull;
+        mandible.value[i] = f.mandible;
+        spine.value[i] = f.spine;
+    });
+    DistanceGrid tongue = grid_over(inner_low, inner_high, settings.surface_spacing * size);
+    sample(newborn, tongue, [&](std::size_t i, const NewbornFields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
+    const Vec3f tip = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_tip)];
+    const Vec3f base = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
+    const Vec3f margin = Vec3f::Constant(9e-3f * size);
+    DistanceGrid epiglottis =
+        grid_over(tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin, 0.4f * settings.surface_spacing * size);
+    sample(newborn, epiglottis,
+           [&](std::size_t i, const NewbornFields& f, const Vec3f&) { epiglottis.value[i] = f.epiglottis; });
+
+    patient.surfaces.push_back(
+        surface_from(newborn, skinner, body, "body", Tissue::soft, settings.body_triangles));
+    patient.surfaces.push_back(surface_from(newborn, skinner, tongue, "tongue", Tissue::tongue, 6000));
+    patient.surfaces.push_back(surface_from(newborn, skinner, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
+    patient.surfaces.push_back(surface_from(newborn, skinner, skull, "skull", Tissue::skull, 16000));
+    patient.surfaces.push_back(surface_from(newborn, skinner, mandible, "mandible", Tissue::mandible, 4000));
+    patient.surfaces.push_back(surface_from(newborn, skinner, spine, "spine", Tissue::spine, 8000));
+}
+
+void build_shell(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+    const float size = newborn.scale() / millimetre;
+    const auto [low, high] = newborn.airway_bounds();
+    // The face belongs to it: a blade must not pass through lips and nose.
+    const Vec3f room(10e-3f * size, 12e-3f * size, 8e-3f * size);
+    DistanceGrid field = grid_over(low - room, high + room, 1.0e-3f * size);
+    sample(newborn, field, [&](std::size_t i, const NewbornFields& f, const Vec3f& point) {
+        field.value[i] = body_field(f, 0.0f) + newborn.shell_offset(point, f);
+    });
+    TriangleMesh shell = isosurface(field, 0.0f);
+    smooth(shell, smoothing);
+    patient.shell.mesh = simplify(shell, {.triangles = settings.shell_triangles, .importance = {}});
+    patient.shell.distance = std::move(field);
+    for (const Triangle& t : patient.shell.mesh.triangles) {
+        const auto& v = patient.shell.mesh.vertices;
+        patient.shell.triangle_tissue.push_back(lining_tissue(newborn, (v[t[0]] + v[t[1]] + v[t[2]]) / 3.0f));
+    }
+    for (const Vec3f& v : patient.shell.mesh.vertices) {
+        patient.shell.vertex_bones.push_back(newborn.bone_weights(v, lining_tissue(newborn, v)));
+    }
+}
+
+void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+    const Skinner skinner(newborn, settings, patient);
+    const auto points = newborn.landmarks();
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        Tissue tissue = Tissue::soft;
+        switch (static_cast<Landmark>(i)) {
+            case Landmark::upper_gum:
+                tissue = Tissue::upper_gum;
+                break;
+            case Landmark::lower_gum:
+                tissue = Tissue::lower_gum;
+                break;
+            case Landmark::tongue_tip:
+            case Landmark::tongue_dorsum:
+            case Landmark::vallecula:
+                tissue = Tissue::tongue;
+                break;
+            case Landmark::epiglottis_tip:
+                tissue = Tissue::epiglottis;
+                break;
+            default:
+                break;
+        }
+        patient.landmarks[i] = {points[i], skinner(points[i], tissue)};
+    }
+    for (const Vec3f& p : newborn.glottis_contour()) {
+        patient.glottis_contour.push_back({p, skinner(p, Tissue::larynx)});
+    }
+}
+
+Patient build_patient(const NewbornParameters& parameters, const BuildSettings& settings) {
+    const Newborn newborn(parameters);
+    Patient patient;
+    patient.weight = parameters.weight;
+    patient.skeleton = newborn.skeleton();
+    build_particles(newborn, settings, patient);
+    build_clusters(newborn, settings, patient);
+    build_links(newborn, settings, patient);
+    build_surfaces(newborn, settings, patient);
+    build_shell(newborn, settings, patient);
+    build_landmarks(newborn, settings, patient);
+    return patient;
+}
+
+}  // namespace eti::anatomy

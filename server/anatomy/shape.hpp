@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "common/math/transform.hpp"
+
+// Implicit shapes: negative inside, roughly the distance near the surface. Units are whatever the
+// caller uses throughout (the newborn model: millimetres).
+namespace eti::anatomy {
+
+/// Union with a fillet of width k (polynomial smooth minimum, Quilez).
+[[nodiscard]] inline float smooth_union(float a, float b, float k) {
+    const float h = std::max(k - std::fabs(a - b), 0.0f) / k;
+    return std::min(a, b) - h * h * k * 0.25f;
+}
+
+/// Intersection with a fillet of width k.
+[[nodiscard]] inline float smooth_intersection(float a, float b, float k) { return -smooth_union(-a, -b, k); }
+
+/// `a` without `b`, with a fillet of width k.
+[[nodiscard]] inline float smooth_difference(float a, float b, float k) { return smooth_intersection(a, -b, k); }
+
+[[nodiscard]] inline float smoothstep(float from, float to, float x) {
+    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+/// First-order distance to an axis-aligned ellipsoid.
+[[nodiscard]] inline float ellipsoid(const Vec3f& p, const Vec3f& centre, const Vec3f& radii) {
+    const Vec3f q = p - centre;
+    const float k0 = q.cwiseQuotient(radii).norm();
+    const float k1 = q.cwiseQuotient(radii.cwiseProduct(radii)).norm();
+    return k1 > 1e-9f ? k0 * (k0 - 1.0f) / k1 : -radii.minCoeff();
+}
+
+/// A capsule whose radius runs linearly from ra at a to rb at b.
+[[nodiscard]] inline float round_cone(const Vec3f& p, const Vec3f& a, const Vec3f& b, float ra, float rb) {
+    const Vec3f d = b - a;
+    const float t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0f, 1.0f);
+    return (p - a - d * t).norm() - (ra + (rb - ra) * t);
+}
+
+/// A chain of capsules; radius runs linearly from r0 at the first point to r1 at the last.
+[[nodiscard]] inline float chain(const Vec3f& p, std::span<const Vec3f> points, float r0, float r1) {
+    float best = 1e9f;
+    const auto last = static_cast<float>(points.size() - 1);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const auto t = static_cast<float>(i);
+        best = std::min(best, round_cone(p, points[i], points[i + 1], r0 + (r1 - r0) * t / last,
+                                         r0 + (r1 - r0) * (t + 1.0f) / last));
+    }
+    return best;
+}
+
+/// A station of a duct whose axis lies in the mid-sagittal plane.
+struct Station {
+    float anterior, superior;      ///< axis point
+    float lateral, sagittal;       ///< semi-axes of the elliptical section
+};
+
+/// A duct through stations with elliptical sections. `taper` > 0 narrows the section towards its
+/// anterior side into a triangle (the glottis: wide behind, pointed at the anterior commissure).
+[[nodiscard]] float duct(const Vec3f& p, std::span<const Station> stations, float taper = 0.0f);
+
+}  // namespace eti::anatomy

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/local_operator.hpp"
+
+namespace eti::app {
+
+namespace {
+
+// The device processes run at 1 kHz; six ticks a step are 1.08 kHz.
+constexpr int ticks_per_step = 6;
+
+}  // namespace
+
+LocalOperator::LocalOperator(const OperatorScript& script, const Laryngoscope& scope, const Tube& tube,
+                             std::uint64_t seed, const Observation& start)
+    : blade_track_(script.laryngoscope, scope.blade_length, script.tremor, script.reaction, seed),
+      tube_track_(script.tube, tube.grip_from_tip, script.tremor, script.reaction, seed + 1),
+      blade_hand_(HandSettings{}, blade_track_.wanted(start)),
+      tube_hand_(HandSettings{}, tube_track_.wanted(start)) {}
+
+void LocalOperator::advance(const Observation& observation, const scene::Snapshot& snapshot) {
+    constexpr float dt = scene::step_duration / ticks_per_step;
+    Observation seen = observation;
+    Motion proxy{snapshot.proxy, snapshot.proxy_velocity, snapshot.proxy_angular_velocity};
+    for (int tick = 0; tick < ticks_per_step; ++tick) {
+        seen.time = observation.time + static_cast<double>(dt) * tick;
+        // Between steps the proxy is carried on by its velocity, as the haptic loop does.
+        proxy.pose.translation = snapshot.proxy.translation + snapshot.proxy_velocity * (dt * static_cast<float>(tick));
+        Wrench wrench = coupling_wrench(blade_hand_.motion(), proxy, coupling_);
+        wrench.force += coupling_.tissue_gain * snapshot.tissue_force;
+        wrench.torque += coupling_.tissue_gain * snapshot.tissue_torque;
+        blade_hand_.step(blade_track_.wanted(seen), limited(wrench, coupling_), dt);
+        // A tracked tube gives no force back to the hand.
+        tube_hand_.step(tube_track_.wanted(seen), Wrench{}, dt);
+    }
+}
+
+}  // namespace eti::app

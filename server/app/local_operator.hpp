@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+
+#include "common/operator/hand.hpp"
+#include "common/operator/operator.hpp"
+#include "common/operator/track_player.hpp"
+#include "server/scene/scene.hpp"
+
+namespace eti::app {
+
+/// A scripted operator beside the simulation: the same hands, device model and coupling as in the
+/// device processes, advanced in simulation time.
+class LocalOperator {
+  public:
+    LocalOperator(const OperatorScript& script, const Laryngoscope& scope, const Tube& tube, std::uint64_t seed,
+                  const Observation& start);
+
+    /// Moves both hands through one simulation step, feeling the forces of the last snapshot.
+    void advance(const Observation& observation, const scene::Snapshot& snapshot);
+
+    [[nodiscard]] RigidTransform laryngoscope() const { return blade_hand_.reported(); }
+    [[nodiscard]] RigidTransform tube_grip() const { return tube_hand_.reported(); }
+    [[nodiscard]] bool finished() const { return blade_track_.finished() && tube_track_.finished(); }
+    [[nodiscard]] const std::string& blade_stage() const { return blade_track_.stage_name(); }
+    [[nodiscard]] const std::string& tube_stage() const { return tube_track_.stage_name(); }
+
+  private:
+    TrackPlayer blade_track_, tube_track_;
+    HandDevice blade_hand_, tube_hand_;
+    CouplingSettings coupling_;
+};
+
+}  // namespace eti::app

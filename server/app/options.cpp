@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace eti::app {
+
+std::optional<int> parse(int argc, char** argv, Options& options) {
+    CLI::App app("The physics server: simulates the patient, measures the attempt, publishes the scene.",
+                 "eti-server");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.add_option("--scenario", options.scenario, "Scenario by name or path")->capture_default_str();
+    app.add_option("--operator", options.operator_name,
+                   "Scripted operator by name or path; without it the hands come over the bus");
+    app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)");
+    app.add_option("--session", options.session, "Session name; several sessions share a domain")
+        ->capture_default_str();
+    app.add_option("--domain", options.domain, "DDS domain")->capture_default_str()->check(CLI::Range(0, 232));
+    app.add_option("--profile", options.profile, "Fast DDS XML profile file")->check(CLI::ExistingFile);
+    app.add_flag("--fast", options.fast, "Simulate as fast as possible instead of by the clock");
+    app.add_flag("!--no-dds", options.bus, "Run without the bus");
+    app.add_flag("--json", options.json, "Print the result as one JSON object");
+    app.add_flag("--finish-after-attempt", options.finish_after_attempt,
+                 "End the session two seconds after an attempt has ended");
+    app.add_option("--steps", options.steps, "End after this many steps of 1/180 s");
+    app.add_option("--duration", options.duration, "End after this simulation time [s]")->check(CLI::NonNegativeNumber);
+    app.add_option("--seed", options.seed, "Seed of tremor and chance, instead of the scenario's");
+    app.add_option("--threads", options.threads, "Solver threads; 0: one per core; the result is the same")
+        ->check(CLI::Range(0, 256));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return std::nullopt;
+}
+
+}  // namespace eti::app

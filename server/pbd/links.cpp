@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/pbd/links.hpp"
+
+namespace eti::pbd {
+
+void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length, float stiffness,
+                  float dt) {
+    const Vec3f apart = b - a;
+    const float distance = apart.norm();
+    const float inverse_mass = inverse_mass_a + inverse_mass_b;
+    if (distance < 1e-9f || inverse_mass == 0.0f) {
+        return;
+    }
+    const float compliance = 1.0f / (stiffness * dt * dt);
+    const Vec3f correction = apart * ((distance - length) / (distance * (inverse_mass + compliance)));
+    a += inverse_mass_a * correction;
+    b -= inverse_mass_b * correction;
+}
+
+void Links::configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
+                      const Particles& particles) {
+    ends_ = std::move(ends);
+    stiffness_ = std::move(stiffness);
+    set_rest(particles);
+}
+
+void Links::set_rest(const Particles& particles) {
+    length_.resize(ends_.size());
+    for (std::size_t i = 0; i < ends_.size(); ++i) {
+        length_[i] = (particles.rest[ends_[i][0]] - particles.rest[ends_[i][1]]).norm();
+    }
+}
+
+void Links::project(Particles& particles, float dt) const {
+    for (std::size_t i = 0; i < ends_.size(); ++i) {
+        const auto [a, b] = ends_[i];
+        project_link(particles.predicted[a], particles.predicted[b], particles.inverse_mass[a],
+                     particles.inverse_mass[b], length_[i], stiffness_[i], dt);
+    }
+}
+
+}  // namespace eti::pbd

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "server/pbd/particles.hpp"
+
+namespace eti::pbd {
+
+/// XPBD distance constraint (Macklin et al. 2016, eq. 18) with one iteration per substep: moves both
+/// ends so that their distance approaches `length` [m] with stiffness `stiffness` [N/m].
+void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length, float stiffness,
+                  float dt);
+
+/// Pairs of particles held at their rest distance, projected in order (Gauss-Seidel).
+class Links {
+  public:
+    void configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
+                   const Particles& particles);
+    void set_rest(const Particles& particles);
+    void project(Particles& particles, float dt) const;
+    [[nodiscard]] std::size_t size() const { return ends_.size(); }
+
+  private:
+    std::vector<std::array<std::uint32_t, 2>> ends_;
+    std::vector<float> stiffness_, length_;
+};
+
+}  // namespace eti::pbd

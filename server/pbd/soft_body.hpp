@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "server/pbd/links.hpp"
+#include "server/pbd/particles.hpp"
+#include "server/pbd/shape_matching.hpp"
+
+namespace eti::pbd {
+
+/// All soft tissue: particles with their constraints, advanced in substeps by the caller, who adds
+/// contacts between project() and finish().
+class SoftBody {
+  public:
+    struct Settings {
+        float damping = 12.0f;   ///< [1/s], of velocity; tissue in the mouth is overdamped
+    };
+
+    Particles particles;
+    ShapeMatching shapes;
+    Links links;
+    Settings settings;
+
+    /// Moves free particles by their velocity; particles of infinite mass go the `fraction` of the
+    /// remaining way to their rest position (1 on the last substep of a step).
+    void predict(float dt, float fraction);
+    /// One pass over all internal constraints.
+    void project(float dt);
+    /// Velocities from the motion of the substep.
+    void finish(float dt);
+    /// Takes particles.rest as the new unloaded shape.
+    void set_rest();
+    /// Everything back to rest, at standstill.
+    void reset();
+};
+
+}  // namespace eti::pbd

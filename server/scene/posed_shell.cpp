@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/posed_shell.hpp"
+
+#include <cmath>
+
+#include "common/mesh/distance.hpp"
+
+namespace eti::scene {
+
+namespace {
+
+DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
+    Vec3f low = mesh.vertices.front();
+    Vec3f high = low;
+    for (const Vec3f& v : mesh.vertices) {
+        low = low.cwiseMin(v);
+        high = high.cwiseMax(v);
+    }
+    low.array() -= 2.0f * spacing;
+    high.array() += 2.0f * spacing;
+    std::array<int, 3> size{};
+    for (int k = 0; k < 3; ++k) {
+        size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
+    }
+    return mesh_distance(mesh, low, spacing, size, PosedShell::band);
+}
+
+}  // namespace
+
+PosedShell::PosedShell(const anatomy::Patient& patient) : patient_(patient) {
+    pose_now(anatomy::pose_bones(patient.skeleton, {}));
+}
+
+void PosedShell::pose(const anatomy::BonePoses& bones) {
+    vertices_.resize(patient_.shell.mesh.vertices.size());
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+        vertices_[i] = anatomy::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
+    }
+    stale_ = true;
+    if (!pending_.valid()) {
+        start();
+    }
+}
+
+void PosedShell::start() {
+    pending_ = std::async(std::launch::async, [mesh = TriangleMesh{vertices_, patient_.shell.mesh.triangles},
+                                               spacing = patient_.shell.distance.spacing] {
+        return distance_of(mesh, spacing);
+    });
+    wait_ = grid_delay;
+    stale_ = false;
+}
+
+void PosedShell::pose_now(const anatomy::BonePoses& bones) {
+    pose(bones);
+    distance_ = pending_.get();
+    if (stale_) {
+        start();
+        distance_ = pending_.get();
+    }
+}
+
+void PosedShell::advance() {
+    if (!pending_.valid() || --wait_ > 0) {
+        return;
+    }
+    distance_ = pending_.get();
+    if (stale_) {
+        start();
+    }
+}
+
+}  // namespace eti::scene
