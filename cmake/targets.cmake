@@ -58,9 +58,11 @@ endfunction()
 
 # A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. PROPERTIES are passed
 # to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it.
+if(ETI_TESTS)
+  find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
+endif()
 function(eti_python_test prefix script)
   cmake_parse_arguments(ARG "" "TIMEOUT" "ENVIRONMENT;PROPERTIES" ${ARGN})
-  find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${script})
   file(STRINGS ${script} methods REGEX "^    def test_[a-z0-9_]+\\(")
   if(NOT methods)

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Runs one scripted operator in the server and keeps what it printed for the tests that compare runs.
+
+Usage: operator_run.py NAME, a key of RUNS. Fails only if the server gave no result.
+"""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import support
+
+FOLDER = support.BIN.parent / "operator-runs"
+
+# Name: operator, threads, and what is changed in the shipped term scenario.
+RUNS = {
+    "expert": ("expert", 1, {}),
+    "expert_two_threads": ("expert", 2, {}),
+    "expert_again": ("expert", 2, {}),
+    "novice": ("novice", 2, {}),
+    "oesophageal": ("oesophageal", 2, {}),
+    "no_lift": ("no_lift", 2, {}),
+    "jaw_closed": ("expert", 2, {"jaw_opening_deg": 0}),
+}
+
+
+def scenario_for(name, changes):
+    """The term scenario with some values changed, as a file."""
+    text = (support.ROOT / "deploy/scenarios/term.yaml").read_text()
+    for key, value in changes.items():
+        text, count = re.subn(rf"^(\s*{key}:).*$", rf"\1 {value}", text, flags=re.MULTILINE)
+        assert count == 1, f"the term scenario has no line for {key}"
+    file = FOLDER / f"{name}.yaml"
+    file.write_text(text)
+    return file
+
+
+def result(name):
+    """What the run `name` printed."""
+    return json.loads((FOLDER / f"{name}.json").read_text())
+
+
+def main(name):
+    operator, threads, changes = RUNS[name]
+    FOLDER.mkdir(exist_ok=True)
+    scenario = scenario_for(name, changes) if changes else "term"
+    done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--threads", threads, "--fast",
+                       "--no-dds", "--json", timeout=900)
+    (FOLDER / f"{name}.json").write_text(done.stdout)
+    print(done.stdout, done.stderr, sep="\n")
+    return 0 if "state_hash" in json.loads(done.stdout) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

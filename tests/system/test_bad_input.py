@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""What a person can get wrong is refused with file, finding and remedy, before anything starts."""
+
+import re
+import unittest
+
+import support
+
+TERM = support.ROOT / "deploy/scenarios/term.yaml"
+EXPERT = support.ROOT / "deploy/operators/expert.yaml"
+SECONDS_TO_REFUSE = 30  # generous for a sanitized build on a busy machine; a hang would last for ever
+
+HOSTILE = {
+    "unclosed": "patient: {weight_kg: 3.5",
+    "tabs": "patient:\n\tweight_kg: 3.5\n",
+    "list": "- 1\n- 2\n",
+    "scalar": "42\n",
+    "two_documents": "---\n{}\n---\n{}\n",
+    "not_text": b"\x00\x01\xff\xfe\x80" * 100,
+    "deep": "[" * 20000,
+    # Nine levels of nine references each: 9^9 nodes if they were copied out.
+    "alias_bomb": "a0: &a0 [x,x,x,x,x,x,x,x,x]\n" + "".join(
+        f"a{i}: &a{i} [{','.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 10)),
+    "merge_with_itself": "patient: &p\n  <<: *p\n",
+    "long_key": "k" * 5_000_000 + ": 1\n",
+    "foreign_tag": "patient: !!python/object/apply:os.system ['true']\n",
+}
+
+
+class Scenario(support.Case):
+    def serve(self, scenario):
+        return support.run("eti-server", "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds",
+                           "--steps", 2, "--record", self.folder / "record.eti.h5", timeout=SECONDS_TO_REFUSE)
+
+    def refused(self, text, *said):
+        file = self.folder / "scenario.yaml"
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        done = self.serve(file)
+        self.assert_refused(done, file, *said)
+        self.assertFalse((self.folder / "record.eti.h5").exists(), "a recording was begun")
+        return done
+
+    def changed(self, key, value):
+        """The shipped term scenario with one value changed."""
+        text, count = re.subn(rf"^(\s*{key}:).*$", rf"\1 {value}", TERM.read_text(), flags=re.MULTILINE)
+        self.assertEqual(count, 1, f"{TERM} has no line for {key}")
+        return text
+
+    def test_shipped_scenario_is_accepted(self):
+        done = self.serve(TERM)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_missing_scenario_names_what_there_is(self):
+        self.assert_refused(self.serve("no_such_scenario"), "no_such_scenario", "term")
+
+    def test_missing_file_is_named(self):
+        self.assert_refused(self.serve(self.folder / "absent.yaml"), self.folder / "absent.yaml")
+
+    def test_folder_as_scenario_is_refused(self):
+        self.assert_refused(self.serve(self.folder), self.folder)
+
+    def test_empty_scenario_is_refused(self):
+        self.refused("")
+
+    def test_truncated_scenario_is_refused_or_complete(self):
+        # Cut anywhere, a file is refused, unless what is left happens to be a whole scenario. Never a crash.
+        text = TERM.read_text()
+        refusals = 0
+        for part in range(1, 8):
+            file = self.folder / "scenario.yaml"
+            file.write_text(text[:len(text) * part // 8])
+            done = self.serve(file)
+            self.assertGreaterEqual(done.returncode, 0, f"cut at {part}/8: {done.stderr}")
+            if done.returncode != 0:
+                refusals += 1
+                self.assert_refused(done, file)
+        self.assertGreater(refusals, 0)
+
+    def test_hostile_scenarios_are_refused(self):
+        for name, text in HOSTILE.items():
+            with self.subTest(name):
+                self.refused(text)
+
+    def test_endless_file_is_refused(self):
+        self.assert_refused(self.serve("/dev/zero"), "/dev/zero")
+
+    def test_unknown_key_is_named_with_its_line(self):
+        text = TERM.read_text()
+        line = text.rstrip("\n").count("\n") + 2
+        done = self.refused(text.rstrip("\n") + "\nwieght_kg: 3.5\n", "wieght_kg")
+        self.assertIn(f":{line}", done.stderr)
+
+    def test_wrong_type_is_refused(self):
+        self.refused(self.changed("weight_kg", "heavy"), "weight_kg", "heavy")
+
+    def test_unit_in_the_value_is_refused(self):
+        self.refused(self.changed("weight_kg", "3.5 kg"), "weight_kg")
+
+    def test_value_out_of_range_says_the_range(self):
+        self.refused(self.changed("weight_kg", "35"), "weight_kg", "35", "0.5", "4.5")
+
+    def test_values_that_are_not_finite_are_refused(self):
+        for value in (".nan", ".inf", "-.inf", "1e400"):
+            with self.subTest(value):
+                self.refused(self.changed("weight_kg", value), "weight_kg")
+
+
+class Operator(support.Case):
+    def perform(self, operator):
+        return support.run("eti-server", "--scenario", "term", "--operator", operator, "--fast", "--no-dds",
+                           "--steps", 2, timeout=SECONDS_TO_REFUSE)
+
+    def test_shipped_operator_is_accepted(self):
+        done = self.perform(EXPERT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_missing_operator_names_what_there_is(self):
+        self.assert_refused(self.perform("nobody"), "nobody", "expert", "novice")
+
+    def test_hostile_operators_are_refused(self):
+        for name, text in HOSTILE.items():
+            with self.subTest(name):
+                file = self.folder / "operator.yaml"
+                file.write_bytes(text if isinstance(text, bytes) else text.encode())
+                self.assert_refused(self.perform(file), file)
+
+    def test_unknown_key_is_named(self):
+        file = self.folder / "operator.yaml"
+        file.write_text(EXPERT.read_text().rstrip("\n") + "\ntremmor_mm: 1\n")
+        self.assert_refused(self.perform(file), file, "tremmor_mm")
+
+
+class CommandLine(support.Case):
+    PROGRAMS = ("eti-server", "eti-haptics", "eti-tracker", "eti-client", "eti-review")
+
+    def test_help_and_version_succeed(self):
+        for program in self.PROGRAMS:
+            with self.subTest(program):
+                for option, expected in (("--help", "--version"), ("--version", r"^\S*\s*\d+\.\d+\.\d+")):
+                    done = support.run(program, option)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertRegex(done.stdout, re.compile(expected, re.MULTILINE))
+
+    def test_unknown_option_is_refused(self):
+        for program in self.PROGRAMS:
+            with self.subTest(program):
+                self.assert_refused(support.run(program, "--no-such-option"), "no-such-option")
+
+    def test_domain_out_of_range_is_refused(self):
+        for program in ("eti-server", "eti-haptics", "eti-tracker", "eti-client"):
+            with self.subTest(program):
+                self.assert_refused(support.run(program, "--domain", 300), "domain")
+
+
+class Storage(support.Case):
+    def serve(self, record, wrapper=(), steps=400):
+        return support.run("eti-server", "--scenario", "term", "--operator", "expert", "--fast", "--no-dds",
+                           "--steps", steps, "--record", record, wrapper=wrapper, timeout=120)
+
+    def test_missing_folder_is_refused(self):
+        record = self.folder / "absent" / "record.eti.h5"
+        self.assert_refused(self.serve(record, steps=2), record)
+
+    def test_folder_that_cannot_be_written_is_refused(self):
+        # /proc refuses new files to everyone, root included.
+        self.assert_refused(self.serve("/proc/record.eti.h5", steps=2), "/proc/record.eti.h5")
+
+    def test_read_only_disk_is_refused(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        done = self.serve(disk / "record.eti.h5", support.on_file_system("ro", disk), steps=2)
+        self.assert_refused(done, disk / "record.eti.h5", "Read-only file system")
+
+    def test_full_disk_is_reported(self):
+        # 64 kB hold the file's beginning at most; 400 steps of inputs, tools and metrics need more.
+        disk = self.folder / "disk"
+        disk.mkdir()
+        done = self.serve(disk / "record.eti.h5", support.on_file_system("size=64k", disk))
+        self.assert_refused(done, disk / "record.eti.h5", "No space left on device")
+
+    def test_client_refuses_a_read_only_folder(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        done = support.run("eti-client", "--offscreen", disk / "pictures", "--session", support.SESSION, "--domain",
+                           support.DOMAIN, wrapper=support.on_file_system("ro", disk))
+        self.assert_refused(done, disk / "pictures", "Read-only file system")
+
+    def test_review_of_files_that_are_no_sessions_is_refused(self):
+        absent = self.folder / "absent.eti.h5"
+        empty = self.folder / "empty.eti.h5"
+        empty.touch()
+        text = self.folder / "text.eti.h5"
+        text.write_text("not a session\n" * 1000)
+        for file in (absent, empty, text, self.folder):
+            for command in ("summary", "check"):
+                with self.subTest(file=file.name, command=command):
+                    self.assert_refused(support.run("eti-review", command, file), file)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""The whole path of deploy/demo.sh: five processes over the bus, and what they leave behind."""
+
+import json
+import os
+import signal
+import subprocess
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+import support
+import session_run
+
+RESULT = support.BIN.parent / "demo-run.json"  # left by the first case for the others
+
+
+def demo_folder():
+    return Path(json.loads(RESULT.read_text())["folder"])
+
+
+class Demo(support.Case):
+    def test_demo_intubates_the_trachea(self):
+        out = support.BIN.parent / "demo-run"
+        done = subprocess.run([support.ROOT / "deploy/session_run.py", "--bin", support.BIN, "--out", out, "--domain",
+                               str(support.DOMAIN)], capture_output=True, text=True, timeout=1100)
+        print(done.stdout, done.stderr, sep="\n")
+        self.assertEqual(done.returncode, 0)
+        folder = Path(next(line.split()[-1] for line in done.stdout.splitlines() if line.startswith("Session file")))
+        RESULT.write_text(json.dumps({"folder": str(folder.parent), "stdout": done.stdout, "stderr": done.stderr}))
+        self.assertIn("trachea", done.stdout)
+        for kind in ("Picture", "Video"):
+            self.assertIn(kind, done.stdout)
+        for role in ("server", "haptics", "tracker", "trainee", "observer"):
+            self.assertIn(f"{role} ended.", done.stderr)
+
+    def test_demo_summary_fills_every_parameter(self):
+        done = support.run("eti-review", "summary", demo_folder() / "session.eti.h5", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        summary = json.loads(done.stdout)
+        self.assertTrue(summary["success"], summary["reason"])
+        self.assert_parameters(summary["parameters"])
+
+    def test_demo_session_file_holds_the_hands_motion(self):
+        # The hands are in other processes, so what was latched came over the bus.
+        with h5py.File(demo_folder() / "session.eti.h5", "r") as file:
+            self.assertLessEqual({"meta", "inputs", "tools", "metrics", "events", "scene"}, set(file))
+            moving = []
+
+            def visit(name, item):
+                if isinstance(item, h5py.Dataset) and item.ndim == 2 and item.shape[1] in (3, 7):
+                    moving.append(numpy.ptp(item[:, :3], axis=0).max())
+
+            file["inputs"].visititems(visit)
+        self.assertGreaterEqual(len(moving), 2, "poses of laryngoscope and tube")
+        self.assertGreater(min(moving), 0.02, "each tool travels more than 2 cm")
+
+    def test_demo_pictures_show_a_moving_scene(self):
+        for role in ("trainee", "observer"):
+            with self.subTest(role):
+                pictures = [support.read_png(file) for file in sorted((demo_folder() / role).glob("*.png"))]
+                self.assertGreaterEqual(len(pictures), 2)
+                for picture in pictures:
+                    colours = len(numpy.unique(picture[..., :3].reshape(-1, 3), axis=0))
+                    self.assertGreater(colours, 500, "a lit scene has many shades; an empty one has a few")
+                self.assertTrue(any((a != pictures[0]).any() for a in pictures[1:] if a.shape == pictures[0].shape))
+
+    def test_ctrl_c_ends_the_demo_in_order(self):
+        process = subprocess.Popen([support.ROOT / "deploy/session_run.py", "--bin", support.BIN, "--out", self.folder,
+                                    "--domain", str(support.DOMAIN)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        self.addCleanup(process.kill)
+        for line in process.stderr:
+            if line.startswith("simulation time"):
+                break
+        os.kill(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=90)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("Stopping: interrupted.", said)
+        self.assertNotIn("killing it", said)
+        for role in ("server", "haptics", "tracker", "trainee", "observer"):
+            self.assertIn(f"{role} ended.", said)
+        file = next(self.folder.glob("*/session.eti.h5"))
+        self.assertEqual(support.run("eti-review", "check", file).returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""kill -9 of any one process of a session: the others go on or end cleanly, and the recording can be read."""
+
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+
+import support
+import session_run
+
+KILL_AFTER = 2.0      # [s] of simulation time
+GO_ON_FOR = 2.0       # [s] of simulation time that must still pass when another process than the server was killed
+PATIENCE = 240.0      # [s] for either on a busy machine
+
+
+class Kill(support.Case):
+    def setUp(self):
+        super().setUp()
+        self.said = []
+        self.session = session_run.Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION,
+                                           say=self.said.append)
+        self.addCleanup(self.session.finish)
+        self.session.start()
+        self.others = dict(self.session.programs)
+
+    def explain(self):
+        logs = {role: program.last_words() for role, program in self.session.programs.items()}
+        return f"{self.said}\n{logs}"
+
+    def pass_time(self, until):
+        """Waits for the simulation time `until`; the processes in self.others must not fail meanwhile."""
+        deadline = time.monotonic() + PATIENCE
+        while (self.session.progress() or (0.0, 0.0))[0] < until:
+            self.assertLess(time.monotonic(), deadline, self.explain())
+            for program in self.others.values():
+                self.assertIn(program.exit_code(), (None, 0), self.explain())
+            time.sleep(0.1)
+
+    def kill(self, role):
+        self.pass_time(KILL_AFTER)
+        self.session.programs[role].send(signal.SIGKILL)
+        self.assertTrue(self.session.programs[role].wait(5))
+        del self.others[role]
+
+    def assert_ended_cleanly(self):
+        self.session.finish()
+        for role, program in self.others.items():
+            self.assertEqual(program.exit_code(), 0, f"{role}\n{self.explain()}")
+
+    def assert_readable(self):
+        check = support.run("eti-review", "check", "--repair", self.session.record)
+        self.assertEqual(check.returncode, 0, check.stderr)
+        subprocess.run(["h5dump", "--header", self.session.record], check=True, stdout=subprocess.DEVNULL)
+        with h5py.File(self.session.record, "r") as file:
+            self.assertLessEqual({"meta", "inputs", "tools", "metrics"}, set(file))
+
+    def others_go_on_without(self, role):
+        self.kill(role)
+        self.pass_time(self.session.progress()[0] + GO_ON_FOR)
+        self.session.stop("the test has seen enough")
+        self.assertTrue(self.session.server.wait(30), self.explain())
+        self.assert_ended_cleanly()
+        self.assert_readable()
+
+    def test_without_haptics(self):
+        self.others_go_on_without("haptics")
+
+    def test_without_tracker(self):
+        self.others_go_on_without("tracker")
+
+    def test_without_trainee(self):
+        self.others_go_on_without("trainee")
+
+    def test_without_observer(self):
+        self.others_go_on_without("observer")
+
+    def test_without_server(self):
+        self.kill("server")
+        # The others may end or wait for another server; either way they say that theirs is gone.
+        deadline = time.monotonic() + 30
+        for role, program in self.others.items():
+            while not any("server" in line.lower() for line in program.last_words()):
+                self.assertLess(time.monotonic(), deadline, f"{role} says nothing of the server\n{self.explain()}")
+                self.assertIn(program.exit_code(), (None, 0), self.explain())
+                time.sleep(0.1)
+        self.assert_ended_cleanly()
+        self.assert_readable()
+
+
+if __name__ == "__main__":
+    unittest.main()

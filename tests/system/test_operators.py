@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Scripted operators succeed and fail for the right reasons. Compares the runs that operator_run.py made."""
+
+import unittest
+
+import support
+from operator_run import result
+
+TIMING = ("step_ms", "step_budget_ms", "wall_s", "threads")  # what may differ between equal runs
+
+
+def without_timing(run):
+    return {key: value for key, value in run.items() if key not in TIMING}
+
+
+class Operators(support.Case):
+    def test_expert_intubates(self):
+        run = result("expert")
+        self.assertTrue(run["success"], run["reason"])
+        self.assertIn("trachea", run["reason"])
+        self.assert_parameters(run["parameters"])
+        parameters = run["parameters"]
+        self.assertEqual(parameters["attempts"], 1)
+        self.assertEqual(parameters["oesophageal_entries"], 0)
+        self.assertGreater(parameters["glottic_opening_percent"]["max"], 50)
+
+    def test_expert_stays_within_what_people_do(self):
+        parameters = result("expert")["parameters"]
+        # Neonatal Resuscitation Program: an attempt takes at most 30 s.
+        self.assertLess(parameters["time_s"], 30)
+        # Table 2 of Xiao et al. 2020: people's largest gum forces lie between 3.1 and 5.3 N on average.
+        self.assertLess(parameters["gum_force_n"]["max"], 5.3)
+        # The lip-to-glottis distance of a term newborn is about 7 cm; a blade tip cannot be deeper past the gum.
+        self.assertGreater(parameters["blade_depth_cm"]["max"], 2)
+        self.assertLess(parameters["blade_depth_cm"]["max"], 7)
+
+    def test_same_seed_gives_the_same_result(self):
+        self.assertEqual(without_timing(result("expert_again")), without_timing(result("expert_two_threads")))
+
+    def test_threads_do_not_change_the_state(self):
+        self.assertEqual(result("expert")["state_hash"], result("expert_two_threads")["state_hash"])
+        self.assertEqual(without_timing(result("expert")), without_timing(result("expert_two_threads")))
+
+    def test_novice_presses_and_rocks_more_than_the_expert(self):
+        novice, expert = result("novice")["parameters"], result("expert")["parameters"]
+        self.assert_parameters(novice)
+        self.assertGreater(novice["gum_force_n"]["mean"], expert["gum_force_n"]["mean"])
+        self.assertGreater(novice["pitch_peaks"], expert["pitch_peaks"])
+
+    def test_oesophageal_run_fails_in_the_oesophagus(self):
+        run = result("oesophageal")
+        self.assertFalse(run["success"])
+        self.assertIn("oesophag", run["reason"])
+        self.assertGreaterEqual(run["parameters"]["oesophageal_entries"], 1)
+
+    def assert_sees_nothing(self, name):
+        run = result(name)
+        self.assertFalse(run["success"], run["reason"])
+        self.assertLess(run["parameters"]["glottic_opening_percent"]["max"], 5)
+
+    def test_without_lift_the_glottis_stays_hidden(self):
+        self.assert_sees_nothing("no_lift")
+
+    def test_with_the_jaw_closed_the_glottis_stays_hidden(self):
+        self.assert_sees_nothing("jaw_closed")
+
+
+if __name__ == "__main__":
+    unittest.main()
