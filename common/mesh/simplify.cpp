@@ -47,9 +47,9 @@ struct Quadric {
 
     /// The minimum, drawn towards `anchor` along directions the planes leave undetermined.
     [[nodiscard]] Vec3d minimum(const Vec3d& anchor) const {
-        // A thousandth of the trace: it moves the point by a thousandth of the distance between
+        // A hundredth of the trace: it moves the point by a hundredth of the distance between
         // anchor and surface, and keeps the system well conditioned on flat ground.
-        const double pull = 1e-3 * trace();
+        const double pull = 1e-2 * trace();
         const double a00 = xx + pull, a11 = yy + pull, a22 = zz + pull;
         const double m00 = a11 * a22 - yz * yz, m01 = xz * yz - xy * a22, m02 = xy * yz - xz * a11;
         const double determinant = a00 * m00 + xy * m01 + xz * m02;
@@ -189,8 +189,8 @@ class Collapser {
     [[nodiscard]] Candidate evaluate(std::uint32_t a, std::uint32_t b) const {
         Quadric sum = quadric_[a];
         sum += quadric_[b];
-        // On flat ground short edges go first: an edge counts as if 0.3 % of its length were error.
-        const double bias = 1e-5 * sum.trace() * (position_[a] - position_[b]).squaredNorm();
+        // On flat ground short edges go first: an edge counts as if 1 % of its length were error.
+        const double bias = 1e-4 * sum.trace() * (position_[a] - position_[b]).squaredNorm();
         return {static_cast<float>(sum.at(target(a, b, sum)) + bias), a, b, stamp_[a] + stamp_[b]};
     }
 
@@ -213,29 +213,34 @@ class Collapser {
         return common == 2 && around_.size() + around_other_.size() > 6;
     }
 
-    /// Whether the triangles of `v` without `other` keep their side and shape when v moves to `to`.
-    [[nodiscard]] bool keeps_shape(std::uint32_t v, std::uint32_t other, const Vec3d& to) const {
-        for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
-            const std::uint32_t p = follower(corner, 1);
-            const std::uint32_t q = follower(corner, 2);
-            if (p == other || q == other) {
-                continue;
-            }
-            const Vec3d side = position_[q] - position_[p];
-            const Vec3d before = side.cross(position_[v] - position_[p]);
-            const Vec3d after = side.cross(to - position_[p]);
-            const double turn = before.dot(after);
-            // cos 70 deg = 0.34
-            if (turn <= 0.0 || turn * turn < 0.1156 * before.squaredNorm() * after.squaredNorm()) {
-                return false;
-            }
-            const double shape = slimness(after, side, to - position_[p], to - position_[q]);
-            if (shape < 0.08 &&
-                shape < slimness(before, side, position_[v] - position_[p], position_[v] - position_[q])) {
-                return false;
+    /// Whether the triangles around edge ab keep their side when both ends move to `to`, and the worst
+    /// of them does not become more of a sliver than the worst already was.
+    [[nodiscard]] bool keeps_shape(std::uint32_t a, std::uint32_t b, const Vec3d& to) const {
+        constexpr double well_shaped = 0.1;
+        double worst_before = well_shaped;
+        double worst_after = well_shaped;
+        for (const auto& [v, other] : {std::array{a, b}, std::array{b, a}}) {
+            for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+                const std::uint32_t p = follower(corner, 1);
+                const std::uint32_t q = follower(corner, 2);
+                const Vec3d side = position_[q] - position_[p];
+                const Vec3d before = side.cross(position_[v] - position_[p]);
+                worst_before = std::min(worst_before, slimness(before, side, position_[v] - position_[p],
+                                                               position_[v] - position_[q]));
+                if (p == other || q == other) {
+                    continue;
+                }
+                const Vec3d after = side.cross(to - position_[p]);
+                const double turn = before.dot(after);
+                // cos 70 deg = 0.34
+                if (turn <= 0.0 || turn * turn < 0.1156 * before.squaredNorm() * after.squaredNorm()) {
+                    return false;
+                }
+                worst_after =
+                    std::min(worst_after, slimness(after, side, to - position_[p], to - position_[q]));
             }
         }
-        return true;
+        return worst_after >= worst_before;
     }
 
     /// Twice the area over the longest side squared: 0.87 for an equilateral triangle.
@@ -247,14 +252,21 @@ class Collapser {
     void try_collapse(std::uint32_t a, std::uint32_t b) {
         Quadric sum = quadric_[a];
         sum += quadric_[b];
-        const Vec3d to = target(a, b, sum);
+        if (!keeps_manifold(a, b)) {
+            return;
+        }
+        // Where the best place would spoil the shape, one end may still swallow the other.
         const double limit = static_cast<double>(settings_.max_error);
-        if (sum.at(to) > limit * limit * sum.trace() || !keeps_manifold(a, b) || !keeps_shape(a, b, to) ||
-            !keeps_shape(b, a, to)) {
+        const double allowed = limit * limit * sum.trace();
+        const std::array<Vec3d, 3> places = {target(a, b, sum), position_[a], position_[b]};
+        const auto place = std::find_if(places.begin(), places.end(), [&](const Vec3d& to) {
+            return sum.at(to) <= allowed && keeps_shape(a, b, to);
+        });
+        if (place == places.end()) {
             return;
         }
         merge(a, b);
-        position_[a] = to;
+        position_[a] = *place;
         quadric_[a] = sum;
         ++stamp_[a];
         ++stamp_[b];
