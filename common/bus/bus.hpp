@@ -16,10 +16,10 @@
 namespace eti::bus {
 
 struct Options {
-    std::string session = "default";     ///< partition; several sessions share a domain
-    int domain = 0;                      ///< DDS domain, 0-232
-    std::string name;                    ///< of this participant, e.g. "eti-server"
-    std::filesystem::path profile;       ///< optional XML profile file (transports, peers, security)
+    std::string session = "default";  ///< partition; several sessions share a domain
+    int domain = 0;                   ///< DDS domain, 0-232
+    std::string name;                 ///< of this participant, e.g. "eti-server"
+    std::filesystem::path profile;    ///< optional XML profile file (transports, peers, security)
 };
 
 /// Something about the bus that a person can mend; the text says what to do.
@@ -27,6 +27,9 @@ class BusError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
+
+/// "host:pid" of this process, as SessionStatus names a server; at most 64 characters.
+[[nodiscard]] std::string process_name();
 
 /// A process's place on the bus: participant, publisher and subscriber in the session's partition.
 /// Throws BusError from the constructor.
@@ -44,7 +47,8 @@ class Node {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Writes one topic. publish() never blocks longer than the topic's QoS allows; false: not written.
+/// Writes one topic, for one thread. publish() never blocks longer than the topic's QoS allows; false: not
+/// written (the message breaks a bound of the IDL, or a reliable reader is stuck).
 template <class Message>
 class Publisher {
   public:
@@ -52,30 +56,32 @@ class Publisher {
     ~Publisher();
     Publisher(Publisher&&) noexcept;
     bool publish(const Message& message);
-    [[nodiscard]] int matched() const;   ///< readers now matched
-    void assert_liveliness();            ///< for topics with manual liveliness
+    [[nodiscard]] int matched() const;  ///< readers now matched
+    void assert_liveliness();           ///< for topics with manual liveliness
 
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 
-/// Reads one topic. Samples wait in the reader's bounded history until taken; nothing is called back
-/// on a DDS thread, so message handling stays on the caller's thread.
+/// Reads one topic, for one thread. Samples wait in the reader's bounded history until taken; nothing is
+/// called back on a DDS thread, so message handling stays on the caller's thread.
 template <class Message>
 class Subscriber {
   public:
     Subscriber(Node& node, const Topic<Message>& topic);
     ~Subscriber();
     Subscriber(Subscriber&&) noexcept;
-    /// Oldest sample not yet taken; never blocks. `message` is reused to spare allocations.
+    /// Oldest sample not yet taken; never blocks. `message` is reused to spare allocations;
+    /// unspecified on false. A malformed sample is dropped, never thrown.
     [[nodiscard]] bool take(Message& message);
-    /// Newest sample not yet taken, dropping older ones; never blocks.
+    /// Newest sample not yet taken, of whatever key, dropping older ones; never blocks. `message` is
+    /// left as it was on false.
     [[nodiscard]] bool take_latest(Message& message);
     /// Waits until there is something to take.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
-    [[nodiscard]] int matched() const;   ///< writers now matched
-    [[nodiscard]] bool alive() const;    ///< some writer is matched and, where liveliness is asked for, alive
+    [[nodiscard]] int matched() const;  ///< writers now matched
+    [[nodiscard]] bool alive() const;   ///< some writer is matched and, where liveliness is asked for, alive
 
   private:
     struct Impl;
@@ -87,8 +93,10 @@ struct SelfCheck {
     std::vector<std::string> warnings;
 };
 
-/// Looks for stale shared memory of dead processes, an unusable network, a taken session.
-/// `is_server`: refuses (BusError) when another live server owns the session.
+/// Looks for stale shared memory of dead processes, an unusable network, a taken session; a server
+/// calls it before it publishes SessionStatus. Takes all of `wait` for a server; for others, until a
+/// server is found. `is_server`: refuses (BusError) when another live server owns the session, or
+/// started on it first.
 [[nodiscard]] SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait);
 
 }  // namespace eti::bus

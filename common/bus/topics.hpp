@@ -13,9 +13,9 @@ namespace msg = ::eti::msg;
 /// How a topic travels. One table says it for all topics; a new topic is a new row.
 struct Quality {
     bool reliable = false;
-    bool transient_local = false;        ///< late joiners get the last sample of each key
-    int depth = 1;                       ///< samples kept per key
-    bool manual_liveliness = false;      ///< a hung loop shows within 300 ms
+    bool transient_local = false;    ///< late joiners get the last sample of each key
+    int depth = 1;                   ///< samples kept per key
+    bool manual_liveliness = false;  ///< a hung loop shows within 300 ms
 };
 
 template <class Message>
@@ -35,7 +35,8 @@ inline constexpr Topic<msg::TissueContacts> tissue_contacts{"eti/tissue_contacts
 inline constexpr Topic<msg::DeformationState> deformation{"eti/deformation", {.depth = 1024}};
 inline constexpr Topic<msg::DeformationState> deformation_slow{"eti/deformation_slow", {.depth = 1024}};
 inline constexpr Topic<msg::Command> command{"eti/command", {.reliable = true, .depth = 64}};
-inline constexpr Topic<msg::CommandResult> command_result{"eti/command_result", {.reliable = true, .depth = 64}};
+inline constexpr Topic<msg::CommandResult> command_result{"eti/command_result",
+                                                          {.reliable = true, .depth = 64}};
 inline constexpr Topic<msg::LiveMetrics> live_metrics{"eti/live_metrics", {}};
 inline constexpr Topic<msg::AttemptSummary> attempt_summary{"eti/attempt_summary",
                                                             {.reliable = true, .transient_local = true}};

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <algorithm>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <utility>
+
+#include "common/bus/participant.hpp"
+#include "common/bus/wire.hpp"
+
+namespace eti::bus {
+
+using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+namespace {
+
+template <class Message>
+struct Wire;
+#define ETI_WIRE(name)                                \
+    template <>                                       \
+    struct Wire<msg::name> {                          \
+        using Type = WireType<msg::name##PubSubType>; \
+    };
+ETI_WIRE(SceneDescription)
+ETI_WIRE(DeformationState)
+ETI_WIRE(ToolPose)
+ETI_WIRE(EyePose)
+ETI_WIRE(ProxyState)
+ETI_WIRE(TissueContacts)
+ETI_WIRE(Command)
+ETI_WIRE(CommandResult)
+ETI_WIRE(LiveMetrics)
+ETI_WIRE(AttemptSummary)
+ETI_WIRE(SessionStatus)
+#undef ETI_WIRE
+
+const Duration_t liveliness_lease{0.3L};
+// A reliable write waits at most this long for a stuck reader.
+const Duration_t max_blocking{0.02L};
+// Repair of what was lost: the library's 3 s heartbeat would show as a stall. Heartbeats are sent only
+// while a reader has not acknowledged everything.
+const Duration_t heartbeat_period{0.02L};
+const Duration_t repair_delay{0.001L};
+// Keys a reader keeps; the library's default of 10 refuses the eleventh object of a scene.
+constexpr std::int32_t most_instances = 256;
+
+template <class Qos>
+void apply(const Quality& wanted, bool keyed, Qos& quality) {
+    quality.reliability().kind =
+        wanted.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+    quality.reliability().max_blocking_time = max_blocking;
+    quality.durability().kind =
+        wanted.transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+    quality.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+    quality.history().depth = wanted.depth;
+    auto& limits = quality.resource_limits();
+    limits.max_instances = keyed ? most_instances : 1;
+    limits.max_samples_per_instance = wanted.depth;
+    limits.max_samples = limits.max_instances * wanted.depth;
+    limits.allocated_samples = std::min(limits.max_samples, 16);
+    quality.endpoint().history_memory_policy =
+        eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    quality.data_sharing().off();  // refuses keyed types, and its files outlive a killed writer
+    if (wanted.manual_liveliness) {
+        quality.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+        quality.liveliness().lease_duration = liveliness_lease;
+    }
+}
+
+}  // namespace
+
+template <class Message>
+struct Publisher<Message>::Impl {
+    std::shared_ptr<Participant> participant;
+    dds::DataWriter* writer = nullptr;
+
+    ~Impl() {
+        if (writer != nullptr) {
+            participant->publisher->delete_datawriter(writer);
+        }
+    }
+};
+
+template <class Message>
+Publisher<Message>::Publisher(Node& node, const Topic<Message>& topic) : impl_(std::make_unique<Impl>()) {
+    impl_->participant = node.impl().participant;
+    const dds::TypeSupport type(new typename Wire<Message>::Type());
+    dds::DataWriterQos quality = dds::DATAWRITER_QOS_DEFAULT;
+    apply(topic.quality, type->m_isGetKeyDefined, quality);
+    if (topic.quality.manual_liveliness) {
+        quality.liveliness().announcement_period = Duration_t{0.1L};
+    }
+    auto& times = quality.reliable_writer_qos().times;
+    times.heartbeatPeriod = heartbeat_period;
+    times.nackResponseDelay = repair_delay;
+    impl_->writer = impl_->participant->publisher->create_datawriter(
+        impl_->participant->topic(topic.name, type), quality, nullptr, dds::StatusMask::none());
+    if (impl_->writer == nullptr) {
+        throw BusError(fmt::format("cannot write topic {}: the DDS library refused it; see the lines above",
+                                   topic.name));
+    }
+}
+
+template <class Message>
+Publisher<Message>::~Publisher() = default;
+template <class Message>
+Publisher<Message>::Publisher(Publisher&&) noexcept = default;
+
+template <class Message>
+bool Publisher<Message>::publish(const Message& message) {
+    return within_bounds(message) && impl_->writer->write(const_cast<Message*>(&message));
+}
+
+template <class Message>
+int Publisher<Message>::matched() const {
+    dds::PublicationMatchedStatus status;
+    return impl_->writer->get_publication_matched_status(status) == ReturnCode_t::RETCODE_OK
+               ? status.current_count
+               : 0;
+}
+
+template <class Message>
+void Publisher<Message>::assert_liveliness() {
+    impl_->writer->assert_liveliness();
+}
+
+template <class Message>
+struct Subscriber<Message>::Impl {
+    std::shared_ptr<Participant> participant;
+    dds::DataReader* reader = nullptr;
+    bool manual_liveliness = false;
+    Message newest;  // kept to spare allocations
+
+    ~Impl() {
+        if (reader != nullptr) {
+            participant->subscriber->delete_datareader(reader);
+        }
+    }
+};
+
+template <class Message>
+Subscriber<Message>::Subscriber(Node& node, const Topic<Message>& topic) : impl_(std::make_unique<Impl>()) {
+    impl_->participant = node.impl().participant;
+    impl_->manual_liveliness = topic.quality.manual_liveliness;
+    const dds::TypeSupport type(new typename Wire<Message>::Type());
+    dds::DataReaderQos quality = dds::DATAREADER_QOS_DEFAULT;
+    apply(topic.quality, type->m_isGetKeyDefined, quality);
+    quality.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
+    impl_->reader = impl_->participant->subscriber->create_datareader(
+        impl_->participant->topic(topic.name, type), quality, nullptr, dds::StatusMask::none());
+    if (impl_->reader == nullptr) {
+        throw BusError(
+            fmt::format("cannot read topic {}: the DDS library refused it; see the lines above", topic.name));
+    }
+}
+
+template <class Message>
+Subscriber<Message>::~Subscriber() = default;
+template <class Message>
+Subscriber<Message>::Subscriber(Subscriber&&) noexcept = default;
+
+template <class Message>
+bool Subscriber<Message>::take(Message& message) {
+    dds::SampleInfo info;
+    // Samples without data (a writer went away) are passed over.
+    while (impl_->reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+        if (info.valid_data) {
+            return true;
+        }
+    }
+    return false;
+}
+
+template <class Message>
+bool Subscriber<Message>::take_latest(Message& message) {
+    // Bounded, so that a writer faster than this loop cannot hold it.
+    constexpr int most = 4096;
+    bool any = false;
+    for (int taken = 0; taken < most && take(impl_->newest); ++taken) {
+        std::swap(message, impl_->newest);
+        any = true;
+    }
+    return any;
+}
+
+template <class Message>
+bool Subscriber<Message>::wait(std::chrono::milliseconds timeout) {
+    return impl_->reader->wait_for_unread_message(
+        Duration_t{static_cast<long double>(timeout.count()) * 1e-3L});
+}
+
+template <class Message>
+int Subscriber<Message>::matched() const {
+    dds::SubscriptionMatchedStatus status;
+    return impl_->reader->get_subscription_matched_status(status) == ReturnCode_t::RETCODE_OK
+               ? status.current_count
+               : 0;
+}
+
+template <class Message>
+bool Subscriber<Message>::alive() const {
+    if (!impl_->manual_liveliness) {
+        return matched() > 0;
+    }
+    dds::LivelinessChangedStatus status;
+    return impl_->reader->get_liveliness_changed_status(status) == ReturnCode_t::RETCODE_OK &&
+           status.alive_count > 0;
+}
+
+#define ETI_ENDPOINTS(name)              \
+    template class Publisher<msg::name>; \
+    template class Subscriber<msg::name>;
+ETI_ENDPOINTS(SceneDescription)
+ETI_ENDPOINTS(DeformationState)
+ETI_ENDPOINTS(ToolPose)
+ETI_ENDPOINTS(EyePose)
+ETI_ENDPOINTS(ProxyState)
+ETI_ENDPOINTS(TissueContacts)
+ETI_ENDPOINTS(Command)
+ETI_ENDPOINTS(CommandResult)
+ETI_ENDPOINTS(LiveMetrics)
+ETI_ENDPOINTS(AttemptSummary)
+ETI_ENDPOINTS(SessionStatus)
+#undef ETI_ENDPOINTS
+
+}  // namespace eti::bus

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <algorithm>
+#include <charconv>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+
+#include "common/bus/convert.hpp"
+#include "common/bus/participant.hpp"
+
+namespace eti::bus {
+
+using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
+using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+namespace {
+
+// Sized for a burst of 240 kB at 90 Hz, of which the kernel's default of 208 kB loses three quarters.
+constexpr std::uint32_t socket_buffer = 4u << 20;
+// Holds two of the largest scene objects (about 2 MB) beside the running traffic.
+constexpr std::uint32_t shared_segment = 8u << 20;
+constexpr std::uint32_t shared_port_messages = 512;
+// A crashed process is forgotten, and a late joiner found, within this lease; the library's own 20 s
+// and 3 s leave a session looking alive long after it died.
+const Duration_t participant_lease{1.5L};
+const Duration_t participant_announcement{0.5L};
+
+// The library reports on standard output by default, where the programs put their results.
+class LogToStandardError final : public dds::LogConsumer {
+  public:
+    void Consume(const dds::Log::Entry& entry) override {
+        const auto level = entry.kind == dds::Log::Error     ? spdlog::level::err
+                           : entry.kind == dds::Log::Warning ? spdlog::level::warn
+                                                             : spdlog::level::info;
+        bus_log().log(level, "{}: {}", entry.context.category != nullptr ? entry.context.category : "",
+                      entry.message);
+    }
+};
+
+void set_up_library() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        (void)bus_log();
+        dds::Log::ClearConsumers();
+        dds::Log::RegisterConsumer(std::make_unique<LogToStandardError>());
+        dds::Log::SetVerbosity(dds::Log::Error);
+        // Two nodes of one process shall speak as two processes do, so that tests see the real path
+        // and a writer never runs a reader's code on its own thread.
+        auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
+        settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+        eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    });
+}
+
+void check_names(const Options& options) {
+    const auto allowed = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+               c == '_' || c == '.';
+    };
+    // A partition name may hold wildcards, and then joins every session that fits.
+    if (options.session.empty() || options.session.size() > 48 ||
+        !std::ranges::all_of(options.session, allowed)) {
+        throw BusError(fmt::format("session '{}': expected 1 to 48 letters, digits, '.', '-' or '_'",
+                                   options.session.substr(0, 60)));
+    }
+    if (options.domain < 0 || options.domain > 232) {
+        throw BusError(fmt::format(
+            "domain {}: expected 0 to 232 (each domain has its own UDP ports); choose another --domain",
+            options.domain));
+    }
+}
+
+dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
+    auto* factory = dds::DomainParticipantFactory::get_instance();
+    if (!std::filesystem::is_regular_file(file)) {
+        throw BusError(fmt::format(
+            "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/dds)",
+            file.string()));
+    }
+    if (factory->load_XML_profiles_file(file.string()) != ReturnCode_t::RETCODE_OK) {
+        throw BusError(fmt::format(
+            "profile {}: not a valid Fast DDS XML profile (the lines above say where); compare deploy/dds",
+            file.string()));
+    }
+    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
+    if (factory->get_participant_qos_from_profile("eti", quality) != ReturnCode_t::RETCODE_OK) {
+        throw BusError(fmt::format(
+            "profile {}: holds no <participant profile_name=\"eti\">; name the participant profile 'eti'",
+            file.string()));
+    }
+    return quality;
+}
+
+dds::DomainParticipantQos own_quality() {
+    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
+    auto udp = std::make_shared<UDPv4TransportDescriptor>();
+    udp->sendBufferSize = socket_buffer;
+    udp->receiveBufferSize = socket_buffer;
+    auto shared = std::make_shared<SharedMemTransportDescriptor>();
+    shared->segment_size(shared_segment);
+    shared->port_queue_capacity(shared_port_messages);
+    quality.transport().use_builtin_transports = false;
+    quality.transport().user_transports = {shared, udp};
+    quality.transport().send_socket_buffer_size = socket_buffer;
+    quality.transport().listen_socket_buffer_size = socket_buffer;
+    return quality;
+}
+
+/// Warns when the kernel grants less than asked for: it does so in silence.
+void check_socket_buffer(int option, const char* kernel_setting, std::vector<std::string>& warnings) {
+    const int probe = ::socket(AF_INET, SOCK_DGRAM, 0);
+    if (probe < 0) {
+        return;  // the participant itself will say that there is no network
+    }
+    const int wanted = static_cast<int>(socket_buffer);
+    int granted = 0;
+    socklen_t size = sizeof granted;
+    ::setsockopt(probe, SOL_SOCKET, option, &wanted, sizeof wanted);
+    // Linux reports twice the usable size.
+    if (::getsockopt(probe, SOL_SOCKET, option, &granted, &size) == 0 && granted / 2 < wanted) {
+        warnings.push_back(
+            fmt::format("the kernel grants socket buffers of {} kB where {} kB keep large messages whole; "
+                        "run: sysctl -w {}={}",
+                        granted / 2048, wanted / 1024, kernel_setting, wanted));
+    }
+    ::close(probe);
+}
+
+std::string field_of(const std::string& text, std::string_view key) {
+    const auto at = text.find(key);
+    if (at == std::string::npos) {
+        return {};
+    }
+    const auto from = at + key.size();
+    return text.substr(from, text.find(';', from) - from);
+}
+
+}  // namespace
+
+spdlog::logger& bus_log() {
+    static const std::shared_ptr<spdlog::logger> logger = [] {
+        auto known = spdlog::get("bus");
+        return known ? known : spdlog::stderr_logger_mt("bus");
+    }();
+    return *logger;
+}
+
+std::string process_name() {
+    char host[256] = "unknown";
+    ::gethostname(host, sizeof host - 1);
+    const std::string pid = std::to_string(::getpid());
+    return std::string(host).substr(0, 63 - pid.size()) + ":" + pid;
+}
+
+Participant::Participant(const Options& wanted) : options(wanted) {
+    check_names(options);
+    set_up_library();
+    auto quality = options.profile.empty() ? own_quality() : profile_quality(options.profile);
+    if (options.profile.empty()) {
+        check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings_);
+        check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings_);
+    }
+    auto& discovery = quality.wire_protocol().builtin.discovery_config;
+    if (discovery.leaseDuration ==
+        dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
+        discovery.leaseDuration = participant_lease;
+        discovery.leaseDuration_announcementperiod = participant_announcement;
+    }
+    quality.name(options.name);
+    started_ns_ = wall_clock_ns();
+    const std::string introduction =
+        fmt::format("eti;session={};process={};started={};", options.session, process_name(), started_ns_);
+    quality.user_data().data_vec({introduction.begin(), introduction.end()});
+
+    participant = dds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<std::uint32_t>(options.domain), quality, this, dds::StatusMask::none());
+    if (participant == nullptr) {
+        throw BusError(
+            fmt::format("cannot join domain {}: its UDP ports from {} on are taken or there is no network; "
+                        "choose another "
+                        "--domain, or bring a network interface up (ip link set lo up)",
+                        options.domain, 7400 + 250 * options.domain));
+    }
+    dds::PublisherQos publisher_quality = dds::PUBLISHER_QOS_DEFAULT;
+    publisher_quality.partition().push_back(options.session.c_str());
+    publisher = participant->create_publisher(publisher_quality);
+    dds::SubscriberQos subscriber_quality = dds::SUBSCRIBER_QOS_DEFAULT;
+    subscriber_quality.partition().push_back(options.session.c_str());
+    subscriber = participant->create_subscriber(subscriber_quality);
+    if (publisher == nullptr || subscriber == nullptr) {
+        close();
+        throw BusError(
+            fmt::format("cannot join session '{}' on domain {}: the DDS library refused its "
+                        "partition; see the lines above",
+                        options.session, options.domain));
+    }
+}
+
+Participant::~Participant() {
+    close();
+}
+
+void Participant::close() {
+    participant->set_listener(nullptr);
+    participant->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+dds::Topic* Participant::topic(std::string_view name, dds::TypeSupport type) {
+    const std::lock_guard lock(topics_mutex_);
+    if (const auto known = topics_.find(name); known != topics_.end()) {
+        return known->second;
+    }
+    if (participant->find_type(type.get_type_name()).empty()) {
+        type.register_type(participant);
+    }
+    auto* made = participant->create_topic(std::string(name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+    if (made == nullptr) {
+        throw BusError(
+            fmt::format("cannot make topic {}: the DDS library refused it; see the lines above", name));
+    }
+    topics_.emplace(name, made);
+    return made;
+}
+
+std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> Participant::started() const {
+    return {started_ns_, participant->guid().guidPrefix};
+}
+
+std::vector<Peer> Participant::peers() const {
+    const std::lock_guard lock(peers_mutex_);
+    std::vector<Peer> all;
+    for (const auto& [prefix, peer] : peers_) {
+        all.push_back(peer);
+    }
+    return all;
+}
+
+void Participant::on_participant_discovery(dds::DomainParticipant*,
+                                           eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) {
+    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+    constexpr std::size_t most = 256;  // a hostile network must not grow this without end
+    const std::lock_guard lock(peers_mutex_);
+    const auto& prefix = info.info.m_guid.guidPrefix;
+    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
+        peers_.erase(prefix);
+        return;
+    }
+    const auto& data = info.info.m_userData.data_vec();
+    const std::string text(data.begin(), data.end());
+    if (text.starts_with("eti;") && peers_.size() < most) {
+        const std::string started = field_of(text, ";started=");
+        std::uint64_t started_ns = 0;
+        std::from_chars(started.data(), started.data() + started.size(), started_ns);
+        peers_[prefix] = {std::string(info.info.m_participantName.c_str()),
+                          field_of(text, ";session="),
+                          field_of(text, ";process="),
+                          {started_ns, prefix}};
+    }
+}
+
+Node::Node(const Options& options) : impl_(new Impl{std::make_shared<Participant>(options)}) {}
+Node::~Node() = default;
+const Options& Node::options() const {
+    return impl_->participant->options;
+}
+
+}  // namespace eti::bus

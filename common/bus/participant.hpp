@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <spdlog/spdlog.h>
+
+#include <cstdint>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+
+namespace eti::bus {
+
+namespace dds = eprosima::fastdds::dds;
+
+/// Logger of this room, on standard error whatever the program's default logger is.
+[[nodiscard]] spdlog::logger& bus_log();
+
+/// Another participant of this project seen on the domain.
+struct Peer {
+    std::string name;  ///< Options::name
+    std::string session;
+    std::string process;  ///< host:pid
+    /// When it joined [ns, its system clock] and, to tell two of one instant apart, its identity.
+    std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started;
+};
+
+/// What a node's publishers and subscribers share; the last of them to go deletes it, so the order in
+/// which they and the node are destroyed does not matter.
+class Participant final : public dds::DomainParticipantListener {
+  public:
+    explicit Participant(const Options& options);
+    ~Participant() override;
+    Participant(const Participant&) = delete;
+    Participant& operator=(const Participant&) = delete;
+
+    /// The topic of that name, made (and its type registered) on first use.
+    [[nodiscard]] dds::Topic* topic(std::string_view name, dds::TypeSupport type);
+
+    [[nodiscard]] std::vector<Peer> peers() const;
+    [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+    /// Comparable with Peer::started.
+    [[nodiscard]] std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started() const;
+
+    const Options options;
+    dds::DomainParticipant* participant = nullptr;
+    dds::Publisher* publisher = nullptr;
+    dds::Subscriber* subscriber = nullptr;
+
+  private:
+    void on_participant_discovery(dds::DomainParticipant* participant,
+                                  eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+    void close();
+
+    std::mutex topics_mutex_;
+    std::map<std::string, dds::Topic*, std::less<>> topics_;
+    mutable std::mutex peers_mutex_;
+    std::map<eprosima::fastrtps::rtps::GuidPrefix_t, Peer> peers_;
+    std::vector<std::string> warnings_;
+    std::uint64_t started_ns_ = 0;
+};
+
+struct Node::Impl {
+    std::shared_ptr<Participant> participant;
+};
+
+}  // namespace eti::bus

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <thread>
+
+#include "common/bus/participant.hpp"
+#include "common/bus/shared_memory.hpp"
+
+namespace eti::bus {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds poll_interval{20};
+
+[[noreturn]] void refuse(const Options& options, const std::string& owner) {
+    throw BusError(
+        fmt::format("session '{}' on domain {} is already run by the server {}: choose another --session, or "
+                    "stop that one",
+                    options.session, options.domain, owner));
+}
+
+/// Throws when another server owns the session, or started on it before this one.
+void refuse_second_server(const Participant& self, Subscriber<msg::SessionStatus>& statuses) {
+    msg::SessionStatus status;
+    if (statuses.take_latest(status) && statuses.matched() > 0) {
+        refuse(self.options, std::string(status.server().c_str()));
+    }
+    // Two servers that start together are both silent still: the one that started first stays.
+    for (const Peer& peer : self.peers()) {
+        if (peer.name == self.options.name && peer.session == self.options.session &&
+            peer.started < self.started()) {
+            refuse(self.options, peer.process);
+        }
+    }
+}
+
+void look_for_server(const Participant& self, bool found, SelfCheck& check) {
+    if (found) {
+        return;
+    }
+    std::string elsewhere;
+    for (const Peer& peer : self.peers()) {
+        if (peer.session != self.options.session &&
+            elsewhere.find("'" + peer.session + "'") == std::string::npos) {
+            elsewhere += (elsewhere.empty() ? "'" : ", '") + peer.session + "'";
+        }
+    }
+    if (!elsewhere.empty()) {
+        check.warnings.push_back(fmt::format(
+            "no server in session '{}' on domain {}, but there is session {}; is that the --session meant?",
+            self.options.session, self.options.domain, elsewhere));
+    } else {
+        check.warnings.push_back(fmt::format(
+            "no server found in session '{}' on domain {}: start eti-server with the same --session and "
+            "--domain, or, "
+            "where the network drops multicast, name its address as a peer in a --profile (see deploy/dds)",
+            self.options.session, self.options.domain));
+    }
+}
+
+void look_for_stale_memory(SelfCheck& check) {
+    const StaleSharedMemory stale = find_stale_shared_memory();
+    if (!stale.transport.empty()) {
+        check.warnings.push_back(fmt::format(
+            "{} shared-memory files of dead processes in /dev/shm; remove them with: fastdds shm clean",
+            stale.transport.size()));
+    }
+    if (!stale.data_sharing.empty()) {
+        std::string names;
+        for (const std::string& name : stale.data_sharing) {
+            names += " /dev/shm/" + name;
+        }
+        check.warnings.push_back(
+            fmt::format("{} data-sharing files of dead processes in /dev/shm, which 'fastdds shm clean' "
+                        "leaves; remove them with: rm{}",
+                        stale.data_sharing.size(), names));
+    }
+}
+
+}  // namespace
+
+SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait) {
+    const Participant& self = *node.impl().participant;
+    SelfCheck check;
+    check.warnings = self.warnings();
+    look_for_stale_memory(check);
+
+    Subscriber<msg::SessionStatus> statuses(node, topics::session_status);
+    const auto end = Clock::now() + wait;
+    bool found = false;
+    while (!found && Clock::now() < end) {
+        std::this_thread::sleep_for(std::min<Clock::duration>(poll_interval, end - Clock::now()));
+        if (is_server) {
+            refuse_second_server(self, statuses);
+        } else {
+            found = statuses.matched() > 0;
+        }
+    }
+    if (!is_server) {
+        look_for_server(self, found, check);
+    }
+    return check;
+}
+
+}  // namespace eti::bus
