@@ -64,7 +64,8 @@ class Spread {
         }
     }
 
-    /// The nodes around the cells that the triangle's box touches.
+    /// The nodes of the cells that the triangle's box touches, and one more on each side: next to the
+    /// surface the closest triangle need not be a neighbouring node's closest.
     void seed(std::uint32_t triangle) {
         const Triangle& t = mesh_.triangles[triangle];
         const Vec3f &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
@@ -74,8 +75,8 @@ class Spread {
         std::array<int, 3> last{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto i = static_cast<Eigen::Index>(axis);
-            first[axis] = std::max(0, static_cast<int>(std::floor(low[i])));
-            last[axis] = std::min(grid_.size[axis] - 1, static_cast<int>(std::ceil(high[i])));
+            first[axis] = std::max(0, static_cast<int>(std::floor(low[i])) - 1);
+            last[axis] = std::min(grid_.size[axis] - 1, static_cast<int>(std::ceil(high[i])) + 1);
         }
         for (int z = first[2]; z <= last[2]; ++z) {
             for (int y = first[1]; y <= last[1]; ++y) {
