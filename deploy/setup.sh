@@ -48,15 +48,22 @@ eti_install() {
         as_root=(sudo)
         eti_say "sudo may ask for your password."
     fi
-    # Waits for another apt to finish; a mirror that cannot be reached is an error, not a remark.
+    # Waits for another apt to finish. A mirror that cannot be reached counts as an error, not as a remark;
+    # it may be one that is not needed, so installing is tried all the same.
     local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q
                -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
-    "${apt[@]}" update -o APT::Update::Error-Mode=any >&2 </dev/null ||
-        eti_fail "apt-get update failed (see above). Check the network, a proxy if you need one (apt's" \
-                 "Acquire::http::Proxy), and the mirrors in /etc/apt/sources.list; then run this again."
-    "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2 </dev/null ||
-        eti_fail "apt-get install failed (see above). Nothing was built. If a package was not found, this" \
-                 "system's release differs from Debian 12; if a download failed, run this again."
+    local updated=yes
+    "${apt[@]}" update -o APT::Update::Error-Mode=any >&2 </dev/null || {
+        updated=no
+        eti_say "apt-get update failed (see above); trying with the package lists at hand."
+    }
+    "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2 </dev/null && return 0
+    [ $updated = yes ] ||
+        eti_fail "apt-get could neither update its lists nor install (see above), so nothing was built. Check the" \
+                 "network, a proxy if you need one (apt's Acquire::http::Proxy), and the mirrors in" \
+                 "/etc/apt/sources.list; then run this again."
+    eti_fail "apt-get install failed (see above), so nothing was built. If a package was not found, this system's" \
+             "release differs from Debian 12; if a download failed, run this again."
 }
 
 # Compilers at once: one per core, and 1.5 GB of memory for each (the message types need about 1 GB).
