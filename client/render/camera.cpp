@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti::render {
+namespace {
+
+struct Axes {
+    Vec3f right, up, back;
+};
+
+Axes axes_of(const Camera& camera) {
+    const Vec3f gaze = camera.target - camera.eye;
+    const Vec3f back = gaze.norm() > 1e-6f ? Vec3f(-gaze.normalized()) : Vec3f::UnitZ();
+    Vec3f right = camera.up.cross(back);
+    right = right.norm() > 1e-4f ? right.normalized() : back.unitOrthogonal();
+    return {right, back.cross(right), back};
+}
+
+}  // namespace
+
+Eigen::Matrix4f Camera::view() const {
+    const auto [right, upward, back] = axes_of(*this);
+    Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
+    matrix.block<1, 3>(0, 0) = right.transpose();
+    matrix.block<1, 3>(1, 0) = upward.transpose();
+    matrix.block<1, 3>(2, 0) = back.transpose();
+    matrix.block<3, 1>(0, 3) = Vec3f(-right.dot(eye), -upward.dot(eye), -back.dot(eye));
+    return matrix;
+}
+
+Eigen::Matrix4f Camera::projection(float aspect) const {
+    const float focal = 1.0f / std::tan(0.5f * vertical_field);
+    Eigen::Matrix4f matrix = Eigen::Matrix4f::Zero();
+    matrix(0, 0) = focal / aspect;
+    matrix(1, 1) = focal;
+    matrix(2, 2) = (far_plane + near_plane) / (near_plane - far_plane);
+    matrix(2, 3) = 2.0f * far_plane * near_plane / (near_plane - far_plane);
+    matrix(3, 2) = -1.0f;
+    return matrix;
+}
+
+RigidTransform Camera::pose() const {
+    const auto [right, upward, back] = axes_of(*this);
+    Mat3f rotation;
+    rotation.col(0) = right;
+    rotation.col(1) = upward;
+    rotation.col(2) = back;
+    return RigidTransform::from(Quatf(rotation).normalized(), eye);
+}
+
+Camera overview_camera(const Landmarks& rest, const Orbit& orbit) {
+    Camera camera;
+    // A little behind the lips, so that face, handle and tube share the picture.
+    camera.target = at(rest, Landmark::mouth_opening) + Vec3f(0.0f, -0.01f, 0.015f);
+    const float elevation = std::clamp(orbit.elevation, -80.0f * degree, 85.0f * degree);
+    const Vec3f direction(std::cos(elevation) * std::sin(orbit.azimuth), -std::sin(elevation),
+                          std::cos(elevation) * std::cos(orbit.azimuth));
+    camera.eye = camera.target + std::clamp(orbit.distance, 0.15f, 1.5f) * direction;
+    camera.vertical_field = 26.0f * degree;
+    return camera;
+}
+
+Camera section_camera(const Landmarks& rest) {
+    Camera camera;
+    const Vec3f mouth = at(rest, Landmark::mouth_opening);
+    const Vec3f glottis = at(rest, Landmark::glottis);
+    camera.target = 0.4f * mouth + 0.6f * glottis;
+    camera.target.x() = 0.0f;
+    camera.eye = camera.target + Vec3f(0.5f, 0.0f, 0.0f);
+    // 120 mm of picture at the plane: lips to trachea.
+    camera.vertical_field = 2.0f * std::atan(0.060f / 0.5f);
+    camera.near_plane = 0.2f;
+    camera.far_plane = 1.0f;
+    return camera;
+}
+
+Camera laryngoscope_camera(const Landmarks& now) {
+    Camera camera;
+    camera.eye = best_eye(now);
+    camera.target = at(now, Landmark::glottis);
+    camera.vertical_field = 6.5f * degree;
+    camera.near_plane = 0.1f;
+    camera.far_plane = 0.8f;
+    return camera;
+}
+
+}  // namespace eti::render

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/math/transform.hpp"
+#include "common/math/units.hpp"
+#include "common/model/landmark.hpp"
+
+namespace eti::render {
+
+/// A perspective camera in the patient frame; lengths in metres.
+struct Camera {
+    Vec3f eye = Vec3f::Zero();
+    Vec3f target = -Vec3f::UnitZ();
+    Vec3f up = -Vec3f::UnitY();
+    float vertical_field = 30.0f * degree;  ///< [rad]
+    float near_plane = 0.05f;
+    float far_plane = 2.0f;
+
+    [[nodiscard]] Eigen::Matrix4f view() const;
+    [[nodiscard]] Eigen::Matrix4f projection(float aspect) const;
+    /// Pose as OpenXR has it: -z towards the target, +y up, +x right.
+    [[nodiscard]] RigidTransform pose() const;
+};
+
+/// Where the overview stands around the mouth. The baby lies on its back; azimuth turns about the
+/// vertical, 0 from the head's side, 90 deg from the patient's left.
+struct Orbit {
+    float azimuth = 58.0f * degree;
+    float elevation = 34.0f * degree;
+    float distance = 0.62f;
+};
+
+[[nodiscard]] Camera overview_camera(const Landmarks& rest, const Orbit& orbit);
+
+/// From the patient's left onto the mid-sagittal plane, head to the right.
+[[nodiscard]] Camera section_camera(const Landmarks& rest);
+
+/// The examiner's eye: at best_eye(), looking at the glottis, the tongue's side up.
+[[nodiscard]] Camera laryngoscope_camera(const Landmarks& now);
+
+}  // namespace eti::render

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "client/render/gl_object.hpp"
+#include "client/render/material.hpp"
+#include "client/view/skinned_surface.hpp"
+#include "client/view/tube_sweep.hpp"
+#include "common/mesh/triangle_mesh.hpp"
+
+namespace eti::render {
+
+/// Vertex attributes as the shaders number them.
+enum class Attribute : GLuint { position = 0, normal = 1, colour = 2, course = 3 };
+
+/// A triangle mesh on the graphics card whose vertices may be replaced and whose triangles stay.
+class GpuMesh {
+  public:
+    GpuMesh(std::span<const Triangle> triangles, std::span<const VertexColour> colours);
+    /// The tube: position, normal, distance from the tip and turn in place of colour.
+    explicit GpuMesh(std::span<const Triangle> triangles);
+
+    void upload(std::span<const view::LitVertex> vertices);
+    void upload(std::span<const view::TubeVertex> vertices);
+    void draw() const;
+
+    /// Revision of what was last uploaded, kept for the caller.
+    std::uint64_t revision = 0;
+
+  private:
+    void upload_bytes(const void* data, std::size_t bytes);
+    void set_indices(std::span<const Triangle> triangles);
+
+    VertexArray array_;
+    Buffer vertices_;
+    Buffer colours_;
+    Buffer indices_;
+    GLsizei index_count_ = 0;
+};
+
+}  // namespace eti::render

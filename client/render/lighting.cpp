@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/lighting.hpp"
+
+#include <fmt/format.h>
+
+namespace eti::render {
+
+void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
+    program.set("eye", eye);
+    program.set("ambient_high", ambient_high);
+    program.set("ambient_low", ambient_low);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const Light& light = lights[i];
+        program.set(fmt::format("light_position[{}]", i), light.position);
+        program.set(fmt::format("light_direction[{}]", i), light.direction);
+        program.set(fmt::format("light_colour[{}]", i), light.colour);
+        program.set(fmt::format("light_shape[{}]", i),
+                    Vec3f(light.cos_outer, light.cos_inner, light.reach * light.reach));
+    }
+}
+
+Light blade_lamp(const RigidTransform& pose, float blade_length) {
+    Light lamp;
+    // 16 mm short of the tip, as on a Miller blade, in the channel beneath the blade.
+    lamp.position = pose * Vec3f(0.0f, -4e-3f, blade_length - 16e-3f);
+    lamp.direction = pose.rotation * Vec3f(0.0f, -0.30f, 0.954f);
+    lamp.colour = Vec3f(2.4f, 2.25f, 2.0f);
+    lamp.cos_outer = 0.1f;
+    lamp.cos_inner = 0.85f;
+    lamp.reach = 0.022f;
+    return lamp;
+}
+
+Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lamp) {
+    Lighting lighting;
+    Light& key = lighting.lights[0];
+    key.position = camera.target + Vec3f(0.30f, -0.75f, 0.40f);
+    key.direction = (camera.target - key.position).normalized();
+    key.colour = Vec3f(1.60f, 1.52f, 1.42f);
+    key.reach = 1.5f;
+    if (lamp) {
+        lighting.lights[1] = *lamp;
+    }
+    lighting.ambient_high = Vec3f(0.34f, 0.36f, 0.40f);
+    lighting.ambient_low = Vec3f(0.10f, 0.09f, 0.10f);
+    return lighting;
+}
+
+Lighting section_lighting(const Camera& camera) {
+    Lighting lighting;
+    Light& key = lighting.lights[0];
+    key.position = camera.eye + Vec3f(0.0f, -0.25f, 0.12f);
+    key.direction = (camera.target - key.position).normalized();
+    key.colour = Vec3f(1.0f, 0.97f, 0.93f);
+    key.reach = 2.0f;
+    lighting.ambient_high = Vec3f(0.36f, 0.36f, 0.38f);
+    lighting.ambient_low = Vec3f(0.20f, 0.18f, 0.18f);
+    return lighting;
+}
+
+Lighting laryngoscope_lighting(const Camera& camera, const std::optional<Light>& lamp) {
+    Lighting lighting;
+    // What the room gives along the line of sight, and without a blade a head lamp.
+    Light& eye = lighting.lights[0];
+    eye.position = camera.eye - 0.01f * camera.up;
+    eye.direction = (camera.target - eye.position).normalized();
+    eye.colour = Vec3f::Constant(lamp ? 0.55f : 0.9f);
+    eye.reach = 2.0f;
+    if (lamp) {
+        lighting.lights[1] = *lamp;
+    }
+    lighting.ambient_high = Vec3f(0.16f, 0.14f, 0.14f);
+    lighting.ambient_low = Vec3f(0.06f, 0.04f, 0.04f);
+    return lighting;
+}
+
+}  // namespace eti::render

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "client/render/camera.hpp"
+#include "client/render/shader_program.hpp"
+#include "common/math/transform.hpp"
+
+namespace eti::render {
+
+/// A spot light; a lamp that shines all round has cone cosines below -1.
+struct Light {
+    Vec3f position = Vec3f::Zero();     ///< [m]
+    Vec3f direction = -Vec3f::UnitZ();  ///< unit, where it shines to
+    Vec3f colour = Vec3f::Zero();       ///< linear; black switches it off
+    float cos_outer = -3.0f, cos_inner = -2.0f;
+    float reach = 1.0f;  ///< [m] where half of the strength is left
+};
+
+/// What lights a view: light 0 may throw shadows.
+struct Lighting {
+    std::array<Light, 2> lights{};
+    Vec3f ambient_high = Vec3f::Zero();  ///< linear, from the ceiling (the patient's anterior)
+    Vec3f ambient_low = Vec3f::Zero();   ///< linear, from the table
+
+    /// Sets the program's uniforms; the program must be in use.
+    void apply(ShaderProgram& program, const Vec3f& eye) const;
+};
+
+/// The laryngoscope's own lamp, near the blade's tip on the side away from the tongue.
+/// `blade_length` [m] from the tool's origin to the tip.
+[[nodiscard]] Light blade_lamp(const RigidTransform& pose, float blade_length);
+
+[[nodiscard]] Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lamp);
+[[nodiscard]] Lighting section_lighting(const Camera& camera);
+[[nodiscard]] Lighting laryngoscope_lighting(const Camera& camera, const std::optional<Light>& lamp);
+
+}  // namespace eti::render

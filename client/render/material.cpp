@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/view/sky_visibility.hpp"
+#include "common/math/random.hpp"
+
+namespace eti::render {
+namespace {
+
+const Vec3f skin_colour(0.91f, 0.71f, 0.63f);
+const Vec3f cord_colour(0.95f, 0.88f, 0.83f);
+const Vec3f lip_colour(0.80f, 0.44f, 0.43f);
+constexpr float skin_wetness = 0.10f;
+
+// Skin sees at least this share of the sky; the closed mouth's lining almost none. Between the two
+// lie the lips.
+constexpr float lining_sky = 0.10f;
+constexpr float skin_sky = 0.30f;
+
+float wetness(Tissue tissue) {
+    switch (tissue) {
+        case Tissue::skull:
+        case Tissue::mandible:
+        case Tissue::spine:
+            return 0.25f;
+        case Tissue::tongue:
+            return 0.75f;
+        default:
+            return 1.0f;
+    }
+}
+
+float smooth_step(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+float lattice(int x, int y, int z) {
+    const auto mix = [](int v, std::uint64_t prime) {
+        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)) * prime;
+    };
+    return Random(mix(x, 0x8da6b343) ^ mix(y, 0xd8163841) ^ mix(z, 0xcb1ab31f)).uniform();
+}
+
+// Smooth value noise, 0-1, of unit period.
+float noise(const Vec3f& p) {
+    const Vec3f base(std::floor(p.x()), std::floor(p.y()), std::floor(p.z()));
+    const Vec3f t = p - base;
+    const int x = static_cast<int>(base.x()), y = static_cast<int>(base.y()), z = static_cast<int>(base.z());
+    const Vec3f s = t.cwiseProduct(t).cwiseProduct(Vec3f::Constant(3.0f) - 2.0f * t);
+    float sum = 0.0f;
+    for (int corner = 0; corner < 8; ++corner) {
+        const int i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;
+        const float weight = (i != 0 ? s.x() : 1.0f - s.x()) * (j != 0 ? s.y() : 1.0f - s.y()) *
+                             (k != 0 ? s.z() : 1.0f - s.z());
+        sum += weight * lattice(x + i, y + j, z + k);
+    }
+    return sum;
+}
+
+// Replaces each value by the mean over the vertex and its neighbours, `rounds` times.
+void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, int rounds) {
+    std::vector<float> sum(value.size()), count(value.size());
+    for (int round = 0; round < rounds; ++round) {
+        sum = value;
+        std::fill(count.begin(), count.end(), 1.0f);
+        for (const Triangle& t : triangles) {
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const std::uint32_t from = t[corner], to = t[(corner + 1) % 3];
+                // A closed surface meets every edge twice, once in each direction.
+                sum[from] += value[to];
+                count[from] += 1.0f;
+            }
+        }
+        for (std::size_t v = 0; v < value.size(); ++v) {
+            value[v] = sum[v] / count[v];
+        }
+    }
+}
+
+float distance_to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
+    const Vec3f along = b - a;
+    const float share =
+        along.squaredNorm() > 0.0f ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0f, 1.0f) : 0.0f;
+    return (p - a - share * along).norm();
+}
+
+}  // namespace
+
+Vec3f tissue_colour(Tissue tissue) {
+    switch (tissue) {
+        case Tissue::soft:
+            return {0.80f, 0.42f, 0.40f};
+        case Tissue::tongue:
+            return {0.79f, 0.37f, 0.38f};
+        case Tissue::epiglottis:
+            return {0.92f, 0.66f, 0.59f};
+        case Tissue::larynx:
+            return {0.90f, 0.62f, 0.57f};
+        case Tissue::trachea:
+            return {0.86f, 0.58f, 0.54f};
+        case Tissue::oesophagus:
+            return {0.70f, 0.30f, 0.31f};
+        case Tissue::upper_gum:
+        case Tissue::lower_gum:
+            return {0.90f, 0.62f, 0.61f};
+        case Tissue::palate:
+            return {0.86f, 0.56f, 0.53f};
+        case Tissue::skull:
+        case Tissue::mandible:
+        case Tissue::spine:
+            return {0.93f, 0.88f, 0.76f};
+    }
+    return {0.8f, 0.4f, 0.4f};
+}
+
+Vec3f cut_colour(Tissue tissue) {
+    switch (tissue) {
+        case Tissue::soft:
+            return {0.85f, 0.58f, 0.50f};
+        case Tissue::tongue:
+            return {0.72f, 0.30f, 0.30f};
+        case Tissue::epiglottis:
+            return {0.93f, 0.80f, 0.66f};
+        case Tissue::skull:
+        case Tissue::mandible:
+        case Tissue::spine:
+            return {0.95f, 0.91f, 0.80f};
+        default:
+            return 0.92f * tissue_colour(tissue);
+    }
+}
+
+std::vector<VertexColour> surface_colours(const view::SurfaceModel& surface, const Landmarks& rest) {
+    const std::size_t count = surface.mesh.vertices.size();
+    std::vector<Vec3f> colour(count, Vec3f::Zero());
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), larynx(count, 0.0f), corners(count, 0.0f);
+    for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
+        const Tissue tissue = surface.triangle_tissue[t];
+        for (const std::uint32_t v : surface.mesh.triangles[t]) {
+            colour[v] += tissue_colour(tissue);
+            wet[v] += wetness(tissue);
+            softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
+            larynx[v] += tissue == Tissue::larynx || tissue == Tissue::trachea ? 1.0f : 0.0f;
+            corners[v] += 1.0f;
+        }
+    }
+    const bool has_soft = std::find(surface.triangle_tissue.begin(), surface.triangle_tissue.end(),
+                                    Tissue::soft) != surface.triangle_tissue.end();
+    std::vector<float> sky(count, 0.0f);
+    if (has_soft) {
+        sky = view::sky_visibility(surface.mesh);
+        diffuse(surface.mesh.triangles, sky, 3);
+    }
+    const Vec3f front = at(rest, Landmark::glottis_anterior);
+    const Vec3f back = at(rest, Landmark::glottis_posterior);
+    std::vector<VertexColour> result(count);
+    for (std::size_t v = 0; v < count; ++v) {
+        const float shares = std::max(corners[v], 1.0f);
+        Vec3f c = colour[v] / shares;
+        float w = wet[v] / shares;
+        if (softness[v] > 0.0f) {
+            const float skin = smooth_step(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
+            // Redder half-way: the lips' vermilion.
+            const float lip = 4.0f * skin * (1.0f - skin);
+            c += skin * (skin_colour - c);
+            c += 0.6f * lip * (lip_colour - c);
+            w += skin * (skin_wetness - w);
+        }
+        const Vec3f& p = surface.mesh.vertices[v];
+        if (larynx[v] > 0.0f) {
+            const float cord = 1.0f - smooth_step(1.4e-3f, 2.6e-3f, distance_to_segment(p, front, back));
+            c += cord * larynx[v] / shares * (cord_colour - c);
+        }
+        // Blotches of some 4 mm and of 1.5 mm; blood shows more in red's complement.
+        const float blotch = 0.6f * noise(p * 250.0f) + 0.4f * noise(p * 700.0f) - 0.5f;
+        c = c.cwiseProduct(Vec3f(1.0f + 0.06f * blotch, 1.0f + 0.16f * blotch, 1.0f + 0.15f * blotch));
+        for (int k = 0; k < 3; ++k) {
+            result[v][static_cast<std::size_t>(k)] =
+                static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(c[k], 0.0f, 1.0f)));
+        }
+        result[v][3] = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(w, 0.0f, 1.0f)));
+    }
+    return result;
+}
+
+}  // namespace eti::render

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/scene_meshes.hpp"
+
+#include <algorithm>
+
+namespace eti::render {
+namespace {
+
+bool is_bone(Tissue tissue) {
+    return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine;
+}
+
+// Body, then organs, then bones.
+int layer(const SurfaceMesh& surface) {
+    return surface.tissue == Tissue::soft ? 0 : surface.bone ? 2 : 1;
+}
+
+}  // namespace
+
+void SceneMeshes::rebuild(const view::SceneView& scene) {
+    surfaces_.clear();
+    for (const auto& [name, surface] : scene.surfaces()) {
+        const view::SurfaceModel& model = surface.model();
+        std::vector<VertexColour> colours = surface_colours(model, scene.landmarks());
+        GpuMesh mesh(model.mesh.triangles, colours);
+        surfaces_.push_back({name, model.tissue, is_bone(model.tissue), std::move(colours), std::move(mesh)});
+    }
+    std::stable_sort(surfaces_.begin(), surfaces_.end(),
+                     [](const SurfaceMesh& a, const SurfaceMesh& b) { return layer(a) < layer(b); });
+    blade_.reset();
+    if (scene.laryngoscope()) {
+        const TriangleMesh& mesh = scene.laryngoscope()->mesh;
+        std::vector<view::LitVertex> vertices(mesh.vertices.size());
+        blade_length_ = 0.0f;
+        for (std::size_t v = 0; v < vertices.size(); ++v) {
+            vertices[v].position = mesh.vertices[v];
+            blade_length_ = std::max(blade_length_, mesh.vertices[v].z());
+        }
+        view::recompute_normals(mesh.triangles, vertices);
+        const std::vector<VertexColour> steel(vertices.size(), VertexColour{198, 200, 205, 255});
+        blade_.emplace(mesh.triangles, steel);
+        blade_->upload(vertices);
+    }
+    tube_.reset();
+    scene_revision_ = scene.scene_revision();
+}
+
+void SceneMeshes::sync(const view::SceneView& scene) {
+    if (!scene.complete()) {
+        return;
+    }
+    if (scene_revision_ != scene.scene_revision()) {
+        rebuild(scene);
+    }
+    for (SurfaceMesh& surface : surfaces_) {
+        const auto& shape = scene.surfaces().at(surface.name);
+        if (surface.mesh.revision != shape.revision()) {
+            surface.mesh.upload(shape.vertices());
+            surface.mesh.revision = shape.revision();
+        }
+    }
+    if (const view::TubeSweep* sweep = scene.tube()) {
+        if (!tube_) {
+            tube_.emplace(sweep->triangles());
+        }
+        if (tube_->revision != sweep->revision()) {
+            tube_->upload(sweep->vertices());
+            tube_->revision = sweep->revision();
+        }
+    }
+}
+
+}  // namespace eti::render

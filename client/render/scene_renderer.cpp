@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/scene_renderer.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "client/render/shader_sources.hpp"
+
+namespace eti::render {
+namespace {
+
+constexpr float cut_plane_x = 0.0f;     // [m], mid-sagittal
+constexpr float cut_reach = 0.4f;       // [m], half of the cap's extent; hides behind the stencil
+constexpr float shadow_radius = 0.15f;  // [m]
+constexpr float ghost_opacity = 0.22f;  // of tools behind the cut
+
+const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
+const Eigen::Vector4f keep_right_half(-1.0f, 0.0f, 0.0f, cut_plane_x);
+
+Eigen::Matrix4f matrix_of(const RigidTransform& pose) {
+    Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
+    matrix.block<3, 3>(0, 0) = pose.rotation.toRotationMatrix();
+    matrix.block<3, 1>(0, 3) = pose.translation;
+    return matrix;
+}
+
+Eigen::Vector4f flat(const std::array<std::uint8_t, 3>& colour) {
+    return Eigen::Vector4f(colour[0], colour[1], colour[2], 255.0f) / 255.0f;
+}
+
+VertexColour opaque(const Vec3f& colour) {
+    const auto byte = [](float value) { return static_cast<std::uint8_t>(std::lround(255.0f * value)); };
+    return {byte(colour.x()), byte(colour.y()), byte(colour.z()), 255};
+}
+
+float band_width(Tissue tissue) {
+    switch (tissue) {
+        case Tissue::soft:
+            return 1.1e-3f;
+        case Tissue::tongue:
+            return 0.8e-3f;
+        default:
+            return 0.25e-3f;
+    }
+}
+
+std::string lit(std::string_view body) {
+    return std::string(source::lighting) + std::string(body);
+}
+
+}  // namespace
+
+struct SceneRenderer::Frame {
+    const view::SceneView& scene;
+    Camera camera;
+    Eigen::Matrix4f view_projection;
+    Lighting lighting;
+    Viewport viewport;
+    bool ids;
+};
+
+std::array<std::uint8_t, 3> object_colour(Tissue tissue) {
+    return {static_cast<std::uint8_t>(20 * (static_cast<int>(tissue) + 1)), 0, 0};
+}
+
+SceneRenderer::SceneRenderer()
+    : tissue_("tissue", {}, source::mesh_vertex, lit(source::tissue_fragment)),
+      tissue_shadowed_("shadowed tissue", {"SHADOW"}, source::mesh_vertex, lit(source::tissue_fragment)),
+      metal_("metal", {}, source::mesh_vertex, lit(source::metal_fragment)),
+      tube_("tube", {"TUBE"}, source::mesh_vertex, lit(source::tube_fragment)),
+      flat_("flat", {}, source::mesh_vertex, source::flat_fragment),
+      flat_tube_("flat tube", {"TUBE"}, source::mesh_vertex, source::flat_fragment),
+      cut_("cut", {}, source::cut_vertex, source::cut_fragment),
+      vignette_("vignette", {}, source::vignette_vertex, source::vignette_fragment) {}
+
+void SceneRenderer::sync(const view::SceneView& scene) {
+    meshes_.sync(scene);
+}
+
+Camera SceneRenderer::camera(View view, const view::SceneView& scene, const Orbit& orbit) {
+    switch (view) {
+        case View::overview:
+            return overview_camera(scene.landmarks(), orbit);
+        case View::section:
+            return section_camera(scene.landmarks());
+        case View::laryngoscope:
+            break;
+    }
+    return laryngoscope_camera(scene.landmarks());
+}
+
+void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport& viewport,
+                         const Orbit& orbit, Shading shading) {
+    const Camera camera = SceneRenderer::camera(view, scene, orbit);
+    const float aspect = static_cast<float>(viewport.width) / static_cast<float>(viewport.height);
+    std::optional<Light> lamp;
+    if (scene.laryngoscope_pose() && meshes_.blade()) {
+        lamp = blade_lamp(*scene.laryngoscope_pose(), meshes_.blade_length());
+    }
+    Lighting lighting;
+    Vec3f background(0.016f, 0.022f, 0.028f);
+    switch (view) {
+        case View::overview:
+            lighting = overview_lighting(camera, lamp);
+            background = Vec3f(0.035f, 0.065f, 0.075f);
+            break;
+        case View::section:
+            lighting = section_lighting(camera);
+            break;
+        case View::laryngoscope:
+            lighting = laryngoscope_lighting(camera, lamp);
+            background.setZero();
+            break;
+    }
+    const bool ids = shading == Shading::object_id;
+    if (ids) {
+        background.setZero();
+    }
+    const Frame frame{scene, camera, camera.projection(aspect) * camera.view(), lighting, viewport, ids};
+    if (view == View::overview && !ids) {
+        draw_shadows(frame);
+    }
+    if (ids) {
+        glDisable(GL_FRAMEBUFFER_SRGB);
+    } else {
+        glEnable(GL_FRAMEBUFFER_SRGB);
+    }
+    glViewport(viewport.x, viewport.y, viewport.width, viewport.height);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(viewport.x, viewport.y, viewport.width, viewport.height);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glEnable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+    glClearColor(background.x(), background.y(), background.z(), 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    switch (view) {
+        case View::overview:
+            draw_overview(frame);
+            break;
+        case View::section:
+            draw_section(frame);
+            break;
+        case View::laryngoscope:
+            draw_laryngoscope(frame);
+            break;
+    }
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glBindVertexArray(0);
+}
+
+void SceneRenderer::draw_shadows(const Frame& frame) {
+    GLint bound = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+    shadow_map_.begin();
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDisable(GL_CULL_FACE);
+    // Slope-scaled bias against a surface shading itself; 4 steps cover half a texel's slope of 60 deg.
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(2.5f, 4.0f);
+    flat_.use();
+    flat_.set("view_projection",
+              ShadowMap::clip_matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
+    flat_.set("clip_plane", no_clipping);
+    flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    for (const SurfaceMesh& surface : meshes_.surfaces()) {
+        if (!surface.bone) {
+            surface.mesh.draw();
+        }
+    }
+    if (meshes_.blade() && frame.scene.laryngoscope_pose()) {
+        flat_.set("model", matrix_of(*frame.scene.laryngoscope_pose()));
+        meshes_.blade()->draw();
+    }
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
+}
+
+void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& lit_program, bool bones) {
+    ShaderProgram& program = frame.ids ? flat_ : lit_program;
+    program.use();
+    program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    program.set("view_projection", frame.view_projection);
+    frame.lighting.apply(program, frame.camera.eye);
+    for (const SurfaceMesh& surface : meshes_.surfaces()) {
+        if (bones || !surface.bone) {
+            if (frame.ids) {
+                program.set("flat_colour", flat(object_colour(surface.tissue)));
+            }
+            surface.mesh.draw();
+        }
+    }
+}
+
+void SceneRenderer::draw_overview(const Frame& frame) {
+    tissue_shadowed_.use();
+    tissue_shadowed_.set("clip_plane", no_clipping);
+    tissue_shadowed_.set("shadow_map", 0);
+    tissue_shadowed_.set("shadow_matrix",
+                         ShadowMap::matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
+    glActiveTexture(GL_TEXTURE0);
+    shadow_map_.bind_texture();
+    flat_.use();
+    flat_.set("clip_plane", no_clipping);
+    draw_skin(frame, tissue_shadowed_, false);
+    draw_tools(frame, 1.0f);
+}
+
+void SceneRenderer::draw_laryngoscope(const Frame& frame) {
+    for (ShaderProgram* program : {&tissue_, &flat_}) {
+        program->use();
+        program->set("clip_plane", no_clipping);
+    }
+    draw_skin(frame, tissue_, false);
+    draw_tools(frame, 1.0f);
+    if (!frame.ids) {
+        glDisable(GL_DEPTH_TEST);
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+        vignette_.use();
+        vignette_.set("aspect",
+                      static_cast<float>(frame.viewport.width) / static_cast<float>(frame.viewport.height));
+        glBindVertexArray(no_attributes_.name());
+        glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+        glDisable(GL_BLEND);
+    }
+}
+
+void SceneRenderer::draw_section(const Frame& frame) {
+    for (ShaderProgram* program : {&tissue_, &flat_}) {
+        program->use();
+        program->set("clip_plane", keep_right_half);
+    }
+    glEnable(GL_CLIP_DISTANCE0);
+    draw_skin(frame, tissue_, true);
+    glDisable(GL_CLIP_DISTANCE0);
+    draw_caps(frame);
+    draw_tools(frame, 1.0f);
+    if (!frame.ids) {
+        glDepthFunc(GL_GREATER);
+        draw_tools(frame, ghost_opacity);
+        glDepthFunc(GL_LESS);
+    }
+}
+
+// A ray from the camera through the cut plane starts inside a closed surface when beyond the plane
+// it leaves that surface once more than it enters it; the stencil counts that.
+void SceneRenderer::draw_caps(const Frame& frame) {
+    const auto corner = [](float y, float z, const VertexColour& colour) {
+        return CutVertex{Vec3f(cut_plane_x, y, z), colour};
+    };
+    glEnable(GL_STENCIL_TEST);
+    for (const SurfaceMesh& surface : meshes_.surfaces()) {
+        flat_.use();
+        flat_.set("view_projection", frame.view_projection);
+        flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+        glEnable(GL_CLIP_DISTANCE0);
+        glDisable(GL_CULL_FACE);
+        glDisable(GL_DEPTH_TEST);
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+        glDepthMask(GL_FALSE);
+        glStencilFunc(GL_ALWAYS, 0, 0xff);
+        glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+        glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+        surface.mesh.draw();
+        glDisable(GL_CLIP_DISTANCE0);
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        glDepthMask(GL_TRUE);
+        glEnable(GL_DEPTH_TEST);
+        // Nothing lies between the camera and the plane but the tools, which come later.
+        glDepthFunc(GL_ALWAYS);
+        glStencilFunc(GL_NOTEQUAL, 0, 0xff);
+        glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+        cut_.use();
+        cut_.set("view_projection", frame.view_projection);
+        const auto& id = object_colour(surface.tissue);
+        const VertexColour colour =
+            frame.ids ? VertexColour{id[0], id[1], id[2], 255} : opaque(cut_colour(surface.tissue));
+        const float reach = cut_reach;
+        const std::array<CutVertex, 6> cap{corner(-reach, -reach, colour), corner(reach, -reach, colour),
+                                           corner(-reach, reach, colour),  corner(reach, -reach, colour),
+                                           corner(reach, reach, colour),   corner(-reach, reach, colour)};
+        if (frame.ids) {
+            // The cut program reads sRGB; ids are written as they are.
+            flat_.use();
+            flat_.set("flat_colour", flat(id));
+            cut_mesh_.draw(cap);
+        } else {
+            cut_.set("fibre", surface.bone ? 0.06f : 0.22f);
+            cut_mesh_.draw(cap);
+            cut_.set("fibre", 0.0f);
+            const auto& shape = frame.scene.surfaces().at(surface.name);
+            cut_mesh_.draw(section_band(shape.model().mesh.triangles, shape.vertices(), surface.colours,
+                                        cut_plane_x, band_width(surface.tissue)));
+        }
+        glDepthFunc(GL_LESS);
+        glClear(GL_STENCIL_BUFFER_BIT);
+    }
+    glDisable(GL_STENCIL_TEST);
+    glEnable(GL_CULL_FACE);
+}
+
+void SceneRenderer::draw_tools(const Frame& frame, float opacity) {
+    const bool ghost = opacity < 1.0f;
+    glDepthMask(ghost ? GL_FALSE : GL_TRUE);
+    if (ghost) {
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    }
+    if (meshes_.blade() && frame.scene.laryngoscope_pose()) {
+        ShaderProgram& program = frame.ids ? flat_ : metal_;
+        program.use();
+        program.set("model", matrix_of(*frame.scene.laryngoscope_pose()));
+        program.set("view_projection", frame.view_projection);
+        program.set("clip_plane", no_clipping);
+        program.set("flat_colour", flat(blade_colour));
+        program.set("opacity", opacity);
+        frame.lighting.apply(program, frame.camera.eye);
+        meshes_.blade()->draw();
+    }
+    if (meshes_.tube()) {
+        ShaderProgram& program = frame.ids ? flat_tube_ : tube_;
+        program.use();
+        program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+        program.set("view_projection", frame.view_projection);
+        program.set("clip_plane", no_clipping);
+        program.set("flat_colour", flat(tube_colour));
+        program.set("opacity", opacity);
+        program.set("tube_length", frame.scene.tube()->model().length);
+        frame.lighting.apply(program, frame.camera.eye);
+        if (!frame.ids) {
+            glEnable(GL_BLEND);
+            glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+        }
+        if (!frame.ids && !ghost) {
+            // Far wall first, so that it shows through the near one.
+            glDepthMask(GL_FALSE);
+            glCullFace(GL_FRONT);
+            meshes_.tube()->draw();
+            glCullFace(GL_BACK);
+            glDepthMask(GL_TRUE);
+        }
+        meshes_.tube()->draw();
+    }
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+}
+
+}  // namespace eti::render

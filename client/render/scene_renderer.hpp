@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "client/render/camera.hpp"
+#include "client/render/lighting.hpp"
+#include "client/render/scene_meshes.hpp"
+#include "client/render/section_cut.hpp"
+#include "client/render/shader_program.hpp"
+#include "client/render/shadow_map.hpp"
+#include "client/view/scene_view.hpp"
+
+namespace eti::render {
+
+enum class View : std::uint8_t { overview, section, laryngoscope };
+inline constexpr std::array<std::string_view, 3> view_names = {"overview", "section", "laryngoscope"};
+[[nodiscard]] constexpr std::string_view name_of(View view) {
+    return view_names[static_cast<std::size_t>(view)];
+}
+
+/// Pixels from the picture's lower left corner.
+struct Viewport {
+    int x = 0, y = 0, width = 640, height = 480;
+};
+
+enum class Shading : std::uint8_t {
+    lit,
+    object_id,  ///< each object in one flat colour, see object_colour(); for measuring what is seen
+};
+
+/// Stable colours of Shading::object_id, 8 bits a channel.
+[[nodiscard]] std::array<std::uint8_t, 3> object_colour(Tissue tissue);
+inline constexpr std::array<std::uint8_t, 3> blade_colour{0, 255, 0};
+inline constexpr std::array<std::uint8_t, 3> tube_colour{0, 0, 255};
+
+/// Draws a SceneView. The context under which it was made must be current.
+class SceneRenderer {
+  public:
+    SceneRenderer();
+
+    /// Takes over the scene's newest shape; call SceneView::update() before.
+    void sync(const view::SceneView& scene);
+
+    /// Draws one view into the bound framebuffer, which has depth and stencil.
+    void draw(View view, const view::SceneView& scene, const Viewport& viewport, const Orbit& orbit = {},
+              Shading shading = Shading::lit);
+
+    [[nodiscard]] static Camera camera(View view, const view::SceneView& scene, const Orbit& orbit);
+
+  private:
+    struct Frame;  // what one draw() needs throughout
+    void draw_overview(const Frame& frame);
+    void draw_section(const Frame& frame);
+    void draw_laryngoscope(const Frame& frame);
+    void draw_skin(const Frame& frame, ShaderProgram& lit, bool bones);
+    void draw_caps(const Frame& frame);
+    void draw_tools(const Frame& frame, float opacity);
+    void draw_shadows(const Frame& frame);
+
+    SceneMeshes meshes_;
+    ShaderProgram tissue_, tissue_shadowed_, metal_, tube_, flat_, flat_tube_, cut_, vignette_;
+    CutMesh cut_mesh_;
+    ShadowMap shadow_map_;
+    VertexArray no_attributes_;
+};
+
+}  // namespace eti::render

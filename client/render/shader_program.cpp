@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/shader_program.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace eti::render {
+namespace {
+
+class Shader {
+  public:
+    Shader(GLenum stage, std::string_view name, const std::string& source) : shader_(glCreateShader(stage)) {
+        const char* text = source.c_str();
+        glShaderSource(shader_, 1, &text, nullptr);
+        glCompileShader(shader_);
+        GLint compiled = 0;
+        glGetShaderiv(shader_, GL_COMPILE_STATUS, &compiled);
+        if (compiled == 0) {
+            std::array<char, 2048> log{};
+            glGetShaderInfoLog(shader_, static_cast<GLsizei>(log.size()), nullptr, log.data());
+            glDeleteShader(shader_);
+            throw std::runtime_error(
+                fmt::format("shader '{}' does not compile on this OpenGL driver: {}", name, log.data()));
+        }
+    }
+    ~Shader() { glDeleteShader(shader_); }
+    Shader(const Shader&) = delete;
+    Shader& operator=(const Shader&) = delete;
+    [[nodiscard]] GLuint name() const { return shader_; }
+
+  private:
+    GLuint shader_;
+};
+
+}  // namespace
+
+ShaderProgram::ShaderProgram(std::string_view name, std::initializer_list<std::string_view> defines,
+                             std::string_view vertex, std::string_view fragment) {
+    std::string head = "#version 330 core\n";
+    for (const std::string_view define : defines) {
+        head += fmt::format("#define {}\n", define);
+    }
+    const Shader vertex_shader(GL_VERTEX_SHADER, name, head + std::string(vertex));
+    const Shader fragment_shader(GL_FRAGMENT_SHADER, name, head + std::string(fragment));
+    glAttachShader(program_.name(), vertex_shader.name());
+    glAttachShader(program_.name(), fragment_shader.name());
+    glLinkProgram(program_.name());
+    GLint linked = 0;
+    glGetProgramiv(program_.name(), GL_LINK_STATUS, &linked);
+    if (linked == 0) {
+        std::array<char, 2048> log{};
+        glGetProgramInfoLog(program_.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
+        throw std::runtime_error(
+            fmt::format("shader '{}' does not link on this OpenGL driver: {}", name, log.data()));
+    }
+    glDetachShader(program_.name(), vertex_shader.name());
+    glDetachShader(program_.name(), fragment_shader.name());
+}
+
+GLint ShaderProgram::location(std::string_view uniform) {
+    const auto known = locations_.find(uniform);
+    if (known != locations_.end()) {
+        return known->second;
+    }
+    const std::string text(uniform);
+    return locations_[text] = glGetUniformLocation(program_.name(), text.c_str());
+}
+
+void ShaderProgram::set(std::string_view uniform, int value) {
+    glUniform1i(location(uniform), value);
+}
+void ShaderProgram::set(std::string_view uniform, float value) {
+    glUniform1f(location(uniform), value);
+}
+void ShaderProgram::set(std::string_view uniform, const Eigen::Vector2f& value) {
+    glUniform2fv(location(uniform), 1, value.data());
+}
+void ShaderProgram::set(std::string_view uniform, const Vec3f& value) {
+    glUniform3fv(location(uniform), 1, value.data());
+}
+void ShaderProgram::set(std::string_view uniform, const Eigen::Vector4f& value) {
+    glUniform4fv(location(uniform), 1, value.data());
+}
+void ShaderProgram::set(std::string_view uniform, const Eigen::Matrix4f& value) {
+    glUniformMatrix4fv(location(uniform), 1, GL_FALSE, value.data());
+}
+
+}  // namespace eti::render

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/shadow_map.hpp"
+
+#include <stdexcept>
+
+namespace eti::render {
+namespace {
+constexpr GLsizei size = 768;  // 0.4 mm a texel over a head
+}
+
+ShadowMap::ShadowMap() {
+    glBindTexture(GL_TEXTURE_2D, depth_.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
+                 nullptr);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.name(), 0);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+    const GLenum state = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    if (state != GL_FRAMEBUFFER_COMPLETE) {
+        throw std::runtime_error("the OpenGL driver gives no depth texture; it does not support OpenGL 3.3");
+    }
+}
+
+Eigen::Matrix4f ShadowMap::clip_matrix(const Light& light, const Vec3f& centre, float radius) {
+    Camera from_light;
+    from_light.eye = centre - radius * 2.0f * (centre - light.position).normalized();
+    from_light.target = centre;
+    from_light.up = Vec3f::UnitZ();
+    Eigen::Matrix4f parallel = Eigen::Matrix4f::Identity();
+    parallel(0, 0) = parallel(1, 1) = 1.0f / radius;
+    // Depths from 0 to 4 radii before the light's eye.
+    parallel(2, 2) = -1.0f / (2.0f * radius);
+    parallel(2, 3) = -1.0f;
+    return parallel * from_light.view();
+}
+
+Eigen::Matrix4f ShadowMap::matrix(const Light& light, const Vec3f& centre, float radius) {
+    Eigen::Matrix4f half = 0.5f * Eigen::Matrix4f::Identity();
+    half.col(3) = Eigen::Vector4f(0.5f, 0.5f, 0.5f, 1.0f);
+    return half * clip_matrix(light, centre, radius);
+}
+
+void ShadowMap::begin() const {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    glViewport(0, 0, size, size);
+    glDisable(GL_SCISSOR_TEST);
+    glDepthMask(GL_TRUE);
+    glClear(GL_DEPTH_BUFFER_BIT);
+}
+
+}  // namespace eti::render
