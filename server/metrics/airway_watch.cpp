@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/airway_watch.hpp"
+
+namespace eti::metrics {
+
+Passage::Change Passage::update(float past, bool in_reach, bool still_there, float slack) {
+    if (!inside_ && past > slack && in_reach) {
+        inside_ = true;
+        return Change::in;
+    }
+    if (inside_ && (past < -slack || !still_there)) {
+        inside_ = false;
+        return Change::out;
+    }
+    return Change::none;
+}
+
+AirwayWatch::Changes AirwayWatch::update(const Vec3f& tip, const Places& places) {
+    const GateSettings& s = settings_;
+    const float to_trachea = places.from_trachea(tip);
+    const float to_oesophagus = places.from_oesophagus(tip);
+    Changes changes;
+    changes.mouth =
+        mouth_.update(places.mouth.past(tip), places.mouth.aside(tip) < s.mouth_radius, true, s.slack);
+    changes.trachea =
+        trachea_.update(places.glottis.past(tip), to_trachea < s.glottis_radius && to_trachea < to_oesophagus,
+                        to_trachea < to_oesophagus + s.slack, s.slack);
+    changes.oesophagus = oesophagus_.update(places.oesophagus.past(tip),
+                                            to_oesophagus < s.oesophagus_radius && to_oesophagus < to_trachea,
+                                            to_oesophagus < to_trachea + s.slack, s.slack);
+    past_glottis_ = trachea_.inside() ? places.along_trachea(tip) : -(tip - places.glottis.centre).norm();
+    changes.main_stem = main_stem_.update(past_glottis_ - places.trachea_length(), trachea_.inside(),
+                                          trachea_.inside(), s.carina_slack);
+    return changes;
+}
+
+}  // namespace eti::metrics

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/attempt.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/math/units.hpp"
+
+namespace eti::metrics {
+namespace {
+
+constexpr double peak_prominence_deg = 5.0;
+
+// Bins of the angle curves [Hz] that rocking is judged on. The finest wavelet band then spans
+// curve_rate / 4 to curve_rate / 2: what is faster than a hand rocks is averaged out.
+constexpr double curve_rate = 30.0;
+
+// [Hz]; the shortest interval that a speed is taken over, and the bins of the speed profile, whose
+// spectrum is read up to 10 Hz.
+constexpr double speed_rate = 30.0;
+
+// Nine minutes at 30 Hz before neighbours merge.
+constexpr std::size_t curve_capacity = std::size_t{1} << 14;
+
+double in_degrees(double radians) {
+    return radians / static_cast<double>(degree);
+}
+
+}  // namespace
+
+TissueForces tissue_forces(const scene::Snapshot& snapshot) {
+    TissueForces forces;
+    for (const scene::RigidContact& contact : snapshot.shell_contacts) {
+        const double force = static_cast<double>(contact.force);
+        forces.gum += contact.tissue == Tissue::upper_gum ? force : 0.0;
+        forces.epiglottis += contact.tissue == Tissue::epiglottis ? force : 0.0;
+        forces.tongue += contact.tissue == Tissue::tongue ? force : 0.0;
+    }
+    Vec3f gum = Vec3f::Zero();
+    Vec3f epiglottis = Vec3f::Zero();
+    Vec3f tongue = Vec3f::Zero();
+    for (const scene::TissueContact& contact : snapshot.tissue_contacts) {
+        if (contact.tissue == Tissue::upper_gum) {
+            gum += contact.force;
+        } else if (contact.tissue == Tissue::epiglottis) {
+            epiglottis += contact.force;
+        } else if (contact.tissue == Tissue::tongue) {
+            tongue += contact.force;
+        }
+    }
+    forces.gum += static_cast<double>(gum.norm());
+    forces.epiglottis += static_cast<double>(epiglottis.norm());
+    forces.tongue += static_cast<double>(tongue.norm());
+    return forces;
+}
+
+bool SpeedMeter::add(double time, const Vec3f& point) {
+    if (!started_) {
+        started_ = true;
+        since_ = time;
+        from_ = point;
+        return false;
+    }
+    // Half a microsecond for times that are not whole multiples of the interval.
+    if (time - since_ < interval_ - 5e-7) {
+        return false;
+    }
+    seconds = time - since_;
+    speed = static_cast<double>((point - from_).norm()) / seconds;
+    since_ = time;
+    from_ = point;
+    return true;
+}
+
+double cormack_lehane_grade(double best_opening_percent, bool epiglottis_seen) {
+    if (best_opening_percent >= 50.0) {
+        return 1.0;
+    }
+    if (best_opening_percent > 0.0) {
+        return 2.0;
+    }
+    return epiglottis_seen ? 3.0 : 4.0;
+}
+
+Attempt::Attempt(double weight_kg, double time_limit)
+    : time_limit_(time_limit),
+      pitch_peaks_(peak_prominence_deg),
+      left_peaks_(peak_prominence_deg),
+      right_peaks_(peak_prominence_deg),
+      pitch_(curve_rate, curve_capacity),
+      yaw_(curve_rate, curve_capacity),
+      blade_speed_(speed_rate, curve_capacity),
+      tube_meter_(1.0 / speed_rate),
+      blade_meter_(1.0 / speed_rate) {
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    parameters_.attempts = 1;
+    parameters_.tube_depth_rule_cm = weight_kg + 6.0;
+    parameters_.tube_speed_max_cm_per_s = unknown;
+    parameters_.tube_speed_mean_cm_per_s = unknown;
+    parameters_.tube_depth_at_lip_cm = unknown;
+    parameters_.blade_smoothness = unknown;
+    parameters_.cormack_lehane_grade = cormack_lehane_grade(0.0, false);
+}
+
+void Attempt::add(const Moment& moment) {
+    gum_.add(moment.forces.gum, moment.seconds);
+    epiglottis_.add(moment.forces.epiglottis, moment.seconds);
+    tongue_.add(moment.forces.tongue, moment.seconds);
+    depth_.add(static_cast<double>(moment.blade_depth), moment.seconds);
+
+    // Continued across the half turn, where the angle would jump.
+    pitch_angle_ = moment.time == 0.0 ? moment.angles.pitch
+                                      : pitch_angle_ + std::remainder(moment.angles.pitch - pitch_angle_,
+                                                                      2.0 * std::numbers::pi);
+    const double pitch = in_degrees(pitch_angle_);
+    const double yaw = in_degrees(moment.angles.yaw);
+    pitch_peaks_.add(pitch);
+    left_peaks_.add(yaw);
+    right_peaks_.add(-yaw);
+    pitch_.add(moment.time, pitch);
+    yaw_.add(moment.time, yaw);
+    if (blade_meter_.add(moment.time, moment.blade_tip)) {
+        blade_speed_.add(moment.time, blade_meter_.speed);
+        parameters_.blade_path_length_cm += 100.0 * blade_meter_.speed * blade_meter_.seconds;
+    }
+
+    // The head's elevation counts at the passage of the glottis; until then, where the view is best.
+    const double opening = static_cast<double>(moment.view.opening_percent);
+    const bool best = opening > best_view_ || moment.time == 0.0;
+    if (moment.tube.trachea == Passage::Change::in || (best && !passed_glottis_)) {
+        parameters_.head_elevation_deg = in_degrees(static_cast<double>(moment.head_elevation));
+    }
+    best_view_ = std::max(best_view_, opening);
+    epiglottis_seen_ = epiglottis_seen_ || moment.view.epiglottis_seen;
+    passed_glottis_ = passed_glottis_ || moment.tube.trachea == Passage::Change::in;
+    tube_reached_glottis_ = tube_reached_glottis_ || moment.tube_at_glottis || passed_glottis_;
+    if (seen_ && !tube_reached_glottis_) {
+        view_.add(opening, moment.seconds);
+    }
+    seen_ = seen_ || opening > 0.0;
+
+    if (moment.tube_in_mouth) {
+        if (tube_meter_.add(moment.time, moment.tube_tip)) {
+            tube_speed_.add(tube_meter_.speed, tube_meter_.seconds);
+        }
+    } else {
+        tube_meter_.restart();
+    }
+    parameters_.oesophageal_entries += moment.tube.oesophagus == Passage::Change::in ? 1 : 0;
+    parameters_.main_stem_entries += moment.tube.main_stem == Passage::Change::in ? 1 : 0;
+    parameters_.tube_depth_at_lip_cm = 100.0 * moment.depth_at_lip;
+    parameters_.time_s = moment.time;
+    parameters_.over_time_limit = moment.time > time_limit_ ? 1 : 0;
+    fill_means();
+}
+
+void Attempt::fill_means() {
+    Parameters& p = parameters_;
+    const auto or_zero = [](double value) { return std::isnan(value) ? 0.0 : value; };
+    p.gum_force_max_n = or_zero(gum_.max());
+    p.gum_force_mean_n = or_zero(gum_.mean());
+    p.epiglottis_force_max_n = or_zero(epiglottis_.max());
+    p.tongue_force_max_n = or_zero(tongue_.max());
+    p.blade_depth_max_cm = 100.0 * depth_.max();
+    p.blade_depth_mean_cm = 100.0 * (depth_.seconds() > 0.0 ? depth_.mean() : depth_.max());
+    p.glottic_opening_max_percent = best_view_;
+    p.glottic_opening_mean_percent = or_zero(view_.mean());
+    p.tube_speed_max_cm_per_s = 100.0 * tube_speed_.max();
+    p.tube_speed_mean_cm_per_s = 100.0 * tube_speed_.mean();
+    p.pitch_peaks = pitch_peaks_.count();
+    p.yaw_peaks = std::max(left_peaks_.count(), right_peaks_.count());
+    p.cormack_lehane_grade = cormack_lehane_grade(best_view_, epiglottis_seen_);
+}
+
+void Attempt::refresh_curves() {
+    parameters_.pitch_rocking_deg = rocking(pitch_.values());
+    parameters_.yaw_rocking_deg = rocking(yaw_.values());
+    parameters_.blade_smoothness = spectral_arc_length(blade_speed_.values(), 1.0 / blade_speed_.width());
+}
+
+Attempt::Weights Attempt::weights() const {
+    return {parameters_.time_s, view_.seconds(), tube_speed_.seconds()};
+}
+
+}  // namespace eti::metrics

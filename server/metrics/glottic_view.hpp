@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/model/tools.hpp"
+#include "server/anatomy/patient.hpp"
+#include "server/metrics/occluders.hpp"
+#include "server/scene/snapshot.hpp"
+
+namespace eti::metrics {
+
+/// What an eye sees of the larynx.
+struct GlotticView {
+    float opening_percent = 0.0f;  ///< POGO: share of the glottic opening's area in sight
+    bool epiglottis_seen = false;
+};
+
+/// Points spread evenly over a closed polygon, each with the share of the area it stands for.
+struct AreaSamples {
+    std::vector<Vec3f> points;
+    std::vector<float> weights;  ///< they sum to one
+};
+
+/// About `count` points over the fan of triangles between the polygon's centroid and its sides.
+[[nodiscard]] AreaSamples sample_polygon(std::span<const Vec3f> contour, int count);
+
+/// Percentage of glottic opening (Levitan 1998, Acad Emerg Med 5:919), measured as a share of area:
+/// straight lines from the eye to points of the opening that neither the patient's skinned surfaces
+/// nor the laryngoscope block.
+class GlotticViewer {
+  public:
+    struct Settings {
+        int samples = 80;  ///< over the glottis; the percentage has steps of about 100/samples
+        int epiglottis_samples = 48;
+        /// [m]; what lies so near to a target does not hide it (the rim the contour runs along).
+        float tolerance = 0.5e-3f;
+        bool tube_hides = false;      ///< the glottis was seen before the tube came in front of it
+        float tube_radius = 2.1e-3f;  ///< [m]
+    };
+
+    /// Copies what it needs of the patient.
+    GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope, const Settings& settings);
+    GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope);
+
+    /// `eye` [m], patient frame. The snapshot must come from the same patient.
+    [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& eye);
+
+  private:
+    void block(SightLines& lines, const scene::Snapshot& snapshot);
+
+    Settings settings_;
+    std::vector<Vec3f> rest_centres_;
+    std::vector<Occluder> surfaces_;
+    std::optional<Occluder> laryngoscope_;
+    std::vector<anatomy::CarriedPoint> epiglottis_;
+};
+
+}  // namespace eti::metrics

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/metrics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace eti::metrics {
+namespace {
+
+constexpr double nanoseconds = 1e-9;  // [s]
+
+// Rocking and smoothness need an attempt's whole curve.
+constexpr double refresh_interval = 1.0;  // [s]
+
+// Beyond it a run repeats itself; later events are dropped and the last entry says so.
+constexpr std::size_t most_events = 1000;
+
+double unknown() {
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+// Mean over parts, weighted; parts without a value or without weight do not count.
+class WeightedMean {
+  public:
+    void add(double value, double weight) {
+        if (!std::isnan(value) && weight > 0.0) {
+            sum_ += value * weight;
+            weight_ += weight;
+        }
+    }
+    [[nodiscard]] double value(double otherwise) const { return weight_ > 0.0 ? sum_ / weight_ : otherwise; }
+
+  private:
+    double sum_ = 0.0, weight_ = 0.0;
+};
+
+}  // namespace
+
+Parameters combine(std::span<const RunPart> parts) {
+    Parameters run;
+    run.tube_speed_max_cm_per_s = unknown();
+    run.tube_depth_at_lip_cm = unknown();
+    run.cormack_lehane_grade = 4.0;
+    WeightedMean gum, depth, view, tube, smoothness;
+    const RunPart* elevation = nullptr;
+    for (const RunPart& part : parts) {
+        const Parameters& p = part.parameters;
+        for (const auto member :
+             {&Parameters::gum_force_max_n, &Parameters::blade_depth_max_cm, &Parameters::pitch_rocking_deg,
+              &Parameters::yaw_rocking_deg, &Parameters::glottic_opening_max_percent,
+              &Parameters::tube_speed_max_cm_per_s, &Parameters::over_time_limit,
+              &Parameters::epiglottis_force_max_n, &Parameters::tongue_force_max_n}) {
+            run.*member = std::fmax(run.*member, p.*member);
+        }
+        for (const auto member : {&Parameters::pitch_peaks, &Parameters::yaw_peaks, &Parameters::attempts,
+                                  &Parameters::time_s, &Parameters::oesophageal_entries,
+                                  &Parameters::main_stem_entries, &Parameters::blade_path_length_cm}) {
+            run.*member += p.*member;
+        }
+        gum.add(p.gum_force_mean_n, part.weights.time);
+        depth.add(p.blade_depth_mean_cm, part.weights.time);
+        view.add(p.glottic_opening_mean_percent, part.weights.view);
+        tube.add(p.tube_speed_mean_cm_per_s, part.weights.tube);
+        smoothness.add(p.blade_smoothness, part.weights.time);
+        run.tube_depth_rule_cm = p.tube_depth_rule_cm;
+        run.cormack_lehane_grade = std::min(run.cormack_lehane_grade, p.cormack_lehane_grade);
+        // The last passage of the glottis; without one, the best view.
+        if (elevation == nullptr || part.passed_glottis ||
+            (!elevation->passed_glottis &&
+             p.glottic_opening_max_percent > elevation->parameters.glottic_opening_max_percent)) {
+            elevation = &part;
+        }
+    }
+    run.gum_force_mean_n = gum.value(0.0);
+    run.blade_depth_mean_cm = depth.value(0.0);
+    run.glottic_opening_mean_percent = view.value(0.0);
+    run.tube_speed_mean_cm_per_s = tube.value(unknown());
+    run.blade_smoothness = smoothness.value(unknown());
+    run.head_elevation_deg = elevation != nullptr ? elevation->parameters.head_elevation_deg : unknown();
+    return run;
+}
+
+void Metrics::begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit) {
+    *this = Metrics{};
+    scope_ = scope;
+    weight_ = static_cast<double>(patient.weight);
+    time_limit_ = time_limit;
+    depth_at_lip_ = unknown();
+}
+
+void Metrics::note(std::string text) {
+    live_.message = text;
+    if (events_.size() + 1 < most_events) {
+        events_.push_back({last_ns_.value_or(0), std::move(text)});
+    } else if (events_.size() + 1 == most_events) {
+        events_.push_back({last_ns_.value_or(0), "later events are not listed"});
+    }
+}
+
+void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) {
+    if (last_ns_ && snapshot.time_ns <= *last_ns_) {
+        return;
+    }
+    const double seconds = last_ns_ ? static_cast<double>(snapshot.time_ns - *last_ns_) * nanoseconds : 0.0;
+    first_ns_ = first_ns_.value_or(snapshot.time_ns);
+    last_ns_ = snapshot.time_ns;
+    now_ = static_cast<double>(snapshot.time_ns - *first_ns_) * nanoseconds;
+
+    const Places places = places_in(snapshot);
+    trachea_length_ = places.trachea_length();
+    const Vec3f blade_tip = snapshot.proxy * scope_.tip();
+    const Passage::Change blade =
+        blade_.update(places.mouth.past(blade_tip), places.mouth.aside(blade_tip) < gates_.mouth_radius, true,
+                      gates_.slack);
+    AirwayWatch::Changes changes;
+    depth_at_lip_ = unknown();
+    if (!snapshot.tube_nodes.empty()) {
+        live_.tube_tip = snapshot.tube_nodes.back();
+        changes = tube_.update(live_.tube_tip, places);
+        if (const auto depth = depth_at_lip(snapshot.tube_nodes, places.mouth); depth && tube_.in_mouth()) {
+            depth_at_lip_ = static_cast<double>(*depth);
+        }
+        live_.tube_depth_past_glottis = tube_.past_glottis();
+    }
+    const TissueForces forces = tissue_forces(snapshot);
+    live_.glottic_opening_percent = view.opening_percent;
+    live_.gum_force = static_cast<float>(forces.gum);
+
+    const bool starts = blade == Passage::Change::in;
+    if (starts) {
+        start_attempt();
+    }
+    const double opening = static_cast<double>(view.opening_percent);
+    run_story_.add(tube_, changes, attempt_ ? opening : 0.0, now_);
+    if (attempt_) {
+        attempt_story_.add(tube_, changes, opening, now_);
+        Moment moment;
+        moment.time = now_ - attempt_began_;
+        moment.seconds = starts ? 0.0 : seconds;
+        moment.forces = forces;
+        moment.blade_tip = blade_tip;
+        moment.blade_depth = (blade_tip - at(snapshot.landmarks, Landmark::upper_gum)).norm();
+        moment.angles = blade_angles(snapshot);
+        moment.view = view;
+        moment.tube_in_mouth = tube_.in_mouth();
+        moment.tube_tip = live_.tube_tip;
+        moment.tube = changes;
+        moment.tube_at_glottis =
+            tube_.in_mouth() && (live_.tube_tip - places.glottis.centre).norm() < gates_.glottis_radius;
+        moment.head_elevation = snapshot.head_elevation;
+        moment.depth_at_lip = depth_at_lip_;
+        add_to_attempt(moment);
+    } else {
+        entries_between_ += changes.oesophagus == Passage::Change::in ? 1 : 0;
+        main_stem_between_ += changes.main_stem == Passage::Change::in ? 1 : 0;
+    }
+    note_changes(changes);
+    if (blade == Passage::Change::out && attempt_) {
+        end_attempt();
+    }
+}
+
+void Metrics::add_to_attempt(const Moment& moment) {
+    attempt_->add(moment);
+    if (attempt_->glottis_seen() && !seen_in_attempt_) {
+        seen_in_attempt_ = true;
+        note("the glottis came into sight");
+    }
+    if (moment.time >= next_refresh_) {
+        attempt_->refresh_curves();
+        next_refresh_ += refresh_interval;
+    }
+}
+
+void Metrics::note_changes(const AirwayWatch::Changes& changes) {
+    using enum Passage::Change;
+    if (changes.trachea != none) {
+        note(changes.trachea == in ? "the tube passed the glottis" : "the tube left the trachea");
+    }
+    if (changes.oesophagus != none) {
+        note(changes.oesophagus == in ? "the tube went into the oesophagus" : "the tube left the oesophagus");
+    }
+    if (changes.main_stem != none) {
+        note(changes.main_stem == in ? "the tube passed the carina" : "the tube came back above the carina");
+    }
+}
+
+void Metrics::start_attempt() {
+    attempt_.emplace(weight_, time_limit_);
+    attempt_began_ = now_;
+    next_refresh_ = refresh_interval;
+    seen_in_attempt_ = false;
+    attempt_story_ = {};
+    attempt_story_.blade_entered = true;
+    run_story_.blade_entered = true;
+    live_.attempt = static_cast<std::uint32_t>(attempts_.size() + 1);
+    live_.attempt_running = true;
+    note(fmt::format("attempt {} began", live_.attempt));
+}
+
+void Metrics::end_attempt() {
+    attempt_->refresh_curves();
+    attempt_story_.duration = attempt_->parameters().time_s;
+    AttemptSummary summary{live_.attempt, attempt_began_, now_,
+                           judge(attempt_story_, tube_, trachea_length_, gates_, time_limit_),
+                           attempt_->parameters()};
+    note(fmt::format("attempt {} ended: {}", summary.number, summary.outcome.reason));
+    attempts_.push_back(std::move(summary));
+    weights_.push_back(attempt_->weights());
+    passed_.push_back(attempt_->passed_glottis());
+    attempt_.reset();
+    live_.attempt_running = false;
+}
+
+void Metrics::finish() {
+    if (attempt_) {
+        end_attempt();
+    }
+}
+
+Parameters Metrics::live_parameters() const {
+    return attempt_ ? attempt_->parameters() : run().parameters;
+}
+
+AttemptSummary Metrics::run() const {
+    std::vector<RunPart> parts;
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+        parts.push_back({attempts_[i].parameters, weights_[i], passed_[i]});
+    }
+    if (attempt_) {
+        parts.push_back({attempt_->parameters(), attempt_->weights(), attempt_->passed_glottis()});
+    }
+    AttemptSummary summary;
+    summary.ended = now_;
+    summary.parameters = combine(parts);
+    summary.parameters.tube_depth_rule_cm = weight_ + 6.0;
+    summary.parameters.tube_depth_at_lip_cm = 100.0 * depth_at_lip_;
+    summary.parameters.oesophageal_entries += entries_between_;
+    summary.parameters.main_stem_entries += main_stem_between_;
+    Story story = run_story_;
+    for (const RunPart& part : parts) {
+        story.duration = std::max(story.duration, part.parameters.time_s);
+    }
+    summary.outcome = judge(story, tube_, trachea_length_, gates_, time_limit_);
+    return summary;
+}
+
+}  // namespace eti::metrics

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/occluders.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace eti::metrics {
+namespace {
+
+// Nearer than this in front of the eye [m], a point has no useful image.
+constexpr float near_plane = 1e-3f;
+
+// Triangles per block: halving it doubles the bounds to test, doubling it the triangles skinned in vain.
+constexpr std::size_t block_size = 32;
+
+std::uint32_t spread_bits(std::uint32_t v) {
+    v = (v | (v << 16)) & 0x030000ffu;
+    v = (v | (v << 8)) & 0x0300f00fu;
+    v = (v | (v << 4)) & 0x030c30c3u;
+    return (v | (v << 2)) & 0x09249249u;
+}
+
+// Order along Morton's space-filling curve on a grid of 1024 cells a side.
+std::uint32_t morton_code(const Vec3f& p, const Vec3f& low, float size) {
+    std::uint32_t code = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float cell = std::clamp((p[axis] - low[axis]) / size * 1024.0f, 0.0f, 1023.0f);
+        code |= spread_bits(static_cast<std::uint32_t>(cell)) << axis;
+    }
+    return code;
+}
+
+}  // namespace
+
+SightLines::SightLines(const Vec3f& eye, std::span<const Vec3f> targets, float tolerance)
+    : eye_(eye), blocked_(targets.size(), 0), open_(targets.size()) {
+    Vec3f forward = Vec3f::Zero();
+    for (const Vec3f& target : targets) {
+        forward += target - eye;
+    }
+    forward = forward.norm() > 0.0f ? Vec3f(forward.normalized()) : Vec3f(Vec3f::UnitZ());
+    const Vec3f side = forward.unitOrthogonal();
+    to_eye_.row(0) = side.transpose();
+    to_eye_.row(1) = forward.cross(side).transpose();
+    to_eye_.row(2) = forward.transpose();
+
+    low_.setConstant(1e9f);
+    high_.setConstant(-1e9f);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        const Vec3f line = seen_from_eye(targets[i]);
+        lines_.push_back(line);
+        last_.push_back(1.0f - tolerance / std::max(line.norm(), tolerance));
+        const float depth = std::max(line.z(), near_plane);
+        image_.emplace_back(line.x() / depth, line.y() / depth);
+        low_ = low_.cwiseMin(image_.back());
+        high_ = high_.cwiseMax(image_.back());
+        farthest_ = std::max(farthest_, line.z());
+        if (line.z() <= near_plane) {  // beside or behind the eye: never seen
+            blocked_[i] = 1;
+            --open_;
+        }
+    }
+}
+
+bool SightLines::may_meet(const Vec3f& centre, float radius) const {
+    if (centre.z() - radius > farthest_ || centre.z() + radius < 0.0f) {
+        return false;
+    }
+    const Eigen::Vector2f middle = 0.5f * (low_ + high_);
+    const float half = 0.5f * (high_ - low_).norm();
+    const Eigen::Vector2f aside = centre.head<2>() - centre.z() * middle;
+    return aside.norm() <= half * (centre.z() + radius) + radius * (1.0f + middle.norm());
+}
+
+void SightLines::block_by_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const float nearest = std::min({a.z(), b.z(), c.z()});
+    if (nearest > farthest_ || std::max({a.z(), b.z(), c.z()}) < 0.0f) {
+        return;
+    }
+    Eigen::Vector2f low = low_;
+    Eigen::Vector2f high = high_;
+    if (nearest > near_plane) {
+        const Eigen::Vector2f pa = a.head<2>() / a.z();
+        const Eigen::Vector2f pb = b.head<2>() / b.z();
+        const Eigen::Vector2f pc = c.head<2>() / c.z();
+        low = pa.cwiseMin(pb).cwiseMin(pc);
+        high = pa.cwiseMax(pb).cwiseMax(pc);
+        if ((low.array() > high_.array()).any() || (high.array() < low_.array()).any()) {
+            return;
+        }
+    }
+    // Möller & Trumbore 1997, with the ray's origin at zero. The slack closes the cracks that
+    // round-off opens between neighbours.
+    constexpr float slack = 1e-5f;
+    const Vec3f ab = b - a;
+    const Vec3f ac = c - a;
+    const Vec3f q = ab.cross(a);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        if (blocked_[i] != 0 || (image_[i].array() < low.array()).any() ||
+            (image_[i].array() > high.array()).any()) {
+            continue;
+        }
+        const Vec3f p = lines_[i].cross(ac);
+        const float determinant = ab.dot(p);
+        if (determinant == 0.0f) {
+            continue;
+        }
+        const float u = -a.dot(p) / determinant;
+        const float v = lines_[i].dot(q) / determinant;
+        const float t = ac.dot(q) / determinant;
+        if (u >= -slack && v >= -slack && u + v <= 1.0f + slack && t > 0.0f && t < last_[i]) {
+            blocked_[i] = 1;
+            --open_;
+        }
+    }
+}
+
+void SightLines::block_by_capsule(const Vec3f& a, const Vec3f& b, float radius) {
+    if (!may_meet(0.5f * (a + b), 0.5f * (b - a).norm() + radius)) {
+        return;
+    }
+    const Vec3f along = b - a;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        if (blocked_[i] != 0) {
+            continue;
+        }
+        // Closest points of the two segments (Ericson 2005, sec. 5.1.9), the line starting at zero.
+        const Vec3f line = last_[i] * lines_[i];
+        const float aa = line.squaredNorm();
+        const float bb = along.squaredNorm();
+        const float ab = line.dot(along);
+        const float c = line.dot(a);
+        const float denominator = aa * bb - ab * ab;
+        float s = denominator > 1e-7f * aa * bb
+                      ? std::clamp((c * bb - ab * along.dot(a)) / denominator, 0.0f, 1.0f)
+                      : 0.0f;
+        const float t = bb > 0.0f ? std::clamp((ab * s - along.dot(a)) / bb, 0.0f, 1.0f) : 0.0f;
+        s = std::clamp((c + ab * t) / aa, 0.0f, 1.0f);
+        if ((a + t * along - s * line).squaredNorm() < radius * radius) {
+            blocked_[i] = 1;
+            --open_;
+        }
+    }
+}
+
+Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
+    : rest_(mesh.vertices),
+      skin_(skin.begin(), skin.end()),
+      seen_(mesh.vertices.size(), Vec3f::Zero()),
+      seen_in_(mesh.vertices.size(), 0) {
+    if (mesh.triangles.empty()) {
+        return;
+    }
+    Vec3f low = rest_[0];
+    Vec3f high = rest_[0];
+    for (const Vec3f& p : rest_) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+    }
+    const float size = std::max((high - low).maxCoeff(), 1e-6f);
+    std::vector<std::uint32_t> code;
+    for (const Triangle& t : mesh.triangles) {
+        code.push_back(morton_code((rest_[t[0]] + rest_[t[1]] + rest_[t[2]]) / 3.0f, low, size));
+    }
+    std::vector<std::size_t> order(mesh.triangles.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return code[a] < code[b]; });
+    for (const std::size_t index : order) {
+        triangles_.push_back(mesh.triangles[index]);
+    }
+    for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
+        Block block;
+        block.first_triangle = static_cast<std::uint32_t>(first);
+        block.end_triangle = static_cast<std::uint32_t>(std::min(first + block_size, triangles_.size()));
+        block.first_frame = static_cast<std::uint32_t>(frames_.size());
+        const std::span<const Triangle> members(triangles_.data() + first,
+                                                block.end_triangle - block.first_triangle);
+        Vec3f block_low = rest_[members[0][0]];
+        Vec3f block_high = block_low;
+        std::vector<std::uint16_t> used;
+        for (const Triangle& t : members) {
+            for (const std::uint32_t vertex : t) {
+                block_low = block_low.cwiseMin(rest_[vertex]);
+                block_high = block_high.cwiseMax(rest_[vertex]);
+                for (std::size_t k = 0; k < 4; ++k) {
+                    if (skin_[vertex].weight[k] > 0.0f) {
+                        used.push_back(skin_[vertex].frame[k]);
+                    }
+                }
+            }
+        }
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        frames_.insert(frames_.end(), used.begin(), used.end());
+        block.end_frame = static_cast<std::uint32_t>(frames_.size());
+        block.centre = 0.5f * (block_low + block_high);
+        for (const Triangle& t : members) {
+            for (const std::uint32_t vertex : t) {
+                block.radius = std::max(block.radius, (rest_[vertex] - block.centre).norm());
+            }
+        }
+        blocks_.push_back(block);
+    }
+}
+
+void Occluder::block(SightLines& lines, std::span<const Vec3f> rest_centres,
+                     std::span<const FramePose> frames) {
+    ++call_;
+    tested_ = 0;
+    const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
+        if (seen_in_[vertex] != call_) {
+            seen_in_[vertex] = call_;
+            seen_[vertex] =
+                lines.seen_from_eye(skin_point(rest_[vertex], skin_[vertex], rest_centres, frames));
+        }
+        return seen_[vertex];
+    };
+    for (const Block& block : blocks_) {
+        if (lines.all_blocked()) {
+            return;
+        }
+        Vec3f low = Vec3f::Constant(1e9f);
+        Vec3f high = Vec3f::Constant(-1e9f);
+        for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
+            const FramePose& frame = frames[frames_[k]];
+            const Vec3f image = frame.rotation * (block.centre - rest_centres[frames_[k]]) + frame.centre;
+            low = low.cwiseMin(image);
+            high = high.cwiseMax(image);
+        }
+        const float radius = block.radius + 0.5f * (high - low).norm();
+        if (!lines.may_meet(lines.seen_from_eye(0.5f * (low + high)), radius)) {
+            continue;
+        }
+        for (std::uint32_t t = block.first_triangle; t < block.end_triangle; ++t) {
+            const Triangle& triangle = triangles_[t];
+            lines.block_by_triangle(see(triangle[0]), see(triangle[1]), see(triangle[2]));
+        }
+        tested_ += block.end_triangle - block.first_triangle;
+    }
+}
+
+}  // namespace eti::metrics

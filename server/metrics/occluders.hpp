@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mesh/skinning.hpp"
+#include "common/mesh/triangle_mesh.hpp"
+
+namespace eti::metrics {
+
+/// Straight lines from one eye to many targets, and which of them something blocks.
+class SightLines {
+  public:
+    /// What lies within `tolerance` [m] of a target does not hide it.
+    SightLines(const Vec3f& eye, std::span<const Vec3f> targets, float tolerance);
+
+    [[nodiscard]] std::size_t size() const { return lines_.size(); }
+    [[nodiscard]] bool blocked(std::size_t line) const { return blocked_[line] != 0; }
+    [[nodiscard]] bool all_blocked() const { return open_ == 0; }
+
+    /// Position [m] relative to the eye, third axis towards the targets.
+    [[nodiscard]] Vec3f seen_from_eye(const Vec3f& point) const { return to_eye_ * (point - eye_); }
+
+    /// False when a ball (centre as seen from the eye, radius) cannot meet any line.
+    [[nodiscard]] bool may_meet(const Vec3f& centre, float radius) const;
+
+    /// Blocks the lines that cross a triangle (corners as seen from the eye; either side).
+    void block_by_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c);
+
+    /// Blocks the lines that pass a segment (ends as seen from the eye) closer than `radius` [m].
+    void block_by_capsule(const Vec3f& a, const Vec3f& b, float radius);
+
+  private:
+    Vec3f eye_;
+    Mat3f to_eye_;
+    std::vector<Vec3f> lines_;  // eye to target, seen from the eye
+    std::vector<float> last_;   // share of each line beyond which nothing hides the target
+    std::vector<Eigen::Vector2f> image_;
+    std::vector<std::uint8_t> blocked_;
+    Eigen::Vector2f low_;  // box of the image of all targets
+    Eigen::Vector2f high_;
+    float farthest_ = 0.0f;  // along the third axis
+    std::size_t open_ = 0;
+};
+
+/// A skinned mesh cut into small blocks of neighbouring triangles, so that a narrow bundle of sight
+/// lines has to skin and test only the few blocks that it may meet.
+///
+/// A vertex blended from several frames lies in the hull of where each frame alone would put it, so
+/// a ball around the block's images under all its frames is a safe bound for any deformation.
+class Occluder {
+  public:
+    Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin);
+
+    void block(SightLines& lines, std::span<const Vec3f> rest_centres, std::span<const FramePose> frames);
+
+    /// Triangles skinned and tested in the last call.
+    [[nodiscard]] std::size_t tested() const { return tested_; }
+
+  private:
+    struct Block {
+        Vec3f centre = Vec3f::Zero();  // [m], rest
+        float radius = 0.0f;           // [m], rest
+        std::uint32_t first_frame = 0, end_frame = 0;
+        std::uint32_t first_triangle = 0, end_triangle = 0;
+    };
+
+    std::vector<Vec3f> rest_;
+    std::vector<SkinWeights> skin_;
+    std::vector<Triangle> triangles_;  // block by block
+    std::vector<Block> blocks_;
+    std::vector<std::uint16_t> frames_;   // of all blocks
+    std::vector<Vec3f> seen_;             // skinned vertices as seen from the eye
+    std::vector<std::uint32_t> seen_in_;  // call in which an entry of seen_ was made
+    std::uint32_t call_ = 0;
+    std::size_t tested_ = 0;
+};
+
+}  // namespace eti::metrics

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/story.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace eti::metrics {
+namespace {
+
+// A glimpse smaller than this [%] is no view of the glottis.
+constexpr double least_view_percent = 5.0;
+
+double in_mm(float metres) {
+    return 1e3 * static_cast<double>(metres);
+}
+
+std::string why_not_placed(const Story& story, const AirwayWatch& tube) {
+    const std::string view = fmt::format("best view {:.0f} %", story.best_opening_percent);
+    if (tube.in_oesophagus()) {
+        return fmt::format("the tube went into the oesophagus at {:.1f} s",
+                           story.entered_oesophagus.value_or(0.0));
+    }
+    if (story.left_trachea) {
+        return fmt::format("the tube had reached the trachea but slipped out at {:.1f} s",
+                           *story.left_trachea);
+    }
+    if (story.entered_oesophagus) {
+        return fmt::format(
+            "the tube went into the oesophagus at {:.1f} s and did not reach the trachea afterwards",
+            *story.entered_oesophagus);
+    }
+    if (!story.blade_entered) {
+        return "the blade never entered the mouth";
+    }
+    if (story.best_opening_percent < least_view_percent) {
+        return fmt::format("the glottis was never seen ({})", view);
+    }
+    if (!story.tube_entered_mouth) {
+        return fmt::format("the tube never entered the mouth ({})", view);
+    }
+    return fmt::format("the tube's tip came no nearer than {:.0f} mm to the glottis ({})",
+                       in_mm(story.nearest_to_glottis), view);
+}
+
+}  // namespace
+
+void Story::add(const AirwayWatch& tube, const AirwayWatch::Changes& changes, double opening_percent,
+                double time) {
+    best_opening_percent = std::max(best_opening_percent, opening_percent);
+    tube_entered_mouth = tube_entered_mouth || tube.in_mouth();
+    if (!tube.in_trachea()) {
+        nearest_to_glottis = std::min(nearest_to_glottis, -tube.past_glottis());
+    }
+    if (tube.in_oesophagus() && !entered_oesophagus) {
+        entered_oesophagus = time;
+    }
+    if (changes.trachea == Passage::Change::out) {
+        left_trachea = time;
+    }
+}
+
+Outcome judge(const Story& story, const AirwayWatch& tube, float trachea_length, const GateSettings& settings,
+              double time_limit) {
+    Outcome outcome;
+    const float past = tube.past_glottis();
+    if (!tube.in_trachea()) {
+        outcome.reason = why_not_placed(story, tube);
+    } else if (tube.in_main_stem()) {
+        outcome.reason = fmt::format("the tube's tip lies {:.0f} mm past the carina, in a main bronchus",
+                                     in_mm(past - trachea_length));
+    } else if (past < settings.success_depth) {
+        outcome.reason =
+            fmt::format("the tube's tip lies only {:.0f} mm past the glottis, where {:.0f} mm are needed",
+                        in_mm(past), in_mm(settings.success_depth));
+    } else {
+        outcome.success = true;
+        outcome.reason =
+            fmt::format("the tube's tip lies {:.0f} mm past the glottis, {:.0f} mm above the carina",
+                        in_mm(past), std::max(0.0, in_mm(trachea_length - past)));
+    }
+    if (story.duration > time_limit) {
+        outcome.reason +=
+            fmt::format("; it took {:.1f} s, over the limit of {:.0f} s", story.duration, time_limit);
+    }
+    return outcome;
+}
+
+}  // namespace eti::metrics
