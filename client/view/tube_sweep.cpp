@@ -138,8 +138,8 @@ std::vector<Triangle> wall_triangles() {
             const std::uint32_t turn = (side + 1) % sides;
             const std::uint32_t a = ring * sides + side, b = ring * sides + turn;
             const std::uint32_t c = next * sides + side, d = next * sides + turn;
-            triangles.push_back({a, b, c});
-            triangles.push_back({b, d, c});
+            triangles.push_back({a, c, b});
+            triangles.push_back({b, c, d});
         }
     }
     return triangles;

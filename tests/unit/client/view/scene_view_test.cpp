@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/scene_view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "synthetic_scene.hpp"
+
+namespace eti {
+namespace {
+
+constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+class SceneViewTest : public ::testing::Test {
+  protected:
+    void SetUp() override { synthetic::fill(view_, scene_); }
+
+    // What an outside observer can see of the state; a refused message must not change it.
+    void expect_refused(bool accepted) {
+        EXPECT_FALSE(accepted);
+        EXPECT_EQ(view_.dropped(), ++dropped_);
+    }
+
+    synthetic::Scene scene_ = synthetic::make_scene();
+    view::SceneView view_;
+    std::uint64_t dropped_ = 0;
+};
+
+TEST_F(SceneViewTest, IsCompleteOnlyWithAllObjects) {
+    view::SceneView view;
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+        EXPECT_FALSE(view.complete()) << i << " objects";
+        EXPECT_TRUE(view.apply(scene_.objects[i]));
+    }
+    EXPECT_TRUE(view.complete());
+    EXPECT_EQ(view.surfaces().size(), 5u);
+    EXPECT_TRUE(view.laryngoscope().has_value());
+    EXPECT_EQ(view.dropped(), 0u);
+}
+
+TEST_F(SceneViewTest, SceneMayArriveInAnyOrder) {
+    view::SceneView view;
+    for (auto object = scene_.objects.rbegin(); object != scene_.objects.rend(); ++object) {
+        EXPECT_TRUE(view.apply(*object));
+    }
+    EXPECT_TRUE(view.complete());
+    EXPECT_TRUE(view.apply(synthetic::deformation(scene_, 5, 0.004f, 0.0f)));
+    view.update();
+    EXPECT_NE(view.tube(), nullptr);
+}
+
+TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
+    const auto& tongue = view_.surfaces().at("tongue");
+    const Vec3f rest = tongue.model().mesh.vertices.front();
+    // fill() lifted the tongue by 3 mm towards anterior (-y); quaternions are exact for the identity.
+    EXPECT_NEAR(tongue.vertices().front().position.y(), rest.y() - 0.003f, 1e-7f);
+    const std::uint64_t before = view_.surfaces().at("spine").revision();
+    msg::DeformationState state;
+    state.chunks(1);
+    state.header().simulation_time_ns(2'000'000);
+    const Quatf quarter(Eigen::AngleAxisf(0.5f, Vec3f::UnitX()));
+    state.frames().push_back(synthetic::frame_update(2, {Vec3f(0.01f, 0.0f, 0.0f), quarter}));
+    ASSERT_TRUE(view_.apply(state));
+    view_.update();
+    const Vec3f expected = quarter * (rest - scene_.rest_centres[2]) + Vec3f(0.01f, 0.0f, 0.0f);
+    // A component is rounded to 1/65534; at 17 mm from the centre that moves a point by under 1 um.
+    EXPECT_LT((tongue.vertices().front().position - expected).norm(), 1e-6f);
+    EXPECT_EQ(view_.surfaces().at("spine").revision(), before) << "its frame did not move";
+}
+
+TEST_F(SceneViewTest, AnOlderChunkDoesNotUndoANewerOne) {
+    view_.apply(synthetic::deformation(scene_, 900'000'000, 0.005f, 0.0f));
+    EXPECT_TRUE(view_.apply(synthetic::deformation(scene_, 890'000'000, 0.001f, 0.0f)));
+    EXPECT_NEAR(view_.frames()[2].centre.y(), scene_.rest_centres[2].y() - 0.005f, 1e-7f);
+    EXPECT_EQ(view_.simulation_time_ns(), 900'000'000u);
+}
+
+TEST_F(SceneViewTest, ASessionThatBeginsAnewIsFollowed) {
+    view_.apply(synthetic::deformation(scene_, 60'000'000'000, 0.005f, 0.0f));
+    view_.apply(synthetic::deformation(scene_, 10'000'000, 0.001f, 0.0f));
+    EXPECT_NEAR(view_.frames()[2].centre.y(), scene_.rest_centres[2].y() - 0.001f, 1e-7f);
+    EXPECT_EQ(view_.simulation_time_ns(), 10'000'000u);
+}
+
+TEST_F(SceneViewTest, DeformationBeforeTheSceneIsHarmless) {
+    view::SceneView view;
+    EXPECT_TRUE(view.apply(synthetic::deformation(scene_, 1, 0.0f, 0.0f)));
+    view.update();
+    EXPECT_EQ(view.dropped(), 0u);
+    EXPECT_EQ(view.tube(), nullptr);
+}
+
+TEST_F(SceneViewTest, HostileDeformationIsDroppedAndCounted) {
+    auto good = [&] { return synthetic::deformation(scene_, 3'000'000, 0.001f, 0.0f); };
+    auto state = good();
+    state.frames()[1].frame(4);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.frames()[1].frame(65535);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.frames()[0].x(not_a_number);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.frames()[0].y(std::numeric_limits<float>::infinity());
+    expect_refused(view_.apply(state));
+    state = good();
+    state.frames()[0].qw(0);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.frames()[0].qx(32767);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.chunk(7);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.chunks(0);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.tube_nodes()[3].z(1e30f);
+    expect_refused(view_.apply(state));
+    state = good();
+    state.tube_nodes().resize(1);
+    expect_refused(view_.apply(state));
+    EXPECT_NEAR(view_.frames()[2].centre.y(), scene_.rest_centres[2].y() - 0.003f, 1e-7f)
+        << "nothing was taken";
+}
+
+TEST_F(SceneViewTest, HostileSceneIsDroppedAndCounted) {
+    const msg::SceneDescription& body = scene_.objects[1];
+    auto object = body;
+    object.triangles()[5] = static_cast<std::uint32_t>(body.vertices().size() / 3);
+    expect_refused(view_.apply(object));
+    object = body;
+    object.vertices().pop_back();
+    expect_refused(view_.apply(object));
+    object = body;
+    object.vertices()[7] = not_a_number;
+    expect_refused(view_.apply(object));
+    object = body;
+    object.skin_frame()[0] = 4;
+    expect_refused(view_.apply(object));
+    object = body;
+    object.skin_weight().resize(8);
+    expect_refused(view_.apply(object));
+    object = body;
+    object.skin_weight()[0] = 0;
+    expect_refused(view_.apply(object));
+    object = body;
+    object.triangle_tissue().pop_back();
+    expect_refused(view_.apply(object));
+    object = body;
+    object.triangle_tissue()[0] = 200;
+    expect_refused(view_.apply(object));
+    object = body;
+    object.tissue(12);
+    expect_refused(view_.apply(object));
+    object = body;
+    object.object_count(0);
+    expect_refused(view_.apply(object));
+    object = body;
+    object.vertices().clear();
+    expect_refused(view_.apply(object));
+    auto landmarks = scene_.objects.back();
+    landmarks.names()[0] = "nowhere";
+    expect_refused(view_.apply(landmarks));
+    auto tube = scene_.objects[scene_.objects.size() - 2];
+    tube.inner_radius(0.003f);
+    expect_refused(view_.apply(tube));
+    tube.vertices().clear();
+    expect_refused(view_.apply(tube));
+    EXPECT_TRUE(view_.complete()) << "what was there stays";
+}
+
+TEST_F(SceneViewTest, FramesThatDoNotFitTheSurfacesAreNoticed) {
+    auto frames = scene_.objects.front();
+    frames.vertices().resize(6);  // two frames; tongue and epiglottis need four
+    EXPECT_TRUE(view_.apply(frames));
+    EXPECT_EQ(view_.dropped(), 2u);
+    EXPECT_FALSE(view_.complete());
+    view_.update();
+}
+
+TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
+    auto proxy = synthetic::proxy(scene_, 5);
+    proxy.proxy().position().x(not_a_number);
+    expect_refused(view_.apply(proxy));
+    proxy = synthetic::proxy(scene_, 5);
+    proxy.proxy().orientation().w(5.0f);
+    expect_refused(view_.apply(proxy));
+    auto live = synthetic::metrics(scene_, 5, 10.0f);
+    live.landmarks().pop_back();
+    expect_refused(view_.apply(live));
+    live = synthetic::metrics(scene_, 5, 10.0f);
+    live.landmarks()[2].y(not_a_number);
+    expect_refused(view_.apply(live));
+    live = synthetic::metrics(scene_, 5, not_a_number);
+    expect_refused(view_.apply(live));
+    auto status = synthetic::status(msg::PHASE_RUNNING);
+    status.load(not_a_number);
+    expect_refused(view_.apply(status));
+}
+
+TEST_F(SceneViewTest, ASceneOfAnotherSizeReplacesTheOld) {
+    auto frames = scene_.objects.front();
+    frames.object_count(1);
+    EXPECT_TRUE(view_.apply(frames));
+    EXPECT_TRUE(view_.complete());
+    EXPECT_TRUE(view_.surfaces().empty());
+    view_.update();
+}
+
+}  // namespace
+}  // namespace eti

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "synthetic_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "common/mesh/distance_grid.hpp"
+#include "common/mesh/isosurface.hpp"
+
+namespace eti::synthetic {
+namespace {
+
+using Field = std::function<float(const Vec3f&)>;
+
+constexpr std::uint16_t trunk = 0, skull = 1, tongue = 2, epiglottis = 3;
+constexpr float blade_length = 0.09f;
+
+float ellipsoid(const Vec3f& p, const Vec3f& centre, const Vec3f& radii) {
+    const Vec3f scaled = (p - centre).cwiseQuotient(radii);
+    const float length = scaled.norm();
+    const float gradient = scaled.cwiseQuotient(radii).norm();
+    return gradient > 0.0f ? length * (length - 1.0f) / gradient : -radii.minCoeff();
+}
+
+float capsule(const Vec3f& p, const Vec3f& a, const Vec3f& b, float radius_a, float radius_b) {
+    const Vec3f along = b - a;
+    const float t = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
+    return (p - a - t * along).norm() - (radius_a + t * (radius_b - radius_a));
+}
+
+TriangleMesh mesh_of(const Field& field, const Vec3f& low, const Vec3f& high, float spacing) {
+    DistanceGrid grid;
+    grid.origin = low;
+    grid.spacing = spacing;
+    for (int axis = 0; axis < 3; ++axis) {
+        grid.size[static_cast<std::size_t>(axis)] = static_cast<int>((high[axis] - low[axis]) / spacing) + 2;
+    }
+    for (int z = 0; z < grid.size[2]; ++z) {
+        for (int y = 0; y < grid.size[1]; ++y) {
+            for (int x = 0; x < grid.size[0]; ++x) {
+                grid.value.push_back(field(grid.node(x, y, z)));
+            }
+        }
+    }
+    return isosurface(grid, 0.0f);
+}
+
+float cavity(const Vec3f& p) {
+    const Vec3f front(0.0f, -0.030f, 0.020f), throat(0.0f, 0.032f, 0.002f), glottis(0.0f, 0.042f, -0.027f),
+        windpipe(0.0f, 0.046f, -0.10f);
+    return std::min({capsule(p, front, throat, 0.012f, 0.011f), capsule(p, throat, glottis, 0.011f, 0.0035f),
+                     capsule(p, glottis, windpipe, 0.003f, 0.003f)});
+}
+
+float body(const Vec3f& p) {
+    const float head = ellipsoid(p, {0.0f, 0.040f, 0.030f}, {0.048f, 0.050f, 0.060f});
+    const float neck = capsule(p, {0.0f, 0.045f, -0.02f}, {0.0f, 0.045f, -0.11f}, 0.030f, 0.030f);
+    return std::max(std::min(head, neck), -cavity(p));
+}
+
+Tissue lining(const Vec3f& p) {
+    if (cavity(p) > 1.5e-3f) {
+        return Tissue::soft;
+    }
+    return p.z() < -0.034f ? Tissue::trachea : p.z() < -0.020f ? Tissue::larynx : Tissue::soft;
+}
+
+void add_mesh(msg::SceneDescription& object, const TriangleMesh& mesh) {
+    for (const Vec3f& v : mesh.vertices) {
+        object.vertices().insert(object.vertices().end(), {v.x(), v.y(), v.z()});
+    }
+    for (const Triangle& t : mesh.triangles) {
+        object.triangles().insert(object.triangles().end(), t.begin(), t.end());
+    }
+}
+
+msg::SceneDescription named(const std::string& name, msg::ObjectKind kind) {
+    msg::SceneDescription object;
+    object.object(name);
+    object.kind(kind);
+    return object;
+}
+
+msg::SceneDescription surface(const std::string& name, Tissue tissue, const TriangleMesh& mesh,
+                              std::uint16_t frame) {
+    msg::SceneDescription object = named(name, msg::OBJECT_SURFACE);
+    object.tissue(static_cast<std::uint32_t>(tissue));
+    add_mesh(object, mesh);
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3f centre = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0f;
+        object.triangle_tissue().push_back(
+            static_cast<std::uint8_t>(tissue == Tissue::soft ? lining(centre) : tissue));
+    }
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        const bool on_skull = frame == trunk && mesh.vertices[v].z() > 0.0f;
+        object.skin_frame().insert(object.skin_frame().end(), {on_skull ? skull : frame, 0, 0, 0});
+        object.skin_weight().insert(object.skin_weight().end(), {255, 0, 0, 0});
+    }
+    return object;
+}
+
+msg::Vec3 vec3(const Vec3f& v) {
+    msg::Vec3 out;
+    out.x(v.x());
+    out.y(v.y());
+    out.z(v.z());
+    return out;
+}
+
+Landmarks make_landmarks() {
+    Landmarks points;
+    points.fill(Vec3f(0.0f, 0.03f, 0.0f));
+    const auto set = [&](Landmark which, float y, float z) {
+        points[static_cast<std::size_t>(which)] = Vec3f(0.0f, y, z);
+    };
+    set(Landmark::upper_gum, 0.0f, 0.026f);
+    set(Landmark::lower_gum, 0.0f, 0.002f);
+    set(Landmark::mouth_opening, -0.008f, 0.014f);
+    set(Landmark::vallecula, 0.033f, -0.014f);
+    set(Landmark::glottis, 0.042f, -0.027f);
+    set(Landmark::glottis_anterior, 0.0392f, -0.027f);
+    set(Landmark::glottis_posterior, 0.0448f, -0.027f);
+    set(Landmark::trachea_mid, 0.044f, -0.06f);
+    set(Landmark::carina, 0.046f, -0.10f);
+    return points;
+}
+
+}  // namespace
+
+TriangleMesh body_mesh() {
+    return mesh_of(body, {-0.06f, -0.02f, -0.15f}, {0.06f, 0.10f, 0.10f}, 2.5e-3f);
+}
+
+Scene make_scene() {
+    Scene scene;
+    scene.landmarks = make_landmarks();
+    const Vec3f tongue_centre(0.0f, 0.016f, -0.002f), epiglottis_centre(0.0f, 0.037f, -0.014f);
+    scene.rest_centres = {Vec3f::Zero(), Vec3f(0.0f, 0.05f, 0.0f), tongue_centre, epiglottis_centre};
+
+    msg::SceneDescription frames = named("frames", msg::OBJECT_FRAMES);
+    for (const Vec3f& centre : scene.rest_centres) {
+        frames.vertices().insert(frames.vertices().end(), {centre.x(), centre.y(), centre.z()});
+    }
+    scene.objects.push_back(frames);
+    scene.objects.push_back(surface("body", Tissue::soft, body_mesh(), trunk));
+    const auto ball = [](const Vec3f& centre, const Vec3f& radii, float spacing) {
+        const Vec3f room = radii + Vec3f::Constant(2.0f * spacing);
+        return mesh_of([&](const Vec3f& p) { return ellipsoid(p, centre, radii); }, centre - room,
+                       centre + room, spacing);
+    };
+    scene.objects.push_back(
+        surface("tongue", Tissue::tongue, ball(tongue_centre, {0.009f, 0.016f, 0.007f}, 1e-3f), tongue));
+    scene.objects.push_back(surface("epiglottis", Tissue::epiglottis,
+                                    ball(epiglottis_centre, {0.005f, 0.0018f, 0.006f}, 0.6e-3f), epiglottis));
+    scene.objects.push_back(
+        surface("skull", Tissue::skull, ball({0.0f, 0.045f, 0.055f}, {0.03f, 0.03f, 0.025f}, 3e-3f), skull));
+    scene.objects.push_back(surface("spine", Tissue::spine,
+                                    ball({0.0f, 0.062f, -0.05f}, {0.006f, 0.005f, 0.05f}, 1.5e-3f), trunk));
+
+    msg::SceneDescription blade = named("laryngoscope", msg::OBJECT_TOOL);
+    const auto blade_field = [](const Vec3f& p) {
+        return std::min(capsule(p, Vec3f::Zero(), {0.0f, 0.0f, blade_length - 3e-3f}, 3e-3f, 3e-3f),
+                        capsule(p, Vec3f::Zero(), {0.0f, 0.10f, 0.0f}, 9e-3f, 9e-3f));
+    };
+    add_mesh(blade, mesh_of(blade_field, {-0.012f, -0.012f, -0.012f}, {0.012f, 0.112f, 0.093f}, 2e-3f));
+    scene.objects.push_back(blade);
+
+    msg::SceneDescription tube = named("tube", msg::OBJECT_TUBE);
+    tube.outer_radius(2.1e-3f);
+    tube.inner_radius(1.5e-3f);
+    tube.vertices({0.16f, 0.10f, 0.14f});
+    scene.objects.push_back(tube);
+
+    msg::SceneDescription landmarks = named("landmarks", msg::OBJECT_LANDMARKS);
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        const Vec3f& p = scene.landmarks[i];
+        landmarks.names().emplace_back(std::string(landmark_names[i]));
+        landmarks.vertices().insert(landmarks.vertices().end(), {p.x(), p.y(), p.z()});
+    }
+    scene.objects.push_back(landmarks);
+    for (msg::SceneDescription& object : scene.objects) {
+        object.object_count(static_cast<std::uint32_t>(scene.objects.size()));
+    }
+    return scene;
+}
+
+msg::FrameUpdate frame_update(std::uint16_t frame, const FramePose& pose) {
+    const auto quantum = [](float part) { return static_cast<std::int16_t>(std::lround(32767.0f * part)); };
+    msg::FrameUpdate update;
+    update.frame(frame);
+    update.qw(quantum(pose.rotation.w()));
+    update.qx(quantum(pose.rotation.x()));
+    update.qy(quantum(pose.rotation.y()));
+    update.qz(quantum(pose.rotation.z()));
+    update.x(pose.centre.x());
+    update.y(pose.centre.y());
+    update.z(pose.centre.z());
+    return update;
+}
+
+msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, float lift, float depth) {
+    msg::DeformationState state;
+    state.header().simulation_time_ns(time_ns);
+    state.chunks(1);
+    for (std::uint16_t f = 0; f < scene.rest_centres.size(); ++f) {
+        FramePose pose{scene.rest_centres[f], Quatf::Identity()};
+        if (f == tongue || f == epiglottis) {
+            pose.centre.y() -= lift;
+        }
+        state.frames().push_back(frame_update(f, pose));
+    }
+    const Vec3f mouth = at(scene.landmarks, Landmark::mouth_opening),
+                glottis = at(scene.landmarks, Landmark::glottis);
+    const Vec3f down = (at(scene.landmarks, Landmark::carina) - glottis).normalized();
+    const Vec3f outside = mouth + Vec3f(0.0f, -0.02f, 0.08f);
+    // A polyline with a rounded corner at the mouth is course enough for a tube.
+    for (int i = 0; i <= 20; ++i) {
+        const float t = static_cast<float>(i) / 20.0f;
+        const Vec3f bent = (1 - t) * (1 - t) * outside +
+                           2 * t * (1 - t) * (mouth + Vec3f(0.0f, 0.02f, 0.0f)) + t * t * glottis;
+        state.tube_nodes().push_back(vec3(bent));
+    }
+    state.tube_nodes().push_back(vec3(glottis + depth * down));
+    return state;
+}
+
+msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns) {
+    const Vec3f mouth = at(scene.landmarks, Landmark::mouth_opening) + Vec3f(0.0f, -0.004f, 0.0f);
+    const Vec3f tip = at(scene.landmarks, Landmark::vallecula);
+    Mat3f axes;
+    axes.col(2) = (tip - mouth).normalized();
+    axes.col(0) = (-Vec3f::UnitY()).cross(axes.col(2)).normalized();
+    axes.col(1) = axes.col(2).cross(axes.col(0));
+    const Quatf rotation(axes);
+    msg::ProxyState state;
+    state.header().simulation_time_ns(time_ns);
+    state.proxy().position(vec3(tip - blade_length * Vec3f(axes.col(2))));
+    state.proxy().orientation().w(rotation.w());
+    state.proxy().orientation().x(rotation.x());
+    state.proxy().orientation().y(rotation.y());
+    state.proxy().orientation().z(rotation.z());
+    return state;
+}
+
+msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glottic_opening_percent) {
+    msg::LiveMetrics live;
+    live.header().simulation_time_ns(time_ns);
+    live.attempt(1);
+    live.attempt_running(true);
+    live.glottic_opening_percent(glottic_opening_percent);
+    live.gum_force_n(1.5f);
+    for (const Vec3f& p : scene.landmarks) {
+        live.landmarks().push_back(vec3(p));
+    }
+    return live;
+}
+
+msg::SessionStatus status(msg::SessionPhase phase) {
+    msg::SessionStatus state;
+    state.session("default");
+    state.server("test:1");
+    state.scenario("synthetic");
+    state.phase(phase);
+    state.load(0.5f);
+    return state;
+}
+
+void fill(view::SceneView& view, const Scene& scene) {
+    for (const msg::SceneDescription& object : scene.objects) {
+        view.apply(object);
+    }
+    view.apply(status(msg::PHASE_RUNNING));
+    view.apply(deformation(scene, 1'000'000, 0.003f, 0.02f));
+    view.apply(proxy(scene, 1'000'000));
+    view.apply(metrics(scene, 1'000'000, 40.0f));
+    view.update();
+}
+
+}  // namespace eti::synthetic

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "client/view/scene_view.hpp"
+#include "common/math/transform.hpp"
+#include "common/mesh/triangle_mesh.hpp"
+#include "common/model/landmark.hpp"
+#include "common/model/tissue.hpp"
+#include "idl/eti.h"
+
+namespace eti::synthetic {
+
+/// A head with mouth, throat and windpipe, tongue, epiglottis, glottic ring, spine, blade and tube out
+/// of ellipsoids and capsules: closed surfaces with known centres, small enough for a unit test.
+struct Scene {
+    std::vector<msg::SceneDescription> objects;
+    std::vector<Vec3f> rest_centres;  ///< frames: trunk, skull, tongue, epiglottis
+    Landmarks landmarks{};
+};
+
+[[nodiscard]] Scene make_scene();
+
+/// Meshes by themselves.
+[[nodiscard]] TriangleMesh body_mesh();
+
+[[nodiscard]] msg::FrameUpdate frame_update(std::uint16_t frame, const FramePose& pose);
+/// Every frame at its rest pose but that the tongue is lifted by `lift` [m]; the tube along
+/// mouth, glottis and windpipe, `depth` [m] past the glottis.
+[[nodiscard]] msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, float lift,
+                                                float depth);
+/// Blade from the mouth to the vallecula.
+[[nodiscard]] msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns);
+[[nodiscard]] msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns,
+                                       float glottic_opening_percent);
+[[nodiscard]] msg::SessionStatus status(msg::SessionPhase phase);
+
+/// A SceneView to which all of the above was applied.
+void fill(view::SceneView& view, const Scene& scene);
+
+}  // namespace eti::synthetic
