@@ -13,8 +13,6 @@ namespace eti::anatomy {
 
 namespace {
 
-constexpr float tissue_density = 1000.0f;  // [kg/m^3]
-
 /// A voxel of tissue; nothing where there is air, bone or tissue too far away to matter.
 struct Voxel {
     bool filled = false;

@@ -36,6 +36,11 @@ struct Posture {
 /// Blend weights over the bones; they sum to one.
 using BoneWeights = std::array<float, bone_count>;
 
+/// [kg/m^3], of particles. Four times that of tissue: a hand moves it so slowly that inertia does not
+/// matter, while a contact force comes out right only where the substep resolves sqrt(mass / stiffness)
+/// (docs/decisions/0006-quasi-static-mass.md).
+inline constexpr float tissue_density = 4000.0f;
+
 /// Particles of the soft tissue, structure of arrays; all arrays have the same length.
 struct ParticleSet {
     std::vector<Vec3f> rest;                ///< [m], rest posture

@@ -12,8 +12,9 @@ namespace eti::pbd {
 
 namespace {
 
-// Two steps from the last rotation leave less than 1e-4 rad where tissue turns under a radian per step.
-constexpr int rotation_steps = 3;
+// Warm-started from the last substep: four steps leave a thousandth of what the cluster turned since. An
+// even number, so that what is left lags: goals that lead the body would feed energy into it.
+constexpr int rotation_steps = 4;
 // Ranges are cut the same way whatever the number of threads; every output has one writer.
 constexpr std::size_t cluster_grain = 64;
 constexpr std::size_t particle_grain = 512;
@@ -37,7 +38,10 @@ Quatf extract_rotation(const Mat3f& a, const Quatf& rotation, int iterations) {
         const Vec3f turn = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
         const float scale = std::fabs(r.col(0).dot(a.col(0)) + r.col(1).dot(a.col(1)) + r.col(2).dot(a.col(2))) +
                             1e-20f;
-        const Vec3f omega = turn / scale;
+        // Near the solution `turn` is (s_i + s_j) / (s_1 + s_2 + s_3) of the angle left, for principal
+        // stretches s: two thirds where they are equal. Three halves of it converge five times a step
+        // for stretches of 0.7 to 1.3, and still converge (rate 1/2) for flat and linear clusters.
+        const Vec3f omega = 1.5f * turn / scale;
         const float angle = omega.norm();
         if (!(angle > 1e-7f)) {
             break;
@@ -94,9 +98,7 @@ void ShapeMatching::configure(const Description& description, const Particles& p
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
             const std::uint32_t i = member_[k];
             const auto n = static_cast<float>(memberships[i]);
-            // A particle of infinite mass fits with the mass its volume would have.
-            const float mass = 1000.0f * description.particle_volume[i];
-            const float share = (particles.inverse_mass[i] > 0.0f ? 1.0f / particles.inverse_mass[i] : mass) / n;
+            const float share = description.fitting_mass[i] / n;
             weight_[k] = share;
             total += share;
             free_mass += share;

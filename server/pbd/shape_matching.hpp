@@ -30,12 +30,12 @@ class ShapeMatching {
         std::vector<std::uint32_t> member;       ///< particle indices
         std::vector<float> youngs_modulus;       ///< [Pa], per cluster
         std::vector<float> particle_volume;      ///< [m^3], per particle
+        std::vector<float> fitting_mass;         ///< [kg], per particle; finite also where the mass is infinite
     };
 
     void configure(const Description& description, const Particles& particles);
 
-    /// Takes `particles.rest` as the new unloaded shape (after a change of posture). `turn`[c] [rotation
-    /// from the model's rest posture] composes with the fitted rotation in rotation().
+    /// Takes `particles.rest` as the new unloaded shape (after a change of posture).
     void set_rest(const Particles& particles);
 
     /// One Jacobi pass: fits every cluster to the predicted positions and moves the free particles

@@ -28,7 +28,7 @@ struct Inputs {
 };
 
 struct Settings {
-    int substeps = 4;
+    int substeps = 8;
     float posture_rate = 0.17f;    ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     rigid::Settings rigid;
 };
@@ -52,8 +52,14 @@ class Scene {
     /// Back to the beginning with the tools at `start`.
     void reset(const Inputs& start);
 
+    /// Puts a tool somewhere at once, at rest: when its device appears, far from where it was parked.
+    void place_laryngoscope(const RigidTransform& pose);
+    void place_tube(const RigidTransform& grip);
+
   private:
     void apply_posture(const anatomy::Posture& posture);
+    /// The tongue does not go through palate, gums and pharynx.
+    void keep_out_of_shell(pbd::Particles& particles) const;
     void fill_snapshot(const Inputs& inputs);
 
     const anatomy::Patient& patient_;

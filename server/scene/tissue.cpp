@@ -10,6 +10,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient) : patient_(patient) {
     p.resize(set.size());
     pbd::ShapeMatching::Description shapes;
     shapes.particle_volume.resize(set.size());
+    shapes.fitting_mass.resize(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) {
         p.rest[i] = p.position[i] = p.predicted[i] = set.rest[i];
         p.inverse_mass[i] = set.mass[i] > 0.0f ? 1.0f / set.mass[i] : 0.0f;
@@ -21,6 +22,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient) : patient_(patient) {
         }
         const float spacing = 2.0f * set.radius[i];
         shapes.particle_volume[i] = spacing * spacing * spacing;
+        shapes.fitting_mass[i] = anatomy::tissue_density * shapes.particle_volume[i];
     }
     shapes.first = patient.clusters.first;
     shapes.member = patient.clusters.member;

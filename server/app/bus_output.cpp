@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/bus_output.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/convert.hpp"
+#include "common/math/units.hpp"
+
+namespace eti::app {
+
+namespace {
+
+using bus::make_header;
+using bus::to_msg;
+
+// A frame is sent when it moved by more than this since last sent: a tenth of what an eye sees.
+constexpr float centre_quantum = 0.02e-3f;            // [m]
+constexpr float rotation_quantum = 0.05f * degree;    // [rad]
+// Every frame is sent again within this many states, so that a late joiner or a lost chunk heals.
+constexpr std::uint32_t refresh_states = 45;
+// 24 bytes a frame; the first chunk also carries the tube's nodes. Each chunk fits 1300 bytes.
+constexpr std::size_t frames_per_chunk = 48;
+constexpr std::size_t frames_in_first_chunk = 24;
+
+std::uint8_t quantised(float weight) { return static_cast<std::uint8_t>(std::lround(weight * 255.0f)); }
+
+std::int16_t quantised_unit(float x) { return static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767.0f)); }
+
+msg::FrameUpdate frame_update(std::size_t index, const FramePose& pose) {
+    msg::FrameUpdate update;
+    update.frame(static_cast<std::uint16_t>(index));
+    update.qw(quantised_unit(pose.rotation.w()));
+    update.qx(quantised_unit(pose.rotation.x()));
+    update.qy(quantised_unit(pose.rotation.y()));
+    update.qz(quantised_unit(pose.rotation.z()));
+    update.x(pose.centre.x());
+    update.y(pose.centre.y());
+    update.z(pose.centre.z());
+    return update;
+}
+
+bool moved(const FramePose& now, const FramePose& before) {
+    return (now.centre - before.centre).squaredNorm() > centre_quantum * centre_quantum ||
+           rotation_vector(now.rotation * before.rotation.conjugate()).norm() > rotation_quantum;
+}
+
+std::vector<double> values_of(const Parameters& parameters) {
+    std::vector<double> values;
+    for (const ParameterField& field : parameter_fields) {
+        values.push_back(parameters.*field.value);
+    }
+    return values;
+}
+
+void append(std::vector<float>& to, const Vec3f& v) { to.insert(to.end(), {v.x(), v.y(), v.z()}); }
+
+}  // namespace
+
+BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+                     std::string scenario)
+    : session_(node.options().session),
+      scenario_(std::move(scenario)),
+      scene_(node, bus::topics::scene),
+      proxy_(node, bus::topics::proxy),
+      contacts_(node, bus::topics::tissue_contacts),
+      deformation_(node, bus::topics::deformation),
+      deformation_slow_(node, bus::topics::deformation_slow),
+      live_(node, bus::topics::live_metrics),
+      summary_(node, bus::topics::attempt_summary),
+      result_(node, bus::topics::command_result),
+      status_(node, bus::topics::session_status) {
+    publish_scene(patient, scope, tube);
+    thread_ = std::thread([this] { run(); });
+}
+
+BusOutput::~BusOutput() {
+    if (thread_.joinable()) {
+        finish({});
+    }
+}
+
+void BusOutput::publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube) {
+    std::vector<msg::SceneDescription> objects;
+    const auto object = [&](std::string name, msg::ObjectKind kind) -> msg::SceneDescription& {
+        objects.emplace_back();
+        objects.back().object(name);
+        objects.back().kind(kind);
+        return objects.back();
+    };
+    msg::SceneDescription& frames = object("frames", msg::OBJECT_FRAMES);
+    for (const Vec3f& centre : patient.frame_rest_centre) {
+        append(frames.vertices(), centre);
+    }
+    for (const anatomy::Surface& surface : patient.surfaces) {
+        msg::SceneDescription& o = object(surface.name, msg::OBJECT_SURFACE);
+        o.tissue(static_cast<std::uint32_t>(surface.tissue));
+        for (const Vec3f& v : surface.mesh.vertices) {
+            append(o.vertices(), v);
+        }
+        for (const Triangle& t : surface.mesh.triangles) {
+            o.triangles().insert(o.triangles().end(), t.begin(), t.end());
+        }
+        for (const Tissue t : surface.triangle_tissue) {
+            o.triangle_tissue().push_back(static_cast<std::uint8_t>(t));
+        }
+        for (const SkinWeights& skin : surface.skin) {
+            o.skin_frame().insert(o.skin_frame().end(), skin.frame.begin(), skin.frame.end());
+            for (const float w : skin.weight) {
+                o.skin_weight().push_back(quantised(w));
+            }
+        }
+    }
+    msg::SceneDescription& blade = object("laryngoscope", msg::OBJECT_TOOL);
+    const TriangleMesh mesh = laryngoscope_mesh(scope);
+    for (const Vec3f& v : mesh.vertices) {
+        append(blade.vertices(), v);
+    }
+    for (const Triangle& t : mesh.triangles) {
+        blade.triangles().insert(blade.triangles().end(), t.begin(), t.end());
+    }
+    blade.names({std::string(name_of(scope.blade))});
+    msg::SceneDescription& sweep = object("tube", msg::OBJECT_TUBE);
+    sweep.outer_radius(0.5f * tube.outer_diameter);
+    sweep.inner_radius(0.5f * tube.inner_diameter);
+    sweep.vertices({tube.length, tube.grip_from_tip, tube.curve_radius});
+    msg::SceneDescription& points = object("landmarks", msg::OBJECT_LANDMARKS);
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        append(points.vertices(), patient.landmarks[i].rest);
+        points.names().push_back(std::string(landmark_names[i]));
+    }
+    for (msg::SceneDescription& o : objects) {
+        o.object_count(static_cast<std::uint32_t>(objects.size()));
+        o.header(make_header(0, 0));
+        if (!scene_.publish(o)) {
+            spdlog::error("scene object '{}' could not be published; clients will not see the patient",
+                          o.object().to_string());
+        }
+    }
+}
+
+void BusOutput::post(const scene::Snapshot& snapshot, const LiveValues& live, const StatusValues& status) {
+    {
+        const std::scoped_lock lock(mutex_);
+        skipped_ += waiting_.fresh ? 1 : 0;
+        waiting_.snapshot = snapshot;
+        waiting_.live = live;
+        waiting_.status = status;
+        waiting_.fresh = true;
+    }
+    wake_.notify_one();
+}
+
+void BusOutput::post_result(msg::CommandResult result) {
+    {
+        const std::scoped_lock lock(mutex_);
+        results_.push_back(std::move(result));
+    }
+    wake_.notify_one();
+}
+
+void BusOutput::post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters) {
+    {
+        const std::scoped_lock lock(mutex_);
+        summaries_.push_back({attempt, outcome, parameters});
+    }
+    wake_.notify_one();
+}
+
+void BusOutput::finish(const StatusValues& status) {
+    {
+        const std::scoped_lock lock(mutex_);
+        waiting_.status = status;
+        waiting_.status.phase = msg::PHASE_FINISHED;
+        ending_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+}
+
+std::uint64_t BusOutput::skipped() const {
+    const std::scoped_lock lock(mutex_);
+    return skipped_;
+}
+
+void BusOutput::run() {
+    std::deque<msg::CommandResult> results;
+    std::deque<Summary> summaries;
+    bool ending = false;
+    while (!ending) {
+        bool fresh = false;
+        {
+            std::unique_lock lock(mutex_);
+            wake_.wait(lock, [&] { return waiting_.fresh || ending_ || !results_.empty() || !summaries_.empty(); });
+            fresh = waiting_.fresh;
+            ending = ending_;
+            if (fresh || ending) {
+                std::swap(current_, waiting_);
+                waiting_.fresh = false;
+            }
+            results.swap(results_);
+            summaries.swap(summaries_);
+        }
+        publish_events(results, summaries);
+        if (fresh) {
+            publish_step(current_);
+        }
+        if (ending) {
+            publish_status(current_);
+        }
+    }
+}
+
+void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries) {
+    for (msg::CommandResult& result : results) {
+        result_.publish(result);
+    }
+    results.clear();
+    for (const Summary& s : summaries) {
+        msg::AttemptSummary message;
+        message.header(make_header(current_.snapshot.time_ns, ++number_));
+        message.attempt(s.attempt);
+        message.success(s.outcome.success);
+        message.reason(s.outcome.reason.substr(0, 199));
+        message.parameters(values_of(s.parameters));
+        summary_.publish(message);
+    }
+    summaries.clear();
+}
+
+void BusOutput::publish_step(const Work& work) {
+    const scene::Snapshot& s = work.snapshot;
+    ++number_;
+    msg::ProxyState proxy;
+    proxy.header(make_header(s.time_ns, number_));
+    proxy.device(to_msg(s.device));
+    proxy.proxy(to_msg(s.proxy));
+    proxy.last_free(to_msg(s.last_free));
+    proxy.velocity(to_msg(s.proxy_velocity));
+    proxy.angular_velocity(to_msg(s.proxy_angular_velocity));
+    proxy.shell_force(to_msg(s.shell_force));
+    proxy.shell_torque(to_msg(s.shell_torque));
+    for (std::size_t i = 0; i < std::min<std::size_t>(16, s.shell_contacts.size()); ++i) {
+        msg::ShellContact c;
+        c.position(to_msg(s.shell_contacts[i].position));
+        c.normal(to_msg(s.shell_contacts[i].normal));
+        c.force(s.shell_contacts[i].force);
+        c.tissue(static_cast<std::uint32_t>(s.shell_contacts[i].tissue));
+        proxy.contacts().push_back(c);
+    }
+    proxy_.publish(proxy);
+
+    msg::TissueContacts contacts;
+    contacts.header(proxy.header());
+    contacts.proxy(proxy.proxy());
+    contacts.force(to_msg(s.tissue_force));
+    contacts.torque(to_msg(s.tissue_torque));
+    const std::size_t sent = std::min<std::size_t>(96, s.tissue_contacts.size());
+    contacts.dropped(static_cast<std::uint32_t>(s.tissue_contacts.size() - sent));
+    // Evenly over all contacts, so that a bounded message still covers the whole blade.
+    for (std::size_t i = 0; i < sent; ++i) {
+        const scene::TissueContact& t = s.tissue_contacts[i * s.tissue_contacts.size() / sent];
+        msg::TissueContactPoint c;
+        c.position(to_msg(t.position));
+        c.rest(to_msg(t.rest));
+        c.force(to_msg(t.force));
+        c.radius(t.radius);
+        c.tissue(static_cast<std::uint32_t>(t.tissue));
+        contacts.contacts().push_back(c);
+    }
+    contacts_.publish(contacts);
+
+    if (s.step % 2 == 0) {
+        publish_deformation(s, deformation_, sent_, refresh_, number_);
+    }
+    if (s.step % 6 == 0) {
+        if (deformation_slow_.matched() > 0) {
+            publish_deformation(s, deformation_slow_, sent_slow_, refresh_slow_, number_);
+        }
+        publish_live(work);
+    }
+    if (s.step % 18 == 0) {
+        publish_status(work);
+    } else {
+        status_.assert_liveliness();
+    }
+}
+
+void BusOutput::publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
+                                    std::vector<FramePose>& sent, std::uint32_t& refresh, std::uint32_t number) {
+    const std::size_t count = snapshot.frames.size();
+    const bool first = sent.size() != count;
+    sent.resize(count);
+    std::vector<std::uint16_t> due;
+    const auto per_state = static_cast<std::uint32_t>(count / refresh_states + 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const bool in_turn = (i + static_cast<std::uint32_t>(count) - refresh) % count < per_state;
+        if (first || in_turn || moved(snapshot.frames[i], sent[i])) {
+            due.push_back(static_cast<std::uint16_t>(i));
+            sent[i] = snapshot.frames[i];
+        }
+    }
+    refresh = count > 0 ? (refresh + per_state) % static_cast<std::uint32_t>(count) : 0;
+    const std::size_t beyond_first = due.size() > frames_in_first_chunk ? due.size() - frames_in_first_chunk : 0;
+    const std::size_t chunks = 1 + (beyond_first + frames_per_chunk - 1) / frames_per_chunk;
+    std::size_t next = 0;
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+        msg::DeformationState state;
+        state.header(make_header(snapshot.time_ns, number));
+        state.chunk(static_cast<std::uint16_t>(chunk));
+        state.chunks(static_cast<std::uint16_t>(chunks));
+        state.full(first);
+        if (chunk == 0) {
+            for (std::size_t i = 0; i < std::min<std::size_t>(40, snapshot.tube_nodes.size()); ++i) {
+                state.tube_nodes().push_back(to_msg(snapshot.tube_nodes[i]));
+            }
+        }
+        const std::size_t end = std::min(due.size(), next + (chunk == 0 ? frames_in_first_chunk : frames_per_chunk));
+        for (; next < end; ++next) {
+            state.frames().push_back(frame_update(due[next], snapshot.frames[due[next]]));
+        }
+        to.publish(state);
+    }
+}
+
+void BusOutput::publish_live(const Work& work) {
+    msg::LiveMetrics message;
+    message.header(make_header(work.snapshot.time_ns, number_));
+    message.attempt(work.live.attempt);
+    message.attempt_running(work.live.attempt_running);
+    message.glottic_opening_percent(work.live.glottic_opening_percent);
+    message.gum_force_n(work.live.gum_force);
+    message.tube_depth_past_glottis(work.live.tube_depth_past_glottis);
+    message.tube_tip(to_msg(work.snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : work.snapshot.tube_nodes.back()));
+    for (const Vec3f& p : work.snapshot.landmarks) {
+        message.landmarks().push_back(to_msg(p));
+    }
+    message.parameters(values_of(work.live.parameters));
+    message.message(work.live.message.substr(0, 199));
+    live_.publish(message);
+}
+
+void BusOutput::publish_status(const Work& work) {
+    char host[64] = "";
+    gethostname(host, sizeof host - 1);
+    msg::SessionStatus message;
+    message.session(session_.substr(0, 47));
+    message.header(make_header(work.snapshot.time_ns, number_));
+    message.phase(work.status.phase);
+    message.version(ETI_VERSION);
+    message.scenario(scenario_.substr(0, 63));
+    message.server((std::string(host) + ":" + std::to_string(getpid())).substr(0, 63));
+    message.load(work.status.load);
+    message.behind_s(work.status.behind);
+    message.late_steps(work.status.late_steps);
+    status_.publish(message);
+}
+
+}  // namespace eti::app

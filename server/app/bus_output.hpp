@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "common/model/parameters.hpp"
+#include "common/model/tools.hpp"
+#include "server/anatomy/patient.hpp"
+#include "server/scene/snapshot.hpp"
+
+namespace eti::app {
+
+/// Values that change as the attempt goes on, for LiveMetrics.
+struct LiveValues {
+    std::uint32_t attempt = 0;
+    bool attempt_running = false;
+    float glottic_opening_percent = 0.0f;
+    float gum_force = 0.0f;                ///< [N]
+    float tube_depth_past_glottis = -1.0f; ///< [m]
+    Parameters parameters;
+    std::string message;
+};
+
+struct StatusValues {
+    msg::SessionPhase phase = msg::PHASE_RUNNING;
+    float load = 0.0f;
+    float behind = 0.0f;                   ///< [s]
+    std::uint32_t late_steps = 0;
+};
+
+/// Publishes the scene from its own thread; the physics thread only leaves copies here and never waits
+/// for the network. When publishing is slower than the simulation, the older copy is replaced: every
+/// message is a state, not a difference, so nothing is lost but smoothness.
+class BusOutput {
+  public:
+    BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+              std::string scenario);
+    ~BusOutput();
+    BusOutput(const BusOutput&) = delete;
+    BusOutput& operator=(const BusOutput&) = delete;
+
+    void post(const scene::Snapshot& snapshot, const LiveValues& live, const StatusValues& status);
+    void post_result(msg::CommandResult result);
+    void post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters);
+    /// Sends what waits, with the phase FINISHED, and ends the thread.
+    void finish(const StatusValues& status);
+    [[nodiscard]] std::uint64_t skipped() const;   ///< states replaced before they were sent
+
+  private:
+    struct Work {
+        scene::Snapshot snapshot;
+        LiveValues live;
+        StatusValues status;
+        bool fresh = false;
+    };
+    struct Summary {
+        std::uint32_t attempt;
+        Outcome outcome;
+        Parameters parameters;
+    };
+
+    void publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube);
+    void run();
+    void publish_step(const Work& work);
+    void publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
+                             std::vector<FramePose>& sent, std::uint32_t& refresh, std::uint32_t number);
+    void publish_live(const Work& work);
+    void publish_status(const Work& work);
+    void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries);
+
+    std::string session_, scenario_;
+    bus::Publisher<msg::SceneDescription> scene_;
+    bus::Publisher<msg::ProxyState> proxy_;
+    bus::Publisher<msg::TissueContacts> contacts_;
+    bus::Publisher<msg::DeformationState> deformation_, deformation_slow_;
+    bus::Publisher<msg::LiveMetrics> live_;
+    bus::Publisher<msg::AttemptSummary> summary_;
+    bus::Publisher<msg::CommandResult> result_;
+    bus::Publisher<msg::SessionStatus> status_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable wake_;
+    Work waiting_, current_;
+    std::deque<msg::CommandResult> results_;
+    std::deque<Summary> summaries_;
+    bool ending_ = false;
+    std::uint64_t skipped_ = 0;
+
+    std::vector<FramePose> sent_, sent_slow_;      // as readers last got them
+    std::uint32_t refresh_ = 0, refresh_slow_ = 0; // next frame of the slow full refresh
+    std::uint32_t number_ = 0;
+    std::thread thread_;
+};
+
+}  // namespace eti::app

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+namespace eti::app {
+
+/// Paces steps by the wall clock and keeps account of their cost. A step that comes late moves the
+/// whole schedule: simulation time falls behind the clock and never jumps or hurries to catch up.
+class StepClock {
+  public:
+    using Time = std::chrono::steady_clock;
+
+    StepClock(double step_seconds, bool paced)
+        : period_(std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(step_seconds))),
+          paced_(paced),
+          next_(Time::now()) {}
+
+    /// Waits for the next step's time.
+    void wait() {
+        if (paced_) {
+            const auto now = Time::now();
+            if (now > next_) {
+                behind_ += now - next_;
+                ++late_;
+                next_ = now;
+            } else {
+                std::this_thread::sleep_until(next_);
+            }
+            next_ += period_;
+        }
+        started_ = Time::now();
+    }
+
+    /// Call when the step's work is done.
+    void done() {
+        const double cost = std::chrono::duration<double>(Time::now() - started_).count();
+        costs_[count_++ % costs_.size()] = static_cast<float>(cost);
+        most_ = std::max(most_, cost);
+        load_ += (cost / std::chrono::duration<double>(period_).count() - load_) / 180.0;
+    }
+
+    /// [s], that simulation time has fallen behind the clock.
+    [[nodiscard]] double behind() const { return std::chrono::duration<double>(behind_).count(); }
+    [[nodiscard]] std::uint32_t late() const { return late_; }
+    /// Step time over step budget, mean of about the last second.
+    [[nodiscard]] double load() const { return load_; }
+    /// Share `p` of the last steps took no longer than this [s].
+    [[nodiscard]] double percentile(double p) const {
+        std::vector<float> sorted(costs_.begin(),
+                                  costs_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, costs_.size())));
+        if (sorted.empty()) {
+            return 0.0;
+        }
+        const auto rank = static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1));
+        std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
+        return sorted[rank];
+    }
+    [[nodiscard]] double most() const { return most_; }
+
+  private:
+    Time::duration period_;
+    bool paced_;
+    Time::time_point next_, started_;
+    Time::duration behind_{};
+    std::uint32_t late_ = 0;
+    std::vector<float> costs_ = std::vector<float>(20'000);
+    std::size_t count_ = 0;
+    double most_ = 0.0, load_ = 0.0;
+};
+
+}  // namespace eti::app

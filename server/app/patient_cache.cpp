@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/patient_cache.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+
+#include "server/anatomy/model_file.hpp"
+
+namespace eti::app {
+
+namespace {
+
+anatomy::Provenance provenance_of(const anatomy::NewbornParameters& parameters,
+                                  const anatomy::BuildSettings& settings) {
+    return {{"generator", "implicit newborn"},
+            {"revision", ETI_ANATOMY_REVISION},  // hash of the sources that shape the model
+            {"weight_kg", fmt::format("{}", parameters.weight)},
+            {"gestational_age_weeks", fmt::format("{}", parameters.gestational_age)},
+            {"tongue_scale", fmt::format("{}", parameters.tongue_scale)},
+            {"spacing_m", fmt::format("{}", settings.spacing)},
+            {"fine_spacing_m", fmt::format("{}", settings.fine_spacing)},
+            {"region_m", fmt::format("{}", settings.region)},
+            {"tissue_stiffness_pa", fmt::format("{}", settings.tissue_stiffness)},
+            {"surface_spacing_m", fmt::format("{}", settings.surface_spacing)},
+            {"body_triangles", fmt::format("{}", settings.body_triangles)},
+            {"shell_triangles", fmt::format("{}", settings.shell_triangles)}};
+}
+
+std::uint64_t hash_of(const anatomy::Provenance& provenance) {
+    std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
+    for (const auto& [key, value] : provenance) {
+        for (const char c : key + "=" + value + "\n") {
+            hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+        }
+    }
+    return hash;
+}
+
+}  // namespace
+
+std::filesystem::path cache_folder() {
+    if (const char* own = std::getenv("ETI_CACHE"); own != nullptr && *own != '\0') {
+        return own;
+    }
+    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') {
+        return std::filesystem::path(xdg) / "neoeti";
+    }
+    const char* home = std::getenv("HOME");
+    return std::filesystem::path(home != nullptr ? home : "/tmp") / ".cache" / "neoeti";
+}
+
+anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
+                                const anatomy::BuildSettings& settings) {
+    const anatomy::Provenance provenance = provenance_of(parameters, settings);
+    const std::filesystem::path file = cache_folder() / fmt::format("newborn-{:016x}.h5", hash_of(provenance));
+    std::error_code error;
+    if (std::filesystem::exists(file, error)) {
+        try {
+            if (anatomy::load_provenance(file) == provenance) {
+                return anatomy::load_patient(file);
+            }
+        } catch (const std::exception& e) {
+            spdlog::warn("cached model not usable, building it anew: {}", e.what());
+        }
+    }
+    spdlog::info("building the patient model; it is cached as {}", file.string());
+    anatomy::Patient patient = anatomy::build_patient(parameters, settings);
+    try {
+        std::filesystem::create_directories(file.parent_path());
+        anatomy::save_patient(patient, file, provenance);
+    } catch (const std::exception& e) {
+        spdlog::warn("model not cached ({}); the next start builds it again. Set ETI_CACHE to a writable folder.",
+                     e.what());
+    }
+    return patient;
+}
+
+}  // namespace eti::app

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+
+#include "server/anatomy/build.hpp"
+
+namespace eti::app {
+
+/// Folder of built models: $ETI_CACHE, else $XDG_CACHE_HOME/neoeti, else ~/.cache/neoeti.
+[[nodiscard]] std::filesystem::path cache_folder();
+
+/// The patient for these parameters, from the cache or built anew (some seconds) and then cached. A
+/// cache that cannot be written or read is reported and does without; it never stops the server.
+[[nodiscard]] anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
+                                              const anatomy::BuildSettings& settings);
+
+}  // namespace eti::app

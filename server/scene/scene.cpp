@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace eti::scene {
+
+namespace {
+
+constexpr float tongue_friction = 0.2f;
+
+float approach(float from, float to, float most) { return from + std::clamp(to - from, -most, most); }
+
+/// FNV-1a over raw bytes.
+class Hash {
+  public:
+    template <class T>
+    void add(const std::vector<T>& values) {
+        bytes(values.data(), values.size() * sizeof(T));
+    }
+    void add(const RigidTransform& pose) {
+        bytes(pose.rotation.coeffs().data(), 4 * sizeof(float));
+        bytes(pose.translation.data(), 3 * sizeof(float));
+    }
+    [[nodiscard]] std::uint64_t value() const { return value_; }
+
+  private:
+    void bytes(const void* data, std::size_t size) {
+        const auto* p = static_cast<const unsigned char*>(data);
+        for (std::size_t i = 0; i < size; ++i) {
+            value_ = (value_ ^ p[i]) * 0x100000001b3ULL;
+        }
+    }
+    std::uint64_t value_ = 0xcbf29ce484222325ULL;
+};
+
+}  // namespace
+
+Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
+             const Settings& settings)
+    : patient_(patient),
+      settings_(settings),
+      tissue_(patient),
+      shell_(patient),
+      rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
+      blade_(scope),
+      tube_(tube, scope, start.tube_grip) {
+    reset(start);
+}
+
+void Scene::reset(const Inputs& start) {
+    posture_ = start.posture;
+    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture_);
+    tissue_.pose(bones);
+    tissue_.reset();
+    shell_.pose_now(bones);
+    rigid_.move_shell(shell_.vertices());
+    snapshot_.step = 0;
+    snapshot_.time_ns = 0;
+    place_laryngoscope(start.laryngoscope);
+    place_tube(start.tube_grip);
+    fill_snapshot(start);
+}
+
+void Scene::place_laryngoscope(const RigidTransform& pose) {
+    rigid_.reset(pose);
+    blade_pose_ = pose;
+}
+
+void Scene::place_tube(const RigidTransform& grip) {
+    tube_.reset(grip);
+    grip_ = grip;
+}
+
+void Scene::apply_posture(const anatomy::Posture& wanted) {
+    const float most = settings_.posture_rate * step_duration;
+    const anatomy::Posture next{
+        approach(posture_.head_elevation, std::clamp(wanted.head_elevation, 0.0f, anatomy::max_head_elevation), most),
+        approach(posture_.jaw_opening, std::clamp(wanted.jaw_opening, 0.0f, anatomy::max_jaw_opening), most)};
+    if (next.head_elevation == posture_.head_elevation && next.jaw_opening == posture_.jaw_opening) {
+        return;
+    }
+    posture_ = next;
+    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture_);
+    tissue_.pose(bones);
+    shell_.pose(bones);
+    rigid_.move_shell(shell_.vertices());
+}
+
+void Scene::step(const Inputs& inputs) {
+    apply_posture(inputs.posture);
+    shell_.advance();
+
+    const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
+
+    // The particles meet the blade where it last was without penetrating the shell.
+    const RigidTransform blade_to = proxy.last_free;
+    pbd::SoftBody& body = tissue_.body();
+    blade_.begin_step(body.particles, blade_pose_, blade_to);
+    tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to);
+    const int substeps = settings_.substeps;
+    const float dt = step_duration / static_cast<float>(substeps);
+    for (int s = 0; s < substeps; ++s) {
+        const float begin = static_cast<float>(s) / static_cast<float>(substeps);
+        const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
+        body.predict(dt, 1.0f / static_cast<float>(substeps - s));
+        tube_.predict(dt, end);
+        body.project(dt);
+        blade_.project(body.particles, begin, end, dt);
+        tube_.project(body.particles, shell_.distance(), end, dt);
+        keep_out_of_shell(body.particles);
+        tube_.finish(dt);
+        body.finish(dt);
+    }
+    blade_pose_ = blade_to;
+    grip_ = inputs.tube_grip;
+
+    ++snapshot_.step;
+    // Whole nanoseconds from the step number: no drift.
+    snapshot_.time_ns = snapshot_.step * 1'000'000'000ULL / steps_per_second;
+    fill_snapshot(inputs);
+}
+
+void Scene::keep_out_of_shell(pbd::Particles& particles) const {
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f) {
+            particles.predicted[i] += pbd::push_out_of(shell_.distance(), particles.position[i],
+                                                       particles.predicted[i], 0.0f, tongue_friction);
+        }
+    }
+}
+
+void Scene::fill_snapshot(const Inputs& inputs) {
+    const rigid::ProxyResult& proxy = rigid_.result();
+    Snapshot& s = snapshot_;
+    s.device = inputs.laryngoscope;
+    s.proxy = proxy.pose;
+    s.last_free = proxy.last_free;
+    s.proxy_velocity = proxy.velocity;
+    s.proxy_angular_velocity = proxy.angular_velocity;
+    s.shell_force = proxy.force;
+    s.shell_torque = proxy.torque;
+    s.shell_contacts.clear();
+    for (const rigid::Contact& c : proxy.contacts) {
+        s.shell_contacts.push_back({c.position, c.normal, c.force, c.tissue});
+    }
+    blade_.end_step(tissue_.body().particles, step_duration, s);
+    s.tube_grip = inputs.tube_grip;
+    tube_.nodes(s.tube_nodes);
+    s.suction = inputs.suction;
+    tissue_.frames(s.frames);
+    const auto carried = [&](const anatomy::CarriedPoint& point) {
+        return skin_point(point.rest, point.skin, patient_.frame_rest_centre, s.frames);
+    };
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        s.landmarks[i] = carried(patient_.landmarks[i]);
+    }
+    s.glottis_contour.resize(patient_.glottis_contour.size());
+    for (std::size_t i = 0; i < s.glottis_contour.size(); ++i) {
+        s.glottis_contour[i] = carried(patient_.glottis_contour[i]);
+    }
+    s.head_elevation = posture_.head_elevation;
+    s.jaw_opening = posture_.jaw_opening;
+}
+
+std::uint64_t Scene::state_hash() const {
+    Hash hash;
+    hash.add(tissue_.body().particles.position);
+    hash.add(tissue_.body().particles.velocity);
+    hash.add(snapshot_.tube_nodes);
+    hash.add(snapshot_.proxy);
+    return hash.value();
+}
+
+}  // namespace eti::scene
