@@ -116,7 +116,7 @@ Landmarks make_landmarks() {
     const auto set = [&](Landmark which, float y, float z) {
         points[static_cast<std::size_t>(which)] = Vec3f(0.0f, y, z);
     };
-    set(Landmark::upper_gum, 0.0f, 0.026f);
+    set(Landmark::upper_gum, -0.005f, 0.020f);
     set(Landmark::lower_gum, 0.0f, 0.002f);
     set(Landmark::mouth_opening, -0.008f, 0.014f);
     set(Landmark::vallecula, 0.033f, -0.014f);
@@ -215,12 +215,12 @@ msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, flo
     const Vec3f mouth = at(scene.landmarks, Landmark::mouth_opening),
                 glottis = at(scene.landmarks, Landmark::glottis);
     const Vec3f down = (at(scene.landmarks, Landmark::carina) - glottis).normalized();
-    const Vec3f outside = mouth + Vec3f(0.0f, -0.02f, 0.08f);
+    const Vec3f outside = mouth + Vec3f(-0.05f, -0.04f, 0.06f);
     // A polyline with a rounded corner at the mouth is course enough for a tube.
     for (int i = 0; i <= 20; ++i) {
         const float t = static_cast<float>(i) / 20.0f;
         const Vec3f bent = (1 - t) * (1 - t) * outside +
-                           2 * t * (1 - t) * (mouth + Vec3f(0.0f, 0.02f, 0.0f)) + t * t * glottis;
+                           2 * t * (1 - t) * (mouth + Vec3f(-0.006f, 0.020f, 0.0f)) + t * t * glottis;
         state.tube_nodes().push_back(vec3(bent));
     }
     state.tube_nodes().push_back(vec3(glottis + depth * down));

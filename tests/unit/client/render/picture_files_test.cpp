@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "client/render/camera.hpp"
+#include "client/render/image.hpp"
+#include "client/render/section_cut.hpp"
+#include "client/render/video.hpp"
+
+namespace eti {
+namespace {
+
+class PictureFiles : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = std::filesystem::temp_directory_path() / ("eti_pictures_" + std::to_string(::getpid()));
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    static render::Image gradient(int width, int height, std::uint8_t blue) {
+        render::Image image{width, height, {}};
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                image.rgba.insert(image.rgba.end(),
+                                  {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), blue, 255});
+            }
+        }
+        return image;
+    }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(PictureFiles, PngReadsBackAsWritten) {
+    const render::Image image = gradient(64, 48, 200);
+    render::write_png(image, folder_ / "a.png");
+    const cv::Mat read = cv::imread((folder_ / "a.png").string(), cv::IMREAD_COLOR);
+    ASSERT_EQ(read.cols, 64);
+    ASSERT_EQ(read.rows, 48);
+    const auto pixel = read.at<cv::Vec3b>(20, 10);  // row 20, column 10; blue, green, red
+    EXPECT_EQ(pixel, cv::Vec3b(200, 20, 10));
+}
+
+TEST_F(PictureFiles, PngIntoNowhereSaysWhere) {
+    try {
+        render::write_png(gradient(8, 8, 0), folder_ / "missing" / "a.png");
+        FAIL() << "no error";
+    } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find("missing/a.png"), std::string::npos) << error.what();
+    }
+}
+
+TEST_F(PictureFiles, VideoHoldsItsFramesAtItsRate) {
+    const auto file = folder_ / "run.mp4";
+    {
+        render::Video video(file, 15.0, 64, 48);
+        for (int i = 0; i < 10; ++i) {
+            video.add(gradient(64, 48, static_cast<std::uint8_t>(20 * i)), i == 9 ? 6 : 1);
+        }
+        EXPECT_EQ(video.frames(), 15u);
+    }
+    cv::VideoCapture read(file.string());
+    ASSERT_TRUE(read.isOpened());
+    EXPECT_NEAR(read.get(cv::CAP_PROP_FPS), 15.0, 1e-6);
+    cv::Mat frame;
+    int frames = 0;
+    double last_blue = 0.0;
+    while (read.read(frame)) {
+        ++frames;
+        last_blue = cv::mean(frame)[0];
+    }
+    EXPECT_EQ(frames, 15);
+    EXPECT_NEAR(last_blue, 180.0, 15.0) << "lossy, but the last picture is the bluest";
+}
+
+TEST_F(PictureFiles, VideoIntoNowhereIsRefused) {
+    EXPECT_THROW(render::Video(folder_ / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
+}
+
+TEST(SectionBand, FollowsTheContourOfASphere) {
+    constexpr int rings = 40, sides = 80;
+    constexpr float radius = 0.02f, width = 1e-3f;
+    std::vector<view::LitVertex> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t ring = 0; ring <= rings; ++ring) {
+        for (std::uint32_t side = 0; side < sides; ++side) {
+            const float polar = std::numbers::pi_v<float> * static_cast<float>(ring) / rings;
+            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
+            const Vec3f out(std::cos(polar), std::sin(polar) * std::cos(turn),
+                            std::sin(polar) * std::sin(turn));
+            vertices.push_back({radius * out, out});
+            const std::uint32_t here = ring * sides + side, next = ring * sides + (side + 1) % sides;
+            if (ring < rings) {
+                triangles.push_back({here, next, here + sides});
+                triangles.push_back({next, next + sides, here + sides});
+            }
+        }
+    }
+    const std::vector<render::VertexColour> colours(vertices.size(), render::VertexColour{1, 2, 3, 4});
+    const auto band = render::section_band(triangles, vertices, colours, 0.005f, width);
+    ASSERT_GT(band.size(), 0u);
+    double area = 0.0;
+    for (std::size_t i = 0; i + 2 < band.size(); i += 3) {
+        const Vec3f u = band[i + 1].position - band[i].position, v = band[i + 2].position - band[i].position;
+        area += 0.5 * u.cross(v).norm();
+        EXPECT_FLOAT_EQ(band[i].position.x(), 0.005f);
+    }
+    // A ring of the cut's radius; an inscribed polygon of 80 sides is short by (pi/80)^2 / 6 = 3e-4.
+    const double outer = std::sqrt(radius * radius - 0.005 * 0.005);
+    const double expected = std::numbers::pi * (outer * outer - (outer - width) * (outer - width));
+    EXPECT_NEAR(area, expected, 2e-3 * expected);
+}
+
+TEST(Camera, PoseLooksAlongMinusZ) {
+    render::Camera camera;
+    camera.eye = Vec3f(0.1f, -0.2f, 0.3f);
+    camera.target = Vec3f(0.0f, 0.04f, -0.03f);
+    const RigidTransform pose = camera.pose();
+    const Vec3f gaze = (camera.target - camera.eye).normalized();
+    EXPECT_LT((pose.rotation * Vec3f(0, 0, -1) - gaze).norm(), 1e-5f);
+    EXPECT_GT((pose.rotation * Vec3f(0, 1, 0)).dot(camera.up), 0.0f);
+    // The view matrix is the pose's inverse.
+    const Eigen::Vector4f at_eye = camera.view() * Eigen::Vector4f(0.1f, -0.2f, 0.3f, 1.0f);
+    EXPECT_LT(at_eye.head<3>().norm(), 1e-6f);
+}
+
+}  // namespace
+}  // namespace eti
