@@ -12,7 +12,8 @@ endif()
 target_include_directories(eti_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(eti_options INTERFACE ETI_VERSION="${PROJECT_VERSION}" SPDLOG_FMT_EXTERNAL)
 if(ETI_SANITIZE)
-  target_compile_options(eti_options INTERFACE -fsanitize=${ETI_SANITIZE} -fno-omit-frame-pointer)
+  target_compile_options(eti_options INTERFACE -fsanitize=${ETI_SANITIZE} -fno-omit-frame-pointer
+                                               -fno-sanitize-recover=all)
   target_link_options(eti_options INTERFACE -fsanitize=${ETI_SANITIZE})
 endif()
 
