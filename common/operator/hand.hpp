@@ -70,6 +70,7 @@ class HandDevice {
   private:
     HandSettings settings_;
     Motion motion_;
+    RigidTransform last_wanted_;
 };
 
 }  // namespace eti

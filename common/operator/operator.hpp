@@ -31,10 +31,12 @@ struct Stage {
     Vec3f tip_offset = Vec3f::Zero();
     // Axis of blade or tube: from one landmark towards another.
     Landmark axis_from = Landmark::mouth_opening;
+    Vec3f axis_from_offset = Vec3f::Zero();  ///< [m], as tip_offset
     Landmark axis_to = Landmark::vallecula;
+    bool follow = false;            ///< track the landmarks live instead of aiming once
     bool keep = false;              ///< start from the previous stage's target and only add the below
     float lift = 0.0f;              ///< [m], along the handle
-    float advance = 0.0f;           ///< [m], along the tool's axis
+    float advance = 0.0f;           ///< [m], along the tool's axis; a tube may so be pushed past its landmark
     float pitch = 0.0f;             ///< [rad], tip up (towards the handle), about `pivot`
     float yaw = 0.0f;               ///< [rad]
     float roll = 0.0f;              ///< [rad]

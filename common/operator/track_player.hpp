@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 
@@ -26,14 +27,34 @@ class TrackPlayer {
     [[nodiscard]] const std::string& stage_name() const;
 
   private:
+    struct Line {
+        double frequency = 0.0, phase = 0.0;  // [rad/s], [rad]
+        float amplitude = 0.0f;               // [m]
+    };
+    static constexpr std::size_t tremor_lines = 6;
+
+    [[nodiscard]] RigidTransform at_tip(const Mat3f& axes, const Vec3f& tip) const;
+    [[nodiscard]] RigidTransform target_of(const Stage& stage, const Landmarks& points,
+                                           const RigidTransform& previous) const;
+    [[nodiscard]] RigidTransform between(float share) const;
+    [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
+    void begin_stage(const Observation& observation);
+    void follow(const Stage& stage, const Observation& observation);
+    void next_stage();
+
     Track track_;
     float tool_length_;
-    float tremor_;
     float reaction_;
-    Random random_;
+    std::array<std::array<Line, tremor_lines>, 3> tremor_;
     std::size_t stage_ = 0;
+    bool placed_ = false;
+    bool begun_ = false;             // the current stage has its target
     bool gave_up_ = false;
-    // The implementation adds its own state here.
+    Landmarks seen_{};               // as the stage aims at them
+    RigidTransform from_, target_, nominal_;
+    double started_ = 0.0, duration_ = 0.0;   // [s], of the current stage's motion
+    double met_since_ = -1.0;        // [s], when the until conditions began to hold
+    double last_time_ = 0.0;
 };
 
 }  // namespace eti

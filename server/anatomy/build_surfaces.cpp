@@ -291,6 +291,9 @@ void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Pati
         }
         patient.landmarks[i] = {points[i], skinner(points[i], tissue)};
     }
+    // Half-way between the jaws, however far they open.
+    SkinWeights& mouth = patient.landmarks[static_cast<std::size_t>(Landmark::mouth_opening)].skin;
+    mouth = {{static_cast<std::uint16_t>(Bone::skull), static_cast<std::uint16_t>(Bone::mandible)}, {0.5f, 0.5f}};
     for (const Vec3f& p : newborn.glottis_contour()) {
         patient.glottis_contour.push_back({p, skinner(p, Tissue::larynx)});
     }

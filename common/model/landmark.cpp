@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/model/landmark.hpp"
+
+namespace eti {
+
+Vec3f best_eye(const Landmarks& points, float distance) {
+    // The gum hides what lies behind it: the line passes a twelfth of the way from upper to lower gum.
+    const Vec3f& gum = at(points, Landmark::upper_gum);
+    const Vec3f under = gum + (at(points, Landmark::lower_gum) - gum) / 12.0f;
+    const Vec3f onward = (under - at(points, Landmark::glottis)).normalized();
+    return under + distance * onward;
+}
+
+}  // namespace eti

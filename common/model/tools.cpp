@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/model/tools.hpp"
+
+#include <numbers>
+
+namespace eti {
+
+Laryngoscope make_laryngoscope(Blade blade) {
+    Laryngoscope scope;
+    scope.blade = blade;
+    const bool smaller = blade == Blade::miller_0;
+    scope.blade_length = smaller ? 0.076f : 0.100f;
+    const float proximal = smaller ? 4.2e-3f : 5.0e-3f;
+    const float distal = smaller ? 3.0e-3f : 3.5e-3f;
+    const float joint = 0.55f * scope.blade_length;
+    scope.capsules = {Capsule{{0, 0.014f, 0}, {0, 0.12f, 0}, 9e-3f},
+                      Capsule{{0, 0, 0}, {0, 0, joint}, proximal},
+                      Capsule{{0, 0, joint}, {0, 0, scope.blade_length - distal}, distal}};
+    return scope;
+}
+
+std::string_view name_of(Blade blade) { return blade == Blade::miller_0 ? "miller_0" : "miller_1"; }
+
+float outer_diameter_of(float inner_diameter) {
+    constexpr std::array<std::array<float, 2>, 3> table = {{{2.5e-3f, 3.6e-3f}, {3.0e-3f, 4.2e-3f}, {3.5e-3f, 4.9e-3f}}};
+    const std::size_t k = inner_diameter < table[1][0] ? 0 : 1;
+    const float slope = (table[k + 1][1] - table[k][1]) / (table[k + 1][0] - table[k][0]);
+    return table[k][1] + slope * (inner_diameter - table[k][0]);
+}
+
+float Tube::bending_stiffness() const {
+    const float outer = outer_diameter * outer_diameter * outer_diameter * outer_diameter;
+    const float inner = inner_diameter * inner_diameter * inner_diameter * inner_diameter;
+    return youngs_modulus * std::numbers::pi_v<float> / 64.0f * (outer - inner);
+}
+
+}  // namespace eti

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/operator/operator.hpp"
+
+#include "common/math/units.hpp"
+#include "common/scenario/scenario.hpp"
+#include "common/scenario/yaml_map.hpp"
+
+namespace eti {
+
+namespace {
+
+constexpr Range offset_range{-200, 200, millimetre};
+
+Landmark landmark(YamlMap& map, const std::string& key, Landmark fallback) {
+    return static_cast<Landmark>(map.choice(key, static_cast<std::size_t>(fallback), landmark_names));
+}
+
+Stage read_stage(YamlMap& map) {
+    Stage s;
+    s.name = map.text("stage", "");
+    if (s.name.empty()) {
+        map.refuse("stage", "nothing", "a name for the stage");
+    }
+    s.keep = map.flag("keep", s.keep);
+    s.follow = map.flag("follow", s.follow);
+    if (auto tip = map.map("tip")) {
+        s.tip_at = landmark(*tip, "at", s.tip_at);
+        s.tip_offset = tip->vector("offset_mm", offset_range);
+        tip->finish();
+    }
+    if (auto axis = map.map("axis")) {
+        s.axis_from = landmark(*axis, "from", s.axis_from);
+        s.axis_from_offset = axis->vector("from_offset_mm", offset_range);
+        s.axis_to = landmark(*axis, "to", s.axis_to);
+        axis->finish();
+    }
+    s.lift = map.number("lift_mm", s.lift, {-60, 60, millimetre});
+    s.advance = map.number("advance_mm", s.advance, {-200, 200, millimetre});
+    s.pitch = map.number("pitch_deg", s.pitch, {-60, 60, degree});
+    s.yaw = map.number("yaw_deg", s.yaw, {-60, 60, degree});
+    s.roll = map.number("roll_deg", s.roll, {-180, 180, degree});
+    if (map.has("pivot")) {
+        s.pivot_at_tip = false;
+    }
+    s.pivot = landmark(map, "pivot", s.pivot);
+    s.speed = map.number("speed_mm_per_s", s.speed, {1, 1000, millimetre});
+    s.hold = map.number("hold_s", s.hold, {0, 120});
+    if (auto until = map.map("until")) {
+        s.until_view_percent = until->number("view_percent", s.until_view_percent, {0, 100});
+        s.until_tube_depth = until->number("tube_depth_mm", s.until_tube_depth, {0, 200, millimetre});
+        s.until_time = until->number("time_s", s.until_time, {0, 3600});
+        until->finish();
+    }
+    s.timeout = map.number("timeout_s", s.timeout, {0, 600});
+    s.abort_on_timeout = map.flag("abort_on_timeout", s.abort_on_timeout);
+    map.finish();
+    return s;
+}
+
+Track read_track(YamlMap& root, const std::string& key) {
+    Track track;
+    for (YamlMap& stage : root.list(key)) {
+        track.stages.push_back(read_stage(stage));
+    }
+    return track;
+}
+
+}  // namespace
+
+OperatorScript load_operator(const std::filesystem::path& file) {
+    YamlMap root = YamlMap::parse(read_text_file(file), file.string());
+    OperatorScript script;
+    script.name = root.text("name", file.stem().string());
+    script.description = root.text("description", "");
+    script.tremor = root.number("tremor_mm", script.tremor, {0, 5, millimetre});
+    script.reaction = root.number("reaction_s", script.reaction, {0, 5});
+    script.seed = root.seed("seed", script.seed);
+    script.laryngoscope = read_track(root, "laryngoscope");
+    script.tube = read_track(root, "tube");
+    root.finish();
+    if (script.laryngoscope.stages.empty() && script.tube.stages.empty()) {
+        root.refuse("laryngoscope", "no stages for either hand", "at least one stage under 'laryngoscope' or 'tube'");
+    }
+    return script;
+}
+
+}  // namespace eti

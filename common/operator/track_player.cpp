@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/operator/track_player.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace eti {
+
+namespace {
+
+constexpr float way_in = 0.04f;              // [m], from the first resting pose to the first stage's target
+constexpr float angular_speed = 2.0f;        // [rad/s], of a careful wrist
+// A minimum-jerk move (Flash & Hogan 1985) peaks at 15/8 of its mean speed.
+constexpr float peak_over_mean = 1.875f;
+constexpr double follow_time = 0.1;          // [s], low pass on landmarks that a stage follows
+
+float minimum_jerk(double t) {
+    const double u = std::clamp(t, 0.0, 1.0);
+    return static_cast<float>(u * u * u * (10.0 - 15.0 * u + 6.0 * u * u));
+}
+
+Mat3f axes_from(const Vec3f& direction) {
+    const Vec3f z = direction.normalized();
+    const Vec3f anterior(0.0f, -1.0f, 0.0f);
+    Vec3f y = anterior - z * z.dot(anterior);
+    if (y.squaredNorm() < 1e-6f) {
+        y = z.unitOrthogonal();
+    }
+    y.normalize();
+    Mat3f axes;
+    axes.col(0) = y.cross(z);
+    axes.col(1) = y;
+    axes.col(2) = z;
+    return axes;
+}
+
+}  // namespace
+
+TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, float reaction, std::uint64_t seed)
+    : track_(track), tool_length_(tool_length), reaction_(reaction) {
+    // A sum of sines is a function of time alone, so the tremor does not depend on the rate of calls.
+    Random random(seed);
+    const float amplitude = tremor / std::sqrt(3.0f) * std::sqrt(2.0f / tremor_lines);
+    for (auto& axis : tremor_) {
+        for (Line& line : axis) {
+            line = {2.0 * std::numbers::pi * (8.0 + 4.0 * random.uniform()),
+                    2.0 * std::numbers::pi * random.uniform(), amplitude};
+        }
+    }
+}
+
+RigidTransform TrackPlayer::at_tip(const Mat3f& axes, const Vec3f& tip) const {
+    return {Quatf(axes).normalized(), tip - tool_length_ * axes.col(2)};
+}
+
+RigidTransform TrackPlayer::target_of(const Stage& stage, const Landmarks& points, const RigidTransform& previous) const {
+    RigidTransform pose = previous;
+    if (!stage.keep) {
+        const Vec3f from = at(points, stage.axis_from) + stage.axis_from_offset;
+        pose = at_tip(axes_from(at(points, stage.axis_to) - from), at(points, stage.tip_at) + stage.tip_offset);
+    }
+    // Turns in the tool's own axes: about +x the tip moves to -y, so raising it is a negative turn.
+    const Vec3f pivot = stage.pivot_at_tip ? pose * Vec3f(0, 0, tool_length_) : at(points, stage.pivot);
+    const Quatf turn(Eigen::AngleAxisf(-stage.pitch, pose.rotation * Vec3f::UnitX()) *
+                     Eigen::AngleAxisf(stage.yaw, pose.rotation * Vec3f::UnitY()) *
+                     Eigen::AngleAxisf(stage.roll, pose.rotation * Vec3f::UnitZ()));
+    pose = RigidTransform{turn, pivot - turn * pivot} * pose;
+    pose.translation += pose.rotation * Vec3f(0.0f, stage.lift, stage.advance);
+    return pose;
+}
+
+void TrackPlayer::begin_stage(const Observation& observation) {
+    const Stage& stage = track_.stages[stage_];
+    from_ = nominal_;
+    seen_ = observation.landmarks;
+    target_ = target_of(stage, seen_, target_);
+    const Vec3f tip(0, 0, tool_length_);
+    const float path = (target_ * tip - from_ * tip).norm();
+    const float turn = rotation_vector(target_.rotation * from_.rotation.conjugate()).norm();
+    started_ = observation.time;
+    duration_ = static_cast<double>(peak_over_mean) * std::max({path / stage.speed, turn / angular_speed, 1e-3f});
+    met_since_ = -1.0;
+    begun_ = true;
+}
+
+RigidTransform TrackPlayer::between(float share) const {
+    const Vec3f tip(0, 0, tool_length_);
+    const Quatf rotation = from_.rotation.slerp(share, target_.rotation);
+    const Vec3f at_share = from_ * tip + share * (target_ * tip - from_ * tip);
+    return {rotation, at_share - rotation * tip};
+}
+
+bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observation) {
+    const bool now = (stage.until_view_percent < 0.0f ||
+                      observation.glottic_opening_percent >= stage.until_view_percent) &&
+                     (stage.until_tube_depth < 0.0f || observation.tube_depth_past_glottis >= stage.until_tube_depth) &&
+                     (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
+    if (!now) {
+        met_since_ = -1.0;
+        return false;
+    }
+    if (met_since_ < 0.0) {
+        met_since_ = observation.time;
+    }
+    const bool waits = stage.until_view_percent >= 0.0f || stage.until_tube_depth >= 0.0f;
+    return !waits || observation.time - met_since_ >= static_cast<double>(reaction_);
+}
+
+void TrackPlayer::follow(const Stage& stage, const Observation& observation) {
+    const double share = std::clamp((observation.time - last_time_) / follow_time, 0.0, 1.0);
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        seen_[i] += static_cast<float>(share) * (observation.landmarks[i] - seen_[i]);
+    }
+    target_ = target_of(stage, seen_, target_);
+}
+
+RigidTransform TrackPlayer::wanted(const Observation& observation) {
+    if (track_.stages.empty()) {
+        return nominal_;
+    }
+    if (!placed_) {
+        target_ = target_of(track_.stages.front(), observation.landmarks, {});
+        nominal_ = target_;
+        nominal_.translation -= way_in * (target_.rotation * Vec3f::UnitZ());
+        placed_ = true;
+    }
+    if (!finished()) {
+        if (!begun_) {
+            begin_stage(observation);
+        }
+        const Stage& stage = track_.stages[stage_];
+        if (stage.follow && !stage.keep) {
+            follow(stage, observation);
+        }
+        const double since = observation.time - started_;
+        nominal_ = between(minimum_jerk(since / duration_));
+        const double waited = since - duration_;
+        if (waited >= 0.0) {
+            const bool met = conditions_met(stage, observation);
+            if (met && waited >= static_cast<double>(stage.hold)) {
+                next_stage();
+            } else if (!met && waited >= static_cast<double>(stage.timeout)) {
+                if (stage.abort_on_timeout && stage_ + 1 < track_.stages.size()) {
+                    gave_up_ = true;
+                    stage_ = track_.stages.size() - 2;
+                }
+                next_stage();
+            }
+        }
+    }
+    last_time_ = observation.time;
+    RigidTransform pose = nominal_;
+    for (int k = 0; k < 3; ++k) {
+        for (const Line& line : tremor_[static_cast<std::size_t>(k)]) {
+            pose.translation[k] += line.amplitude * static_cast<float>(std::sin(line.frequency * observation.time + line.phase));
+        }
+    }
+    return pose;
+}
+
+void TrackPlayer::next_stage() {
+    ++stage_;
+    begun_ = false;
+}
+
+bool TrackPlayer::finished() const { return stage_ >= track_.stages.size(); }
+
+const std::string& TrackPlayer::stage_name() const {
+    static const std::string none = "finished";
+    return finished() ? none : track_.stages[stage_].name;
+}
+
+}  // namespace eti

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/scenario/scenario.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "common/math/units.hpp"
+#include "common/scenario/yaml_map.hpp"
+
+namespace eti {
+
+namespace {
+
+std::vector<std::filesystem::path> data_folders(const std::string& kind) {
+    std::vector<std::filesystem::path> folders;
+    if (const char* own = std::getenv("ETI_DATA"); own != nullptr && *own != '\0') {
+        folders.push_back(std::filesystem::path(own) / kind);
+    }
+    std::error_code error;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (!error) {
+        folders.push_back(program.parent_path().parent_path() / "share" / "neoeti" / kind);
+    }
+    folders.push_back(std::filesystem::path(ETI_SOURCE_DIR) / "deploy" / kind);
+    return folders;
+}
+
+}  // namespace
+
+std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind) {
+    const std::filesystem::path given(name_or_path);
+    std::error_code error;
+    if (std::filesystem::is_regular_file(given, error)) {
+        return given;
+    }
+    std::vector<std::string> searched, names;
+    // A name, not a path: nothing that climbs out of the data folders.
+    const bool is_name = !name_or_path.empty() && given.filename() == given && given != ".." && given != ".";
+    for (const std::filesystem::path& folder : data_folders(kind)) {
+        searched.push_back(folder.string());
+        if (is_name && std::filesystem::is_regular_file(folder / (name_or_path + ".yaml"), error)) {
+            return folder / (name_or_path + ".yaml");
+        }
+        for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+            if (i->path().extension() == ".yaml") {
+                names.push_back(i->path().stem().string());
+            }
+        }
+    }
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    throw InputError(fmt::format("'{}' is neither a file nor a name in {}; names there are: {}", name_or_path,
+                                 fmt::join(searched, ", "), names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+Scenario load_scenario(const std::filesystem::path& file) {
+    Scenario s;
+    s.text = read_text_file(file);
+    YamlMap root = YamlMap::parse(s.text, file.string());
+    s.name = root.text("name", file.stem().string());
+    s.description = root.text("description", "");
+    if (auto patient = root.map("patient")) {
+        Scenario::Patient& p = s.patient;
+        p.weight = patient->number("weight_kg", p.weight, {0.5f, 4.5f});
+        p.gestational_age = patient->number("gestational_age_weeks", p.gestational_age, {24, 42});
+        p.tongue_scale = patient->number("tongue_scale", p.tongue_scale, {0.8f, 1.4f});
+        p.head_elevation = patient->number("head_elevation_deg", p.head_elevation, {0, 30, degree});
+        p.jaw_opening = patient->number("jaw_opening_deg", p.jaw_opening, {0, 35, degree});
+        p.tissue_stiffness = patient->number("tissue_stiffness_kpa", p.tissue_stiffness, {1, 100, 1e3f});
+        patient->finish();
+    }
+    if (auto scope = root.map("laryngoscope")) {
+        static constexpr std::array<std::string_view, 2> blades = {"miller_0", "miller_1"};
+        s.blade = static_cast<Blade>(scope->choice("blade", static_cast<std::size_t>(s.blade), blades));
+        scope->finish();
+    }
+    if (auto tube = root.map("tube")) {
+        Tube& t = s.tube;
+        t.inner_diameter = tube->number("inner_diameter_mm", t.inner_diameter, {2.0f, 4.5f, millimetre});
+        t.length = tube->number("length_mm", t.length, {100, 250, millimetre});
+        t.youngs_modulus = tube->number("youngs_modulus_mpa", t.youngs_modulus, {1, 200, 1e6f});
+        t.grip_from_tip = tube->number("grip_from_tip_mm", t.grip_from_tip, {40, 200, millimetre});
+        t.curve_radius = tube->number("curve_radius_mm", t.curve_radius, {60, 2000, millimetre});
+        if (t.grip_from_tip > t.length) {
+            tube->refuse("grip_from_tip_mm", fmt::format("{:.0f}", t.grip_from_tip / millimetre),
+                         fmt::format("at most the tube's length, {:.0f}", t.length / millimetre));
+        }
+        tube->finish();
+    }
+    s.tube.outer_diameter = outer_diameter_of(s.tube.inner_diameter);
+    if (auto physics = root.map("physics")) {
+        Scenario::Physics& p = s.physics;
+        p.substeps = physics->whole("substeps", p.substeps, 1, 64);
+        p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre});
+        p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre});
+        p.region = physics->number("region_mm", p.region, {4, 40, millimetre});
+        physics->finish();
+    }
+    if (auto view = root.map("view")) {
+        s.enhanced_view = view->flag("enhanced", s.enhanced_view);
+        view->finish();
+    }
+    s.saliva = root.flag("saliva", s.saliva);
+    s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
+    s.seed = root.seed("seed", s.seed);
+    root.finish();
+    return s;
+}
+
+}  // namespace eti

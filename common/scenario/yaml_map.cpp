@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/scenario/yaml_map.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/eventhandler.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "common/scenario/scenario.hpp"
+
+namespace eti {
+
+namespace {
+
+constexpr std::uintmax_t largest_file = 1024 * 1024;
+constexpr int deepest = 12;
+
+std::string place(const std::string& file, const YAML::Mark& mark) {
+    return mark.is_null() ? file : fmt::format("{}:{}", file, mark.line + 1);
+}
+
+/// Walks the events before any tree is built: refuses what could make a small file large.
+class Gate : public YAML::EventHandler {
+  public:
+    explicit Gate(const std::string& file) : file_(file) {}
+    void OnDocumentStart(const YAML::Mark&) override {}
+    void OnDocumentEnd() override {}
+    void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { check(mark, anchor); }
+    void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { refuse(mark); }
+    void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, const std::string&) override {
+        check(mark, anchor);
+    }
+    void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                         YAML::EmitterStyle::value) override {
+        enter(mark, anchor);
+    }
+    void OnSequenceEnd() override { --depth_; }
+    void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                    YAML::EmitterStyle::value) override {
+        enter(mark, anchor);
+    }
+    void OnMapEnd() override { --depth_; }
+
+  private:
+    void check(const YAML::Mark& mark, YAML::anchor_t anchor) const {
+        if (anchor != 0) {
+            refuse(mark);
+        }
+    }
+    void enter(const YAML::Mark& mark, YAML::anchor_t anchor) {
+        check(mark, anchor);
+        if (++depth_ > deepest) {
+            throw InputError(fmt::format("{}: nested deeper than {} levels, expected at most that; flatten the file",
+                                         place(file_, mark), deepest));
+        }
+    }
+    [[noreturn]] void refuse(const YAML::Mark& mark) const {
+        throw InputError(fmt::format("{}: found an anchor or alias ('&' or '*'), expected plain values; write the value out",
+                                     place(file_, mark)));
+    }
+    const std::string& file_;
+    int depth_ = 0;
+};
+
+std::string shown(const std::string& value) {
+    return value.size() > 60 ? "'" + value.substr(0, 60) + "...'" : "'" + value + "'";
+}
+
+}  // namespace
+
+std::string read_text_file(const std::filesystem::path& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) {
+        throw InputError(fmt::format("{}: not a readable file; check the path", file.string()));
+    }
+    const std::uintmax_t size = std::filesystem::file_size(file, error);
+    if (error || size > largest_file) {
+        throw InputError(fmt::format("{}: {} bytes, expected at most {}; is this the right file?", file.string(), size, largest_file));
+    }
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!in) {
+        throw InputError(fmt::format("{}: could not be read; check its permissions", file.string()));
+    }
+    return text.str();
+}
+
+YamlMap::YamlMap(YAML::Node node, std::string file, std::string path)
+    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {
+    if (!node_.IsMap()) {
+        throw InputError(fmt::format("{}: {} is no mapping, expected 'key: value' lines", place(file_, node_.Mark()),
+                                     path_.empty() ? "the file" : "'" + path_ + "'"));
+    }
+    std::vector<std::string> seen;
+    for (const auto& entry : node_) {
+        if (!entry.first.IsScalar()) {
+            throw InputError(fmt::format("{}: found a key that is no plain word", place(file_, entry.first.Mark())));
+        }
+        const std::string key = entry.first.Scalar();
+        if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
+            throw InputError(fmt::format("{}: key '{}{}' stands twice, expected once; remove one",
+                                         place(file_, entry.first.Mark()), path_, key));
+        }
+        seen.push_back(key);
+    }
+}
+
+YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
+    try {
+        std::istringstream events(text);
+        YAML::Parser parser(events);
+        Gate gate(file);
+        if (!parser.HandleNextDocument(gate)) {
+            throw InputError(fmt::format("{}: the file is empty, expected 'key: value' lines", file));
+        }
+        return YamlMap(YAML::Load(text), file, "");
+    } catch (const YAML::Exception& error) {
+        throw InputError(fmt::format("{}: not valid YAML: {}", place(file, error.mark), error.msg));
+    }
+}
+
+void YamlMap::refuse(const std::string& key, const std::string& found, const std::string& expected) const {
+    const YAML::Node value = node_[key];
+    throw InputError(fmt::format("{}: key '{}{}': found {}, expected {}",
+                                 place(file_, value.IsDefined() ? value.Mark() : node_.Mark()), path_, key, found, expected));
+}
+
+bool YamlMap::has(std::string_view key) const { return node_[std::string(key)].IsDefined(); }
+
+std::optional<std::string> YamlMap::scalar(const std::string& key, const std::string& expected) {
+    known_.push_back(key);
+    const YAML::Node value = node_[key];
+    if (!value.IsDefined()) {
+        return std::nullopt;
+    }
+    if (!value.IsScalar()) {
+        refuse(key, value.IsNull() ? "nothing" : value.IsSequence() ? "a list" : "a mapping", expected);
+    }
+    return value.Scalar();
+}
+
+float YamlMap::in_range(const std::string& key, const std::string& typed, const Range& range) const {
+    const std::string expected = fmt::format("a number from {} to {}", range.low, range.high);
+    float value = 0.0f;
+    const auto [end, error] = std::from_chars(typed.data(), typed.data() + typed.size(), value);
+    if (error != std::errc() || end != typed.data() + typed.size() || !std::isfinite(value) ||
+        value < range.low || value > range.high) {
+        refuse(key, shown(typed), expected);
+    }
+    return value * range.unit;
+}
+
+float YamlMap::number(const std::string& key, float fallback, const Range& range) {
+    const auto typed = scalar(key, fmt::format("a number from {} to {}", range.low, range.high));
+    return typed ? in_range(key, *typed, range) : fallback;
+}
+
+int YamlMap::whole(const std::string& key, int fallback, int low, int high) {
+    const std::string expected = fmt::format("a whole number from {} to {}", low, high);
+    const auto typed = scalar(key, expected);
+    if (!typed) {
+        return fallback;
+    }
+    int value = 0;
+    const auto [end, error] = std::from_chars(typed->data(), typed->data() + typed->size(), value);
+    if (error != std::errc() || end != typed->data() + typed->size() || value < low || value > high) {
+        refuse(key, shown(*typed), expected);
+    }
+    return value;
+}
+
+std::uint64_t YamlMap::seed(const std::string& key, std::uint64_t fallback) {
+    const std::string expected = "a whole number from 0 to 18446744073709551615";
+    const auto typed = scalar(key, expected);
+    if (!typed) {
+        return fallback;
+    }
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(typed->data(), typed->data() + typed->size(), value);
+    if (error != std::errc() || end != typed->data() + typed->size()) {
+        refuse(key, shown(*typed), expected);
+    }
+    return value;
+}
+
+bool YamlMap::flag(const std::string& key, bool fallback) {
+    const auto typed = scalar(key, "on or off");
+    if (!typed) {
+        return fallback;
+    }
+    if (*typed == "on" || *typed == "true") {
+        return true;
+    }
+    if (*typed == "off" || *typed == "false") {
+        return false;
+    }
+    refuse(key, shown(*typed), "on or off");
+}
+
+std::string YamlMap::text(const std::string& key, const std::string& fallback) {
+    return scalar(key, "a text").value_or(fallback);
+}
+
+std::size_t YamlMap::choice(const std::string& key, std::size_t fallback, std::span<const std::string_view> names) {
+    const std::string expected = fmt::format("one of {}", fmt::join(names, ", "));
+    const auto typed = scalar(key, expected);
+    if (!typed) {
+        return fallback;
+    }
+    const auto found = std::find(names.begin(), names.end(), *typed);
+    if (found == names.end()) {
+        refuse(key, shown(*typed), expected);
+    }
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+Vec3f YamlMap::vector(const std::string& key, const Range& range) {
+    known_.push_back(key);
+    const YAML::Node value = node_[key];
+    Vec3f out = Vec3f::Zero();
+    if (!value.IsDefined()) {
+        return out;
+    }
+    const std::string expected = fmt::format("a list [left, posterior, superior] of three numbers from {} to {}", range.low, range.high);
+    if (!value.IsSequence() || value.size() != 3) {
+        refuse(key, value.IsSequence() ? fmt::format("{} entries", value.size()) : "no list", expected);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!value[k].IsScalar()) {
+            refuse(key, "an entry that is no number", expected);
+        }
+        out[static_cast<Eigen::Index>(k)] = in_range(key, value[k].Scalar(), range);
+    }
+    return out;
+}
+
+std::optional<YamlMap> YamlMap::map(const std::string& key) {
+    known_.push_back(key);
+    const YAML::Node value = node_[key];
+    if (!value.IsDefined()) {
+        return std::nullopt;
+    }
+    return YamlMap(value, file_, path_ + key + ".");
+}
+
+std::vector<YamlMap> YamlMap::list(const std::string& key) {
+    known_.push_back(key);
+    const YAML::Node value = node_[key];
+    std::vector<YamlMap> out;
+    if (!value.IsDefined()) {
+        return out;
+    }
+    if (!value.IsSequence()) {
+        refuse(key, "no list", "a list of '- key: value' entries");
+    }
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        out.push_back(YamlMap(value[i], file_, fmt::format("{}{}[{}].", path_, key, i)));
+    }
+    return out;
+}
+
+void YamlMap::finish() const {
+    for (const auto& entry : node_) {
+        const std::string key = entry.first.Scalar();
+        if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
+            throw InputError(fmt::format("{}: unknown key '{}{}', expected one of: {}", place(file_, entry.first.Mark()),
+                                         path_, shown(key).substr(1, shown(key).size() - 2), fmt::join(known_, ", ")));
+        }
+    }
+}
+
+}  // namespace eti

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/math/transform.hpp"
+
+namespace eti {
+
+/// Allowed values of a number as typed, and what one typed unit is in SI.
+struct Range {
+    float low, high;
+    float unit = 1.0f;   ///< SI value of one typed unit, e.g. 1e-3 for millimetres
+};
+
+/// Reads a whole file of at most 1 MiB. Throws InputError.
+[[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
+
+/// A YAML mapping read strictly: every access names the key it expects, and finish() refuses the keys
+/// nobody asked for. All errors are InputErrors that say file, line and key, what was found, what was
+/// expected and, where there is one, the remedy.
+class YamlMap {
+  public:
+    /// Parses `text`. Anchors and aliases, duplicate keys, and nesting deeper than 12 are refused.
+    [[nodiscard]] static YamlMap parse(const std::string& text, const std::string& file);
+
+    [[nodiscard]] bool has(std::string_view key) const;
+    [[nodiscard]] float number(const std::string& key, float fallback, const Range& range);  ///< SI
+    [[nodiscard]] int whole(const std::string& key, int fallback, int low, int high);
+    [[nodiscard]] std::uint64_t seed(const std::string& key, std::uint64_t fallback);
+    [[nodiscard]] bool flag(const std::string& key, bool fallback);
+    [[nodiscard]] std::string text(const std::string& key, const std::string& fallback);
+    /// Index of the value among `names`; `fallback` where the key is absent.
+    [[nodiscard]] std::size_t choice(const std::string& key, std::size_t fallback, std::span<const std::string_view> names);
+    [[nodiscard]] Vec3f vector(const std::string& key, const Range& range);   ///< SI; zero where absent
+    [[nodiscard]] std::optional<YamlMap> map(const std::string& key);
+    [[nodiscard]] std::vector<YamlMap> list(const std::string& key);
+    /// Refuses keys that were not asked for.
+    void finish() const;
+
+    [[noreturn]] void refuse(const std::string& key, const std::string& found, const std::string& expected) const;
+
+  private:
+    YamlMap(YAML::Node node, std::string file, std::string path);
+    [[nodiscard]] std::optional<std::string> scalar(const std::string& key, const std::string& expected);
+    [[nodiscard]] float in_range(const std::string& key, const std::string& typed, const Range& range) const;
+
+    YAML::Node node_;
+    std::string file_, path_;
+    std::vector<std::string> known_;
+};
+
+}  // namespace eti
