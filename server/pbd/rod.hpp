@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/model/tools.hpp"
+#include "server/pbd/rod_chain.hpp"
+#include "server/pbd/rod_joint.hpp"
+
+namespace eti::pbd {
+
+struct RodSettings {
+    int segments = 32;               ///< cost grows linearly; the tip's error falls with the square
+    float density = 1300.0f;         ///< [kg/m^3], plasticised PVC (1200-1350)
+    float connector_mass = 1.5e-3f;  ///< [kg], carried by the rearmost segment
+    float poisson_ratio = 0.45f;     ///< twist stiffness is E I / (1 + ratio)
+    float retardation_time = 2e-3f;  ///< [s], bending viscosity over stiffness; a loss factor of 0.1 at 8 Hz
+    float velocity_damping = 1.0f;   ///< [1/s], rate at which free motion decays; 0 conserves momentum
+    float max_speed = 10.0f;         ///< [m/s], per segment; ten times the fastest hand
+    bool held = true;                ///< false: nothing holds the rod, and the grip only lays it out
+};
+
+/// What the rod exerts on the hand that holds it.
+struct GripWrench {
+    Vec3f force = Vec3f::Zero();   ///< [N]
+    Vec3f torque = Vec3f::Zero();  ///< [N m], about the grip point
+};
+
+/// The tube as a Cosserat rod: rigid segments, stretch, shear, bending and twist compliances from the
+/// section, XPBD multipliers, and all joints solved at once by a block-tridiagonal Cholesky (Deul,
+/// Kugelstadt, Weiler & Bender 2018), so that stiffness needs no iterations. One segment is held: its
+/// origin is the grip. A segment's inertia is its transverse one about every axis: a slim segment's
+/// axial inertia would only make twist ring faster than the substep. Doubles throughout.
+///
+/// A substep: predict, then passes of solve() with contacts in between, then finish. The last pass
+/// before finish should be solve() if the chain is to be intact, contacts if nothing may penetrate.
+/// Nothing allocates after construction.
+class Rod {
+  public:
+    Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& grip);
+
+    /// At rest on its manufactured curve.
+    void reset(const RigidTransform& grip);
+
+    /// Moves all segments by their velocities for `dt` [s], the held one to `grip`.
+    void predict(float dt, const Vec3f& gravity, const RigidTransform& grip);
+
+    /// One pass over all joints.
+    void solve();
+
+    /// New velocities from the way travelled since predict.
+    void finish();
+
+    [[nodiscard]] std::size_t size() const { return segments_.size(); }
+    [[nodiscard]] std::size_t held() const { return held_; }
+    [[nodiscard]] std::span<const RodSegment> segments() const { return segments_; }
+    [[nodiscard]] float length(std::size_t segment) const;  ///< [m]
+    [[nodiscard]] float radius() const { return radius_; }  ///< [m], outer
+
+    /// A segment's pose now, and setting it, at rest; for starts from other shapes than the manufactured one.
+    [[nodiscard]] RigidTransform pose(std::size_t segment) const;
+    void place(std::size_t segment, const RigidTransform& pose);
+
+    /// A point on a segment's centre line, `along` from 0 (rear) to 1 (front) [m]; where it is now and
+    /// where it was at predict.
+    [[nodiscard]] Vec3f point(std::size_t segment, float along) const;
+    [[nodiscard]] Vec3f previous_point(std::size_t segment, float along) const;
+
+    /// size() + 1 points of the centre line from connector to tip [m].
+    void nodes(std::span<Vec3f> out) const;
+    [[nodiscard]] Vec3f tip() const { return point(size() - 1, 1.0f); }
+
+    /// Inverse mass [1/kg] that a free segment, without its neighbours, shows at a point offset from
+    /// its centre line by `offset` [m], along the unit `direction` (Mueller et al. 2020, eq. 2). 0 for
+    /// the held one.
+    [[nodiscard]] float inverse_mass(std::size_t segment, float along, const Vec3f& offset,
+                                     const Vec3f& direction) const;
+
+    /// Gives a segment the positional impulse `impulse` [kg m] at a point (Mueller et al. 2020, eq. 6-9).
+    void push(std::size_t segment, float along, const Vec3f& offset, const Vec3f& impulse);
+
+    /// Moves a point of a segment by `displacement` [m]; returns the positional impulse [kg m] that took.
+    /// Over dt^2 that is a force [N].
+    Vec3f displace(std::size_t segment, float along, const Vec3f& offset, const Vec3f& displacement);
+
+    /// From the joints' multipliers of this substep and the held segment's weight, without its inertia.
+    [[nodiscard]] GripWrench grip_wrench() const;
+
+    /// Kinetic plus elastic plus gravitational energy [J] of the free segments (height against the last
+    /// gravity; arbitrary origin).
+    [[nodiscard]] double energy() const;
+
+  private:
+    void lay_out(const Tube& tube, const RodSettings& settings);
+    void assemble();
+    void apply();
+    [[nodiscard]] Vec3d arm(std::size_t segment, float along, const Vec3f& offset) const;
+
+    std::vector<RodSegment> segments_;
+    std::vector<RodSegment> previous_;  ///< poses at predict
+    std::vector<RodJoint> joints_;
+    std::vector<RodJointState> state_;
+    std::vector<Vec3d> angle_before_;  ///< [rad], joints' angles at predict
+    std::vector<Vec6d> multiplier_;    ///< [N s^2, N m s^2], summed over the passes of a substep
+    std::vector<Vec6d> change_;
+    std::vector<Vec3d> turn_;  ///< [rad], of the segments in this pass
+    RodChain chain_;
+    std::size_t held_ = 0;
+    float radius_ = 0.0f;
+    double held_mass_ = 0.0;  ///< [kg]; 0 when nothing holds the rod
+    double dt_ = 1e-3;
+    double retardation_time_ = 0.0;
+    double velocity_damping_ = 0.0;
+    double max_speed_ = 0.0;
+    Vec3d gravity_ = Vec3d::Zero();
+};
+
+}  // namespace eti::pbd

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include <span>
+#include <vector>
+
+#include "server/pbd/rod_joint.hpp"
+
+namespace eti::pbd {
+
+/// A symmetric positive definite block-tridiagonal system, 6 x 6 blocks, solved directly (block
+/// Cholesky from the rear to the front): the chain is solved at once, whatever its stiffness.
+class RodChain {
+  public:
+    explicit RodChain(std::size_t blocks) : pivot_(blocks), link_(blocks), factor_(blocks) {}
+
+    [[nodiscard]] std::size_t size() const { return pivot_.size(); }
+
+    /// Diagonal block `i`, and the block to its right (row i, column i + 1), to be filled in before
+    /// factorize().
+    Mat6d& diagonal(std::size_t i) { return pivot_[i]; }
+    Mat6d& right(std::size_t i) { return link_[i]; }
+
+    void factorize();
+
+    /// Replaces the right-hand side by the solution. Needs factorize().
+    void solve(std::span<Vec6d> rhs) const;
+
+    /// The same for a right-hand side that is zero before block `first`.
+    void solve_from(std::size_t first, std::span<Vec6d> rhs) const;
+
+  private:
+    std::vector<Mat6d> pivot_;  ///< Schur complements once factorized
+    std::vector<Mat6d> link_;
+    std::vector<Eigen::LLT<Mat6d>> factor_;
+};
+
+}  // namespace eti::pbd
