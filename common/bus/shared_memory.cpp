@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -25,28 +26,36 @@ bool lock_is_free(const fs::path& file) {
     return is_free;
 }
 
-/// Of the files in `folder`, those that some process maps. `complete`: every process could be read.
-std::set<std::string> mapped_files(const fs::path& folder, bool& complete) {
-    std::set<std::string> mapped;
-    complete = true;
+struct Mappings {
+    std::set<std::string> files;  ///< of the folder, mapped by some process
+    std::set<uid_t> unreadable;   ///< users with a process whose mappings cannot be read
+};
+
+Mappings mappings_of(const fs::path& folder) {
+    Mappings found;
     std::error_code error;
     const std::string prefix = folder.string() + "/";
     for (const auto& process : fs::directory_iterator("/proc", error)) {
         const std::string pid = process.path().filename().string();
-        if (pid.find_first_not_of("0123456789") != std::string::npos) {
+        // Process 1 may hide its mappings even from root, and maps nothing of ours.
+        if (pid == "1" || pid.find_first_not_of("0123456789") != std::string::npos) {
+            continue;
+        }
+        struct stat owner {};
+        if (::stat(process.path().c_str(), &owner) != 0) {
             continue;
         }
         std::ifstream maps(process.path() / "maps");
         if (!maps && fs::exists(process.path(), error)) {
-            complete = false;
+            found.unreadable.insert(owner.st_uid);
         }
         for (std::string line; std::getline(maps, line);) {
             if (const auto at = line.find(prefix); at != std::string::npos) {
-                mapped.insert(line.substr(at + prefix.size()));
+                found.files.insert(line.substr(at + prefix.size()));
             }
         }
     }
-    return mapped;
+    return found;
 }
 
 }  // namespace
@@ -65,10 +74,11 @@ StaleSharedMemory find_stale_shared_memory(const fs::path& folder) {
         }
     }
     if (!shared.empty()) {
-        bool complete = false;
-        const auto mapped = mapped_files(folder, complete);
+        const Mappings mappings = mappings_of(folder);
         for (const std::string& name : shared) {
-            if (complete && !mapped.contains(name)) {
+            struct stat owner {};
+            if (::stat((folder / name).c_str(), &owner) == 0 && !mappings.files.contains(name) &&
+                !mappings.unreadable.contains(owner.st_uid)) {
                 stale.data_sharing.push_back(name);
             }
         }

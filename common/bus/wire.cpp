@@ -44,10 +44,11 @@ bool plausible_size(const SerializedPayload_t& payload) {
     msg::Header header;
     std::uint32_t number = 0;
     reader >> object >> header >> number >> number >> number;
-    // vertices, triangles, triangle_tissue, skin_frame, skin_weight
-    for (const std::size_t size : {4u, 4u, 1u, 2u, 1u}) {
+    // vertices, triangles, triangle_tissue, skin_frame, skin_weight; each followed by a word, hence
+    // padded to four bytes, which jump() leaves to its caller.
+    for (const std::size_t size : {4, 4, 1, 2, 1}) {
         reader >> number;
-        if (!reader.jump(number * size)) {
+        if (!reader.jump((number * size + 3) / 4 * 4)) {
             return false;
         }
     }

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <set>
+
+#include "bus_fixture.hpp"
+#include "messages.hpp"
+
+namespace eti::bus {
+namespace {
+
+// More objects than the DDS library's default limit of 10 keys; a real scene has about 15.
+TEST(Quality, LateJoinerGetsTheLastOfEveryKey) {
+    constexpr int objects = 30;
+    Node server(options("server"));
+    Publisher<msg::SceneDescription> publisher(server, topics::scene);
+    for (const float revision : {1.0f, 2.0f}) {
+        for (int i = 0; i < objects; ++i) {
+            auto object = example<msg::SceneDescription>();
+            object.object(("object" + std::to_string(i)).c_str());
+            object.outer_radius(revision);
+            ASSERT_TRUE(publisher.publish(object));
+        }
+    }
+    Node client(options("client"));
+    Subscriber<msg::SceneDescription> subscriber(client, topics::scene);
+    std::set<std::string> seen;
+    msg::SceneDescription received;
+    int samples = 0;
+    ASSERT_TRUE(eventually([&] {
+        while (subscriber.take(received)) {
+            ++samples;
+            seen.insert(std::string(received.object().c_str()));
+            EXPECT_EQ(received.outer_radius(), 2.0f)
+                << "an outdated revision of " << received.object().c_str();
+        }
+        return seen.size() == objects;
+    })) << "only "
+        << seen.size();
+    EXPECT_EQ(samples, objects);
+}
+
+TEST(Quality, SessionsDoNotHearEachOther) {
+    Node a(options("a", "first"));
+    Node b(options("b", "second"));
+    Node c(options("c", "first"));
+    Publisher<msg::LiveMetrics> publisher(a, topics::live_metrics);
+    Subscriber<msg::LiveMetrics> other(b, topics::live_metrics);
+    Subscriber<msg::LiveMetrics> same(c, topics::live_metrics);
+    msg::LiveMetrics received;
+    ASSERT_TRUE(
+        eventually([&] { return publisher.publish(example<msg::LiveMetrics>()) && same.take(received); }));
+    std::this_thread::sleep_for(300ms);
+    EXPECT_EQ(other.matched(), 0);
+    EXPECT_EQ(publisher.matched(), 1);
+    EXPECT_FALSE(other.take(received));
+}
+
+/// A connected writer and reader of commands (reliable, keep last 64).
+struct CommandPair {
+    Node sender{options("sender")};
+    Node receiver{options("receiver")};
+    Publisher<msg::Command> publisher{sender, topics::command};
+    Subscriber<msg::Command> subscriber{receiver, topics::command};
+
+    void connect() {
+        ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
+    }
+    void send(int count) {
+        auto command = example<msg::Command>();
+        for (int i = 1; i <= count; ++i) {
+            command.id(static_cast<std::uint32_t>(i));
+            ASSERT_TRUE(publisher.publish(command));
+        }
+    }
+};
+
+TEST(Quality, TakeGivesEveryReliableSampleInOrder) {
+    CommandPair pair;
+    pair.connect();
+    pair.send(60);
+    msg::Command received;
+    for (std::uint32_t id = 1; id <= 60; ++id) {
+        ASSERT_TRUE(eventually([&] { return pair.subscriber.take(received); })) << "command " << id;
+        EXPECT_EQ(received.id(), id);
+    }
+    EXPECT_FALSE(pair.subscriber.take(received));
+}
+
+TEST(Quality, TakeLatestSkipsToTheNewestAndLeavesNothing) {
+    CommandPair pair;
+    pair.connect();
+    pair.send(20);
+    std::uint32_t newest = 0;
+    int calls = 0;
+    msg::Command received;
+    ASSERT_TRUE(eventually([&] {
+        if (pair.subscriber.take_latest(received)) {
+            ++calls;
+            EXPECT_GT(received.id(), newest);
+            newest = received.id();
+        }
+        return newest == 20;
+    }));
+    EXPECT_LT(calls, 20) << "it never skipped one";
+    EXPECT_FALSE(pair.subscriber.take_latest(received));
+    EXPECT_EQ(received.id(), 20u) << "a call without a sample changed the message";
+}
+
+TEST(Quality, WaitReturnsOnArrivalAndOnTimeout) {
+    CommandPair pair;
+    pair.connect();
+    const auto start = Clock::now();
+    EXPECT_FALSE(pair.subscriber.wait(50ms));
+    EXPECT_GE(Clock::now() - start, 49ms);
+    std::thread later([&] {
+        std::this_thread::sleep_for(50ms);
+        pair.send(1);
+    });
+    EXPECT_TRUE(pair.subscriber.wait(5s));
+    EXPECT_LT(Clock::now() - start, 4s);
+    later.join();
+    msg::Command received;
+    EXPECT_TRUE(pair.subscriber.take(received));
+    EXPECT_FALSE(pair.subscriber.wait(1ms)) << "nothing is left to take";
+}
+
+TEST(Quality, AStuckReliableReaderDoesNotHoldTheWriter) {
+    CommandPair pair;
+    pair.connect();
+    // The reader never takes. Keep last 64 at both ends drops the oldest instead of waiting; a write may
+    // wait max_blocking_time (20 ms) at most, so 200 writes that blocked would take 4 s.
+    const auto start = Clock::now();
+    pair.send(200);
+    EXPECT_LT(Clock::now() - start, 2s);
+}
+
+TEST(Quality, AHungWriterShowsWithinItsLease) {
+    Node server(options("server"));
+    Node client(options("client"));
+    Publisher<msg::SessionStatus> publisher(server, topics::session_status);
+    Subscriber<msg::SessionStatus> subscriber(client, topics::session_status);
+    ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
+    ASSERT_TRUE(publisher.publish(example<msg::SessionStatus>()));
+    ASSERT_TRUE(eventually([&] { return subscriber.alive(); }));
+    // Ten leases long, asserted every 50 ms, it stays alive (a loaded machine may delay one assertion,
+    // not five in a row).
+    for (int i = 0; i < 60; ++i) {
+        std::this_thread::sleep_for(50ms);
+        if (i % 2 == 0) {
+            publisher.assert_liveliness();
+        } else {
+            ASSERT_TRUE(publisher.publish(example<msg::SessionStatus>()));
+        }
+        ASSERT_TRUE(subscriber.alive()) << "after " << i << " intervals";
+    }
+    const auto stopped = Clock::now();
+    ASSERT_TRUE(eventually([&] { return !subscriber.alive(); }, 2s));
+    const auto lost = Clock::now() - stopped;
+    // Lease 300 ms, counted from the last assertion's arrival (under 10 ms after it was sent); the
+    // upper bound leaves 200 ms for a loaded machine's scheduling.
+    EXPECT_GT(lost, 280ms);
+    EXPECT_LT(lost, 500ms);
+    EXPECT_EQ(subscriber.matched(), 1) << "hung is not gone";
+    publisher.assert_liveliness();
+    EXPECT_TRUE(eventually([&] { return subscriber.alive(); }, 2s)) << "it does not come back";
+}
+
+TEST(Quality, AWriterThatLeavesIsNoLongerMatched) {
+    Node client(options("client"));
+    Subscriber<msg::SessionStatus> subscriber(client, topics::session_status);
+    {
+        Node server(options("server"));
+        Publisher<msg::SessionStatus> publisher(server, topics::session_status);
+        ASSERT_TRUE(eventually([&] { return subscriber.matched() == 1; }));
+    }
+    EXPECT_TRUE(eventually([&] { return subscriber.matched() == 0 && !subscriber.alive(); }, 2s));
+}
+
+}  // namespace
+}  // namespace eti::bus

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "bus_fixture.hpp"
+#include "messages.hpp"
+
+namespace eti::bus {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string failure_of(const Options& wanted) {
+    try {
+        const Node node(wanted);
+    } catch (const BusError& error) {
+        return error.what();
+    }
+    return "no BusError";
+}
+
+std::string refusal_of(Node& node) {
+    try {
+        (void)self_check(node, true, 2s);
+    } catch (const BusError& error) {
+        return error.what();
+    }
+    return "no BusError";
+}
+
+TEST(SelfCheck, ASecondServerIsRefusedByName) {
+    Node first(options("eti-server"));
+    ASSERT_EQ(refusal_of(first), "no BusError");
+    Publisher<msg::SessionStatus> status(first, topics::session_status);
+    ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
+    Node second(options("another-server"));
+    EXPECT_THAT(refusal_of(second), AllOf(HasSubstr("session 'test'"), HasSubstr("host:42"),
+                                          HasSubstr("--session"), HasSubstr("stop that one")));
+    Node elsewhere(options("eti-server", "other"));
+    EXPECT_EQ(refusal_of(elsewhere), "no BusError") << "another session is free";
+}
+
+TEST(SelfCheck, OfTwoServersThatStartTogetherOneStays) {
+    Node first(options("eti-server"));
+    Node second(options("eti-server"));
+    std::string first_says;
+    std::thread other([&] { first_says = refusal_of(first); });
+    const std::string second_says = refusal_of(second);
+    other.join();
+    EXPECT_EQ(first_says, "no BusError");
+    EXPECT_THAT(second_says, HasSubstr(process_name()));
+}
+
+TEST(SelfCheck, ASessionIsFreeAfterItsServerLeft) {
+    {
+        Node first(options("eti-server"));
+        Publisher<msg::SessionStatus> status(first, topics::session_status);
+        ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
+    }
+    Node second(options("eti-server"));
+    EXPECT_EQ(refusal_of(second), "no BusError");
+}
+
+TEST(SelfCheck, SaysWhatToDoWithoutAServer) {
+    Node client(options("eti-client"));
+    EXPECT_THAT(
+        self_check(client, false, 300ms).warnings,
+        Contains(AllOf(HasSubstr("no server found"), HasSubstr("start eti-server"), HasSubstr("--profile"))));
+}
+
+TEST(SelfCheck, NamesTheSessionThereIs) {
+    Node server(options("eti-server", "morning"));
+    Node client(options("eti-client", "mornign"));
+    EXPECT_THAT(self_check(client, false, 2s).warnings,
+                Contains(AllOf(HasSubstr("'mornign'"), HasSubstr("'morning'"), HasSubstr("--session"))));
+}
+
+TEST(SelfCheck, IsSoonDoneWhenAServerIsThere) {
+    Node server(options("eti-server"));
+    Publisher<msg::SessionStatus> status(server, topics::session_status);
+    Node client(options("eti-client"));
+    const auto start = Clock::now();
+    EXPECT_THAT(self_check(client, false, 10s).warnings, Not(Contains(HasSubstr("no server"))));
+    EXPECT_LT(Clock::now() - start, 5s);
+}
+
+TEST(NodeOptions, DomainOutOfRange) {
+    for (const int domain : {-1, 233, 1'000'000}) {
+        Options wanted = options("x");
+        wanted.domain = domain;
+        EXPECT_THAT(failure_of(wanted), AllOf(HasSubstr(std::to_string(domain)), HasSubstr("0 to 232")));
+    }
+}
+
+// "*" as a partition would join every session there is.
+TEST(NodeOptions, SessionNames) {
+    for (const char* session : {"", "*", "a b", "a;b", "../x", "[a-z]"}) {
+        EXPECT_THAT(failure_of(options("x", session)), HasSubstr("expected 1 to 48 letters")) << session;
+    }
+    EXPECT_THAT(failure_of(options("x", std::string(49, 'a'))), HasSubstr("expected 1 to 48 letters"));
+    EXPECT_EQ(failure_of(options("x", std::string(48, 'a'))), "no BusError");
+}
+
+class Profile : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = std::filesystem::temp_directory_path() /
+                  (std::string("eti_bus_") + std::to_string(::getpid()) + "_" +
+                   ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    [[nodiscard]] Options with(const std::string& text) {
+        Options wanted = options("x");
+        wanted.profile = folder_ / (std::to_string(++files_) + "profile.xml");
+        std::ofstream(wanted.profile) << text;
+        return wanted;
+    }
+
+    std::filesystem::path folder_;
+    int files_ = 0;
+};
+
+constexpr const char* good_profile = R"(<?xml version="1.0" encoding="UTF-8" ?>
+<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
+  <transport_descriptors><transport_descriptor>
+    <transport_id>udp</transport_id><type>UDPv4</type>
+    <interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>
+  </transport_descriptor></transport_descriptors>
+  <participant profile_name="eti"><rtps>
+    <userTransports><transport_id>udp</transport_id></userTransports>
+    <useBuiltinTransports>false</useBuiltinTransports>
+    <builtin><initialPeersList><locator><udpv4><address>127.0.0.1</address></udpv4></locator></initialPeersList></builtin>
+  </rtps></participant></profiles></dds>)";
+
+TEST_F(Profile, MissingFile) {
+    Options wanted = options("x");
+    wanted.profile = folder_ / "none.xml";
+    EXPECT_THAT(failure_of(wanted), AllOf(HasSubstr("none.xml"), HasSubstr("no such file")));
+    wanted.profile = folder_;
+    EXPECT_THAT(failure_of(wanted), HasSubstr("no such file")) << "a folder is no profile";
+}
+
+TEST_F(Profile, NotXml) {
+    for (const char* text : {"", "domain: 3\n", "<dds><profiles>", "<?xml version=\"1.0\"?><html></html>"}) {
+        EXPECT_THAT(failure_of(with(text)), AllOf(HasSubstr("profile.xml"), HasSubstr("not a valid")))
+            << text;
+    }
+}
+
+TEST_F(Profile, WrongName) {
+    std::string text = good_profile;
+    text.replace(text.find("\"eti\""), 5, "\"lab\"");
+    // The library keeps the transports of every file it has read.
+    text = std::regex_replace(text, std::regex("transport_id>udp"), "transport_id>other");
+    EXPECT_THAT(failure_of(with(text)), AllOf(HasSubstr("profile.xml"), HasSubstr("profile_name=\"eti\"")));
+}
+
+TEST_F(Profile, ConnectsThroughItsTransport) {
+    const Options wanted = with(good_profile);
+    Node first(wanted);
+    Node second(wanted);
+    Publisher<msg::Command> publisher(first, topics::command);
+    Subscriber<msg::Command> subscriber(second, topics::command);
+    ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
+    ASSERT_TRUE(publisher.publish(example<msg::Command>()));
+    msg::Command received;
+    EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
+}
+
+}  // namespace
+}  // namespace eti::bus

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/wire.hpp"
+
+#include <cstring>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+
+#include "bus_fixture.hpp"
+#include "common/bus/participant.hpp"
+#include "common/math/random.hpp"
+#include "messages.hpp"
+
+namespace eti::bus {
+namespace {
+
+using eprosima::fastrtps::rtps::SerializedPayload_t;
+
+/// The bytes that go over the wire for `message`.
+template <class Type>
+std::vector<std::uint8_t> bytes_of(typename Type::Message message) {
+    Type type;
+    SerializedPayload_t payload(type.getSerializedSizeProvider(&message)());
+    EXPECT_TRUE(type.serialize(&message, &payload));
+    return {payload.data, payload.data + payload.length};
+}
+
+template <class Type>
+bool reads(const std::vector<std::uint8_t>& bytes) {
+    Type type;
+    typename Type::Message message;
+    SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size()));
+    std::memcpy(payload.data, bytes.data(), bytes.size());
+    payload.length = static_cast<std::uint32_t>(bytes.size());
+    return type.deserialize(&payload, &message);
+}
+
+template <class Generated>
+class Malformed : public ::testing::Test {};
+
+using Types =
+    ::testing::Types<msg::SceneDescriptionPubSubType, msg::DeformationStatePubSubType,
+                     msg::ToolPosePubSubType, msg::EyePosePubSubType, msg::ProxyStatePubSubType,
+                     msg::TissueContactsPubSubType, msg::CommandPubSubType, msg::CommandResultPubSubType,
+                     msg::LiveMetricsPubSubType, msg::AttemptSummaryPubSubType, msg::SessionStatusPubSubType>;
+TYPED_TEST_SUITE(Malformed, Types);
+
+TYPED_TEST(Malformed, EveryTruncationIsRefused) {
+    using Type = WireType<TypeParam>;
+    const auto whole = bytes_of<Type>(example<typename Type::Message>());
+    ASSERT_TRUE(reads<Type>(whole));
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+        // Up to three bytes of padding may follow the last member.
+        if (length + 4 <= whole.size()) {
+            EXPECT_FALSE(reads<Type>({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)}))
+                << length;
+        }
+    }
+}
+
+TYPED_TEST(Malformed, NoiseNeitherThrowsNorAllocatesWithoutEnd) {
+    using Type = WireType<TypeParam>;
+    const auto whole = bytes_of<Type>(example<typename Type::Message>());
+    Random random(7);
+    int refused = 0;
+    for (int trial = 0; trial < 3000; ++trial) {
+        auto bytes = whole;
+        for (int flips = 0; flips < 4; ++flips) {
+            bytes[random.bits() % bytes.size()] = static_cast<std::uint8_t>(random.bits());
+        }
+        // Lengths are where damage hurts most: overwrite a whole word with a huge number too.
+        const std::uint32_t huge = trial % 2 == 0 ? 0xffffffffu : 0x7fffffffu;
+        const std::size_t word = 4 * (random.bits() % (bytes.size() / 4));
+        std::memcpy(bytes.data() + word, &huge, sizeof huge);
+        refused += reads<Type>(bytes) ? 0 : 1;
+    }
+    std::vector<std::uint8_t> noise(4096);
+    for (int trial = 0; trial < 300; ++trial) {
+        for (auto& byte : noise) {
+            byte = static_cast<std::uint8_t>(random.bits());
+        }
+        refused += reads<Type>(noise) ? 0 : 1;
+    }
+    EXPECT_GT(refused, 0) << "the noise never met a member that can be malformed";
+}
+
+TEST(MalformedScene, AnnouncedNamesAreNotAllocatedUnseen) {
+    using Type = WireType<msg::SceneDescriptionPubSubType>;
+    auto message = example<msg::SceneDescription>();
+    message.names().clear();
+    auto bytes = bytes_of<Type>(message);
+    // The last members are the count of names and two radii.
+    const std::size_t count_at = bytes.size() - 12;
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + count_at, sizeof count);
+    ASSERT_EQ(count, 0u);
+    count = 0xfffffff0u;  // 128 GB of strings
+    std::memcpy(bytes.data() + count_at, &count, sizeof count);
+    EXPECT_FALSE(reads<Type>(bytes));
+}
+
+TEST(MalformedBounds, SequencesLongerThanTheirBound) {
+    auto contacts = example<msg::TissueContacts>();
+    contacts.contacts().emplace_back();
+    EXPECT_FALSE(reads<WireType<msg::TissueContactsPubSubType>>(
+        bytes_of<WireType<msg::TissueContactsPubSubType>>(contacts)));
+    auto status = example<msg::SessionStatus>();
+    status.phase(static_cast<msg::SessionPhase>(17));
+    EXPECT_FALSE(reads<WireType<msg::SessionStatusPubSubType>>(
+        bytes_of<WireType<msg::SessionStatusPubSubType>>(status)));
+}
+
+/// Writes bytes as they are under the name of another type: what a hostile or older program may send.
+class RawType : public msg::SessionStatusPubSubType {
+  public:
+    bool serialize(void* data, SerializedPayload_t* payload) override {
+        const auto& bytes = *static_cast<std::vector<std::uint8_t>*>(data);
+        std::memcpy(payload->data, bytes.data(), bytes.size());
+        payload->length = static_cast<std::uint32_t>(bytes.size());
+        return true;
+    }
+    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+        return [data] {
+            return static_cast<std::uint32_t>(static_cast<std::vector<std::uint8_t>*>(data)->size());
+        };
+    }
+    bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
+        handle->value[0] = 1;
+        return true;
+    }
+};
+
+TEST(MalformedOnTheBus, IsDroppedAndTheNextGoodSampleIsRead) {
+    const Options wanted = options("hostile");
+    Participant hostile(wanted);
+    const dds::TypeSupport raw(new RawType);
+    dds::DataWriterQos quality = dds::DATAWRITER_QOS_DEFAULT;
+    quality.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+    quality.history().depth = 100;
+    quality.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    quality.liveliness().lease_duration = eprosima::fastrtps::Duration_t(0.3L);
+    quality.liveliness().announcement_period = eprosima::fastrtps::Duration_t(0.1L);
+    quality.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+    quality.data_sharing().off();
+    auto* writer =
+        hostile.publisher->create_datawriter(hostile.topic(topics::session_status.name, raw), quality);
+    ASSERT_NE(writer, nullptr);
+
+    Node victim(options("victim"));
+    Subscriber<msg::SessionStatus> subscriber(victim, topics::session_status);
+    ASSERT_TRUE(eventually([&] { return subscriber.matched() == 1; }));
+
+    const auto good = bytes_of<WireType<msg::SessionStatusPubSubType>>(example<msg::SessionStatus>());
+    Random random(3);
+    msg::SessionStatus received;
+    for (int i = 0; i < 40; ++i) {
+        auto bytes = good;
+        bytes.resize(8 + random.bits() % (good.size() - 16));
+        bytes[random.bits() % bytes.size()] = static_cast<std::uint8_t>(random.bits());
+        writer->write(&bytes);
+        EXPECT_FALSE(subscriber.take(received));
+    }
+    std::this_thread::sleep_for(100ms);
+    EXPECT_FALSE(subscriber.take(received));
+    auto last = good;
+    ASSERT_TRUE(writer->write(&last));
+    EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
+    EXPECT_TRUE(received == example<msg::SessionStatus>());
+    hostile.publisher->delete_datawriter(writer);
+}
+
+}  // namespace
+}  // namespace eti::bus
