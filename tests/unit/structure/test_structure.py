@@ -48,6 +48,7 @@ class Includes(unittest.TestCase):
             ("server/rigid/a.cpp", "<btBulletDynamicsCommon.h>"),
             ("client/render/a.cpp", "<epoxy/gl.h>"),
             ("tests/unit/server/pbd/a.cpp", '"server/pbd/solver.hpp"'),
+            ("tests/unit/server/pbd/a.cpp", '"particles_at_rest.hpp"'),
             ("tests/validation/a.cpp", '"server/scene/scene.hpp"'),
         ):
             with self.subTest(path=path, target=target):
