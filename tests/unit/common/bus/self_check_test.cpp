@@ -132,7 +132,7 @@ class Profile : public ::testing::Test {
 constexpr const char* good_profile = R"(<?xml version="1.0" encoding="UTF-8" ?>
 <dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
   <transport_descriptors><transport_descriptor>
-    <transport_id>udp</transport_id><type>UDPv4</type>
+    <transport_id>udp</transport_id><type>UDPv4</type><maxInitialPeersRange>100</maxInitialPeersRange>
     <interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>
   </transport_descriptor></transport_descriptors>
   <participant profile_name="eti"><rtps>
@@ -175,6 +175,24 @@ TEST_F(Profile, ConnectsThroughItsTransport) {
     msg::Command received;
     EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
 }
+
+// The profiles that come with the project.
+class ShippedProfile : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedProfile, ConnectsTwoNodesOfOneMachine) {
+    Options wanted = options("x");
+    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds" / GetParam();
+    Node first(wanted);
+    Node second(wanted);
+    Publisher<msg::Command> publisher(first, topics::command);
+    Subscriber<msg::Command> subscriber(second, topics::command);
+    ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
+    ASSERT_TRUE(publisher.publish(example<msg::Command>()));
+    msg::Command received;
+    EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Deploy, ShippedProfile, ::testing::Values("unicast.xml", "loopback.xml"));
 
 }  // namespace
 }  // namespace eti::bus
