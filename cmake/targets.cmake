@@ -58,7 +58,8 @@ function(eti_test name)
 endfunction()
 
 # A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. PROPERTIES are passed
-# to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it.
+# to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it. Those under
+# tests/unit are labelled scripts: they test no compiled code, so sanitizers have nothing to find.
 if(ETI_TESTS)
   find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
 endif()
@@ -70,6 +71,7 @@ function(eti_python_test prefix script)
     message(FATAL_ERROR "${script} has no test methods")
   endif()
   eti_test_label(label)
+  string(REPLACE unit scripts label ${label})
   foreach(line ${methods})
     string(REGEX REPLACE "^    def (test_[a-z0-9_]+).*" "\\1" method "${line}")
     string(REGEX REPLACE "^test_" "" short "${method}")

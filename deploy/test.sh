@@ -20,7 +20,7 @@ USAGE
 optimised=yes sanitized=yes install=yes only=()
 while [ $# -gt 0 ]; do
     case $1 in
-        --quick) sanitized=no only=(--label-regex '^unit$') ;;
+        --quick) sanitized=no only=(--label-regex '^(unit|scripts)$') ;;
         --sanitize) optimised=no ;;
         --no-install) install=no ;;
         --help) usage; exit 0 ;;
