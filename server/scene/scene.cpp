@@ -110,9 +110,9 @@ void Scene::step(const Inputs& inputs) {
         tube_.predict(dt, end);
         body.project(dt);
         blade_.project(body.particles, begin, end, dt);
-        tube_.project(body.particles, shell_.distance(), end, dt);
+        tube_.project(body.particles, shell_.distance(), end);
         keep_out_of_shell(body.particles);
-        tube_.finish(dt);
+        tube_.finish();
         body.finish(dt);
     }
     blade_pose_ = blade_to;

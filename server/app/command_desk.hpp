@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "server/app/bus_input.hpp"
+#include "server/scene/scene.hpp"
+
+namespace eti::app {
+
+/// Carries out commands that came over the bus and words their answers.
+class CommandDesk {
+  public:
+    /// Checks `command` and applies it to `inputs`; the answer is ready afterwards.
+    void handle(const ReceivedCommand& command, scene::Inputs& inputs);
+
+    [[nodiscard]] const msg::CommandResult& answer() const { return answer_; }
+    [[nodiscard]] bool stopped() const { return stopped_; }
+    /// Whether a reset was asked for since last asked.
+    [[nodiscard]] bool take_reset();
+
+  private:
+    msg::CommandResult answer_;
+    bool stopped_ = false;
+    bool reset_ = false;
+};
+
+}  // namespace eti::app

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/server.hpp"
+
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "common/math/units.hpp"
+#include "common/model/parameters_json.hpp"
+#include "common/operator/operator.hpp"
+#include "common/scenario/scenario.hpp"
+#include "server/app/bus_input.hpp"
+#include "server/app/bus_output.hpp"
+#include "server/app/clock.hpp"
+#include "server/app/command_desk.hpp"
+#include "server/app/local_operator.hpp"
+#include "server/app/patient_cache.hpp"
+#include "server/metrics/metrics.hpp"
+#include "server/scene/scene.hpp"
+
+namespace eti::app {
+
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+// The view is judged at 30 Hz.
+constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
+constexpr double linger_after_attempt = 2.0;   // [s]
+constexpr double linger_after_operator = 0.5;  // [s]
+
+scene::Inputs parked(const Scenario& scenario) {
+    scene::Inputs inputs;
+    // Well clear of the face until a device says otherwise.
+    inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
+    inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
+    inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening};
+    return inputs;
+}
+
+class Session {
+  public:
+    explicit Session(const Options& options)
+        : options_(options),
+          scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
+          scope_(make_laryngoscope(scenario_.blade)),
+          inputs_(parked(scenario_)) {
+        std::optional<OperatorScript> script;
+        if (!options.operator_name.empty()) {
+            script = load_operator(find_data_file(options.operator_name, "operators"));
+        }
+        if (options.bus) {
+            bus_.emplace(bus::Options{options.session, options.domain, "eti-server", options.profile});
+            for (const std::string& warning : bus::self_check(*bus_, true, std::chrono::milliseconds(600)).warnings) {
+                spdlog::warn("{}", warning);
+            }
+        }
+        patient_ = cached_patient({scenario_.patient.weight, scenario_.patient.gestational_age,
+                                   scenario_.patient.tongue_scale},
+                                  {.spacing = scenario_.physics.spacing,
+                                   .fine_spacing = scenario_.physics.fine_spacing,
+                                   .region = scenario_.physics.region,
+                                   .tissue_stiffness = scenario_.patient.tissue_stiffness});
+        scene_ = std::make_unique<scene::Scene>(patient_, scope_, scenario_.tube, inputs_,
+                                                scene::Settings{.substeps = scenario_.physics.substeps, .rigid = {}});
+        viewer_.emplace(patient_, scope_);
+        metrics_.begin(patient_, scope_, static_cast<double>(scenario_.time_limit));
+        if (script) {
+            const std::uint64_t seed = options.seed.value_or(scenario_.seed ^ script->seed);
+            operator_.emplace(*script, scope_, scenario_.tube, seed, observation());
+            inputs_.laryngoscope = operator_->laryngoscope();
+            inputs_.tube_grip = operator_->tube_grip();
+            scene_->reset(inputs_);
+        }
+        if (bus_) {
+            input_.emplace(*bus_);
+            output_.emplace(*bus_, patient_, scope_, scenario_.tube, scenario_.name);
+        }
+    }
+
+    int run() {
+        spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps", options_.session,
+                     scenario_.name, patient_.particles.size(), patient_.clusters.size(), scenario_.physics.substeps);
+        StepClock clock(scene::step_duration, !options_.fast);
+        while (!ended()) {
+            clock.wait();
+            step();
+            clock.done();
+            publish(clock);
+        }
+        metrics_.finish();
+        post_summaries();
+        if (output_) {
+            const metrics::AttemptSummary run = metrics_.run();
+            output_->post_summary(0, run.outcome, run.parameters);
+            output_->finish(status(clock));
+            if (output_->skipped() > 0) {
+                spdlog::info("{} states were replaced before they were sent", output_->skipped());
+            }
+        }
+        if (input_ && input_->refused() > 0) {
+            spdlog::warn("{} poses were refused: not finite, or not within two metres of the patient", input_->refused());
+        }
+        report(clock);
+        return 0;
+    }
+
+  private:
+    [[nodiscard]] Observation observation() const {
+        const scene::Snapshot& s = scene_->snapshot();
+        const metrics::Live& live = metrics_.live();
+        return {static_cast<double>(s.time_ns) * 1e-9,
+                s.landmarks,
+                live.glottic_opening_percent,
+                s.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : s.tube_nodes.back(),
+                live.tube_depth_past_glottis,
+                s.proxy};
+    }
+
+    void latch() {
+        if (operator_) {
+            operator_->advance(observation(), scene_->snapshot());
+            inputs_.laryngoscope = operator_->laryngoscope();
+            inputs_.tube_grip = operator_->tube_grip();
+        }
+        if (!input_) {
+            return;
+        }
+        input_->poll();
+        if (!operator_) {
+            if (input_->laryngoscope()) {
+                if (!blade_present_) {
+                    scene_->place_laryngoscope(*input_->laryngoscope());
+                }
+                blade_present_ = true;
+                inputs_.laryngoscope = *input_->laryngoscope();
+            }
+            if (input_->tube()) {
+                if (!tube_present_) {
+                    scene_->place_tube(*input_->tube());
+                }
+                tube_present_ = true;
+                inputs_.tube_grip = *input_->tube();
+            }
+            inputs_.suction = input_->suction() ? 1.0f : 0.0f;
+        }
+        for (const ReceivedCommand& command : input_->take_commands()) {
+            desk_.handle(command, inputs_);
+            output_->post_result(desk_.answer());
+        }
+        if (desk_.take_reset()) {
+            scene_->reset(inputs_);
+        }
+    }
+
+    void step() {
+        latch();
+        scene_->step(inputs_);
+        const scene::Snapshot& s = scene_->snapshot();
+        if (s.step % steps_per_look == 0) {
+            const Vec3f eye = input_ && input_->eye() ? input_->eye()->translation : best_eye(s.landmarks);
+            view_ = viewer_->look(s, eye);
+        }
+        metrics_.observe(s, view_);
+        if (metrics_.attempts().size() > seen_attempts_) {
+            post_summaries();
+            attempt_ended_at_ = time();
+        }
+    }
+
+    void post_summaries() {
+        for (; seen_attempts_ < metrics_.attempts().size(); ++seen_attempts_) {
+            const metrics::AttemptSummary& a = metrics_.attempts()[seen_attempts_];
+            spdlog::info("attempt {} ended after {:.1f} s: {}", a.number, a.ended - a.began, a.outcome.reason);
+            if (output_) {
+                output_->post_summary(a.number, a.outcome, a.parameters);
+            }
+        }
+    }
+
+    void publish(const StepClock& clock) {
+        const double behind = clock.behind();
+        if (behind > warned_behind_ + 2.0) {
+            warned_behind_ = behind;
+            spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind, 100.0 * clock.load());
+        }
+        if (!output_) {
+            return;
+        }
+        const metrics::Live& live = metrics_.live();
+        LiveValues values;
+        values.attempt = live.attempt;
+        values.attempt_running = live.attempt_running;
+        values.glottic_opening_percent = live.glottic_opening_percent;
+        values.gum_force = live.gum_force;
+        values.tube_depth_past_glottis = live.tube_depth_past_glottis;
+        values.message = live.message;
+        if (scene_->snapshot().step % steps_per_look == 0) {
+            values.parameters = metrics_.live_parameters();
+        }
+        output_->post(scene_->snapshot(), values, status(clock));
+    }
+
+    [[nodiscard]] static StatusValues status(const StepClock& clock) {
+        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind()), clock.late()};
+    }
+
+    [[nodiscard]] double time() const { return static_cast<double>(scene_->snapshot().time_ns) * 1e-9; }
+
+    [[nodiscard]] bool ended() {
+        if (stop_requested != 0 || desk_.stopped()) {
+            return true;
+        }
+        if (options_.steps && scene_->snapshot().step >= *options_.steps) {
+            return true;
+        }
+        if (options_.duration > 0.0 && time() >= options_.duration) {
+            return true;
+        }
+        if (options_.finish_after_attempt && attempt_ended_at_ >= 0.0 &&
+            time() >= attempt_ended_at_ + linger_after_attempt && !metrics_.live().attempt_running) {
+            return true;
+        }
+        if (operator_ && operator_->finished()) {
+            if (operator_done_at_ < 0.0) {
+                operator_done_at_ = time();
+            }
+            return time() >= operator_done_at_ + linger_after_operator;
+        }
+        return false;
+    }
+
+    void report(const StepClock& clock) const {
+        const metrics::AttemptSummary run = metrics_.run();
+        if (clock.behind() > 0.1) {
+            spdlog::info("simulation time fell {:.2f} s behind the clock in {} late steps", clock.behind(), clock.late());
+        }
+        if (!options_.json) {
+            spdlog::info("{}: {}", run.outcome.success ? "success" : "no success", run.outcome.reason);
+            return;
+        }
+        nlohmann::ordered_json out;
+        out["success"] = run.outcome.success;
+        out["reason"] = run.outcome.reason;
+        out["scenario"] = scenario_.name;
+        out["parameters"] = parameters_to_json(run.parameters);
+        out["attempts"] = nlohmann::ordered_json::array();
+        for (const metrics::AttemptSummary& a : metrics_.attempts()) {
+            out["attempts"].push_back({{"attempt", a.number},
+                                       {"success", a.outcome.success},
+                                       {"reason", a.outcome.reason},
+                                       {"parameters", parameters_to_json(a.parameters)}});
+        }
+        out["steps"] = scene_->snapshot().step;
+        out["state_hash"] = fmt::format("{:016x}", scene_->state_hash());
+        out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
+                          {"p99", 1e3 * clock.percentile(0.99)},
+                          {"max", 1e3 * clock.most()}};
+        out["step_budget_ms"] = 1e3 / scene::steps_per_second;
+        out["behind_s"] = clock.behind();
+        std::cout << out.dump(2) << std::endl;
+    }
+
+    Options options_;
+    Scenario scenario_;
+    Laryngoscope scope_;
+    scene::Inputs inputs_;
+    anatomy::Patient patient_;
+    std::unique_ptr<scene::Scene> scene_;
+    std::optional<metrics::GlotticViewer> viewer_;
+    metrics::Metrics metrics_;
+    metrics::GlotticView view_;
+    std::optional<LocalOperator> operator_;
+    std::optional<bus::Node> bus_;
+    std::optional<BusInput> input_;
+    std::optional<BusOutput> output_;
+    CommandDesk desk_;
+    bool blade_present_ = false, tube_present_ = false;
+    std::size_t seen_attempts_ = 0;
+    double attempt_ended_at_ = -1.0, operator_done_at_ = -1.0;   // [s], simulation time
+    double warned_behind_ = 0.0;
+};
+
+}  // namespace
+
+int run_server(const Options& options) {
+    std::signal(SIGINT, [](int) { stop_requested = 1; });
+    std::signal(SIGTERM, [](int) { stop_requested = 1; });
+    const std::size_t threads =
+        options.threads > 0 ? static_cast<std::size_t>(options.threads) : std::max(1u, std::thread::hardware_concurrency());
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    try {
+        return Session(options).run();
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}
+
+}  // namespace eti::app
