@@ -32,10 +32,8 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
     if (scene.laryngoscope()) {
         const TriangleMesh& mesh = scene.laryngoscope()->mesh;
         std::vector<view::LitVertex> vertices(mesh.vertices.size());
-        blade_length_ = 0.0f;
         for (std::size_t v = 0; v < vertices.size(); ++v) {
             vertices[v].position = mesh.vertices[v];
-            blade_length_ = std::max(blade_length_, mesh.vertices[v].z());
         }
         view::recompute_normals(mesh.triangles, vertices);
         const std::vector<VertexColour> steel(vertices.size(), VertexColour{198, 200, 205, 255});

@@ -31,8 +31,6 @@ class SceneMeshes {
     [[nodiscard]] const std::vector<SurfaceMesh>& surfaces() const { return surfaces_; }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
-    /// [m], tool origin to the blade's tip.
-    [[nodiscard]] float blade_length() const { return blade_length_; }
 
   private:
     void rebuild(const view::SceneView& scene);
@@ -40,7 +38,6 @@ class SceneMeshes {
     std::uint64_t scene_revision_ = 0;
     std::vector<SurfaceMesh> surfaces_;
     std::optional<GpuMesh> blade_;
-    float blade_length_ = 0.1f;
     std::optional<GpuMesh> tube_;
 };
 

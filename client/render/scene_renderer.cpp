@@ -95,8 +95,8 @@ void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport
     const Camera camera = SceneRenderer::camera(view, scene, orbit);
     const float aspect = static_cast<float>(viewport.width) / static_cast<float>(viewport.height);
     std::optional<Light> lamp;
-    if (scene.laryngoscope_pose() && meshes_.blade()) {
-        lamp = blade_lamp(*scene.laryngoscope_pose(), meshes_.blade_length());
+    if (scene.laryngoscope_pose() && scene.laryngoscope()) {
+        lamp = blade_lamp(*scene.laryngoscope_pose(), scene.laryngoscope()->blade_length);
     }
     Lighting lighting;
     Vec3f background(0.016f, 0.022f, 0.028f);

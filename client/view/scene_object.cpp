@@ -187,6 +187,9 @@ std::optional<SceneObject> decode(const msg::SceneDescription& message, std::str
             if (!read_mesh(message, tool.mesh, why)) {
                 return std::nullopt;
             }
+            for (const Vec3f& vertex : tool.mesh.vertices) {
+                tool.blade_length = std::max(tool.blade_length, vertex.z());
+            }
             return tool;
         }
         case msg::OBJECT_TUBE:

@@ -34,6 +34,7 @@ struct SurfaceModel {
 /// A rigid surface in the laryngoscope's frame.
 struct ToolModel {
     TriangleMesh mesh;
+    float blade_length = 0.0f;  ///< [m], origin to the farthest vertex along the blade (+z)
 };
 
 /// The tube's measures [m]; its course comes with DeformationState.

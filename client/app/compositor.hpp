@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "client/hud/hud.hpp"
+#include "client/hud/readout.hpp"
+#include "client/render/render_target.hpp"
+#include "client/render/scene_renderer.hpp"
+#include "client/view/scene_view.hpp"
+
+namespace eti::client {
+
+enum class Selection : std::uint8_t { overview, section, laryngoscope, all };
+[[nodiscard]] std::string_view name_of(Selection selection);
+
+/// The views a selection consists of and where each lies in a picture; pixels from the upper left.
+struct PlacedView {
+    render::View view;
+    hud::Tile tile;
+};
+[[nodiscard]] std::vector<PlacedView> layout(Selection selection, int width, int height);
+
+/// Milliseconds spent drawing a view, waiting for the driver included.
+struct DrawTime {
+    double sum_ms = 0.0;
+    std::uint64_t frames = 0;
+};
+
+/// Draws whole pictures: views side by side with the readout over them.
+class Compositor {
+  public:
+    Compositor(int width, int height, int samples);
+
+    /// The picture is then in target(). `measured`: waits after each view to time it.
+    void draw(Selection selection, const view::SceneView& scene, const hud::Readout& readout,
+              const render::Orbit& orbit, bool measured);
+
+    [[nodiscard]] const render::RenderTarget& target() const { return target_; }
+    void resize(int width, int height);
+    /// Indexed by render::View.
+    [[nodiscard]] const std::array<DrawTime, 3>& times() const { return times_; }
+
+  private:
+    int samples_;
+    render::RenderTarget target_;
+    render::SceneRenderer renderer_;
+    hud::Hud hud_;
+    std::array<DrawTime, 3> times_{};
+};
+
+/// Samples a pixel that this driver can afford: 1 for software, 4 else.
+[[nodiscard]] int affordable_samples();
+
+}  // namespace eti::client

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <iostream>
+
+#include "client/app/offscreen.hpp"
+#include "client/app/options.hpp"
+#include "client/app/stop_signal.hpp"
+#include "client/app/windowed.hpp"
+
+int main(int argc, char** argv) {
+    using namespace eti::client;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-client"));
+    Options options;
+    if (const auto status = parse(argc, argv, options)) {
+        return *status;
+    }
+    catch_stop_signals();
+    try {
+        nlohmann::json result;
+        const int status =
+            options.offscreen.empty() ? run_windowed(options, result) : run_offscreen(options, result);
+        if (options.json && !result.is_null()) {
+            std::cout << result.dump(2) << '\n';
+        }
+        return status;
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/offscreen.hpp"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "client/app/pictures.hpp"
+#include "client/app/session_input.hpp"
+#include "client/app/stop_signal.hpp"
+#include "client/render/headless_context.hpp"
+#include "client/render/video.hpp"
+
+namespace eti::client {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+// A server that left the bus does not come back by itself; one that is merely slow does.
+constexpr double gone_for_s = 1.0;
+constexpr double silent_for_s = 15.0;
+// Longer than this no picture is held in the video: simulation time that jumps is a new session.
+constexpr std::int64_t longest_hold_s = 20;
+
+enum class End { none, finished, lost, stopped, enough_frames };
+
+const char* name_of(End end) {
+    switch (end) {
+        case End::finished:
+            return "finished";
+        case End::lost:
+            return "server lost";
+        case End::stopped:
+            return "stopped";
+        case End::enough_frames:
+            return "enough frames";
+        case End::none:
+            break;
+    }
+    return "running";
+}
+
+class Offscreen {
+  public:
+    explicit Offscreen(const Options& options)
+        : options_(options),
+          node_(options.bus),
+          // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
+          input_(node_, options.frames_per_second > 30.0, !options.observe),
+          compositor_(options.width, options.height,
+                      options.samples > 0 ? options.samples : affordable_samples()),
+          pictures_(options.offscreen) {
+        if (!options.video.empty()) {
+            video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
+                                                     options.height);
+        }
+    }
+
+    // False: no scene came.
+    bool wait_for_scene() {
+        auto deadline = Clock::now() + std::chrono::duration<double>(options_.wait_s);
+        bool announced = false;
+        while (!scene_.complete()) {
+            input_.take_into(scene_);
+            if (stop_asked()) {
+                end_ = End::stopped;
+                return true;
+            }
+            if (input_.server_on_bus()) {
+                // It is there and still builds its patient: that may take longer than any fixed time.
+                deadline = Clock::now() + std::chrono::duration<double>(options_.wait_s);
+                if (!announced) {
+                    spdlog::info("server found; waiting for its scene");
+                    announced = true;
+                }
+            }
+            if (Clock::now() > deadline) {
+                return false;
+            }
+            input_.wait(20ms);
+        }
+        spdlog::info("scene is complete: {} surfaces", scene_.surfaces().size());
+        return true;
+    }
+
+    void follow() {
+        while (end_ == End::none) {
+            input_.take_into(scene_);
+            best_.consider(scene_);
+            end_ = why_to_end();
+            if (end_ == End::none && !draw_if_due()) {
+                input_.wait(10ms);
+            }
+        }
+        if (end_ == End::finished) {
+            // Shapes and status travel on different topics; let the last shapes arrive.
+            for (const auto until = Clock::now() + 300ms; Clock::now() < until; input_.wait(20ms)) {
+                input_.take_into(scene_);
+                best_.consider(scene_);
+            }
+        }
+    }
+
+    void finish() {
+        if (scene_.complete()) {
+            scene_.update();
+            take_pictures(scene_, "final");
+            if (video_) {
+                compositor_.draw(options_.selection, scene_, readout(), {}, false);
+                video_->add(compositor_.target().read(),
+                            static_cast<int>(std::ceil(options_.frames_per_second)));
+            }
+            if (best_.scene()) {
+                view::SceneView best = *best_.scene();
+                best.update();
+                take_pictures(best, "best");
+            }
+        }
+        if (video_) {
+            video_->finish();
+        }
+    }
+
+    [[nodiscard]] nlohmann::json report() const {
+        nlohmann::json pictures = nlohmann::json::array();
+        for (const auto& file : pictures_.files()) {
+            pictures.push_back(file.string());
+        }
+        nlohmann::json times = nlohmann::json::object();
+        for (std::size_t v = 0; v < compositor_.times().size(); ++v) {
+            const DrawTime& time = compositor_.times()[v];
+            if (time.frames > 0) {
+                times[std::string(render::view_names[v])] = time.sum_ms / static_cast<double>(time.frames);
+            }
+        }
+        nlohmann::json report{{"session", options_.bus.session},
+                              {"view", std::string(client::name_of(options_.selection))},
+                              {"end", name_of(end_)},
+                              {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
+                              {"frames", frames_},
+                              {"frames_held", held_},
+                              {"draw_ms", times},
+                              {"best_glottic_opening_percent", best_.percent()},
+                              {"messages_dropped", scene_.dropped()},
+                              {"pictures", pictures}};
+        if (video_) {
+            report["video"] = {{"file", video_->file().string()},
+                               {"frames", video_->frames()},
+                               {"frames_per_second", options_.frames_per_second}};
+        }
+        return report;
+    }
+
+    [[nodiscard]] End end() const { return end_; }
+    [[nodiscard]] bool has_scene() const { return scene_.complete(); }
+
+  private:
+    [[nodiscard]] bool server_lost() const {
+        return (input_.presence() == Presence::gone && input_.presence_for_s() > gone_for_s) ||
+               (input_.presence() == Presence::silent && input_.presence_for_s() > silent_for_s);
+    }
+
+    [[nodiscard]] hud::Readout readout() const {
+        return hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone);
+    }
+
+    [[nodiscard]] End why_to_end() const {
+        if (stop_asked()) {
+            return End::stopped;
+        }
+        if (scene_.status() && scene_.status()->phase() == msg::PHASE_FINISHED) {
+            return End::finished;
+        }
+        if (options_.frames > 0 && frames_ >= options_.frames) {
+            return End::enough_frames;
+        }
+        return server_lost() ? End::lost : End::none;
+    }
+
+    // Frames belong to ticks of simulation time. A tick that could not be drawn is held: the video
+    // repeats the picture before, so that it keeps simulation time.
+    bool draw_if_due() {
+        const double time_s = 1e-9 * static_cast<double>(scene_.simulation_time_ns());
+        const auto tick = static_cast<std::int64_t>(time_s * options_.frames_per_second);
+        if (frames_ > 0 && tick == last_tick_) {
+            return false;
+        }
+        const auto begin = Clock::now();
+        scene_.update();
+        const bool picture_due =
+            options_.every_s > 0.0 && (frames_ == 0 || time_s >= next_picture_s_ || tick < last_tick_);
+        if (picture_due) {
+            take_pictures(scene_, "");
+            next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
+        }
+        if (video_ || options_.frames > 0) {
+            compositor_.draw(options_.selection, scene_, readout(), {}, true);
+            add_to_video(tick);
+        }
+        input_.publish_eye(scene_);
+        ++frames_;
+        last_tick_ = tick;
+        const auto spent = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+        spdlog::debug("simulation time {:.2f} s drawn in {:.0f} ms", time_s, spent);
+        return true;
+    }
+
+    void add_to_video(std::int64_t tick) {
+        if (!video_) {
+            return;
+        }
+        const std::int64_t missed = frames_ > 0 ? tick - last_tick_ - 1 : 0;
+        const auto longest = static_cast<std::int64_t>(options_.frames_per_second) * longest_hold_s;
+        if (missed > 0 && missed <= longest) {
+            video_->add(last_image_, static_cast<int>(missed));
+            held_ += static_cast<std::uint64_t>(missed);
+        }
+        last_image_ = compositor_.target().read();
+        video_->add(last_image_);
+    }
+
+    void take_pictures(const view::SceneView& scene, std::string_view occasion) {
+        const bool live = &scene == &scene_;
+        pictures_.take(compositor_, options_.selection, scene,
+                       live ? readout() : hud::readout_of(scene, false), occasion);
+    }
+
+    const Options& options_;
+    bus::Node node_;
+    SessionInput input_;
+    view::SceneView scene_;
+    render::HeadlessContext context_;
+    Compositor compositor_;
+    Pictures pictures_;
+    BestView best_;
+    std::unique_ptr<render::Video> video_;
+    render::Image last_image_;
+    std::uint64_t frames_ = 0, held_ = 0;
+    std::int64_t last_tick_ = -1;
+    double next_picture_s_ = 0.0;
+    End end_ = End::none;
+};
+
+}  // namespace
+
+int run_offscreen(const Options& options, nlohmann::json& result) {
+    prepare_folder(options.offscreen);
+    // The software rasteriser would take every core; the simulation and the devices go first.
+    setpriority(PRIO_PROCESS, 0, 5);
+    Offscreen offscreen(options);
+    spdlog::info("drawing with {}", render::driver_name());
+    if (!offscreen.wait_for_scene()) {
+        spdlog::error(
+            "no scene came within {} s on session '{}', domain {}. Start eti-server with the same --session "
+            "and --domain, or raise --wait.",
+            options.wait_s, options.bus.session, options.bus.domain);
+        return 1;
+    }
+    if (offscreen.has_scene()) {
+        offscreen.follow();
+    }
+    if (offscreen.end() == End::lost) {
+        spdlog::warn("the server is lost; keeping the last picture");
+    }
+    offscreen.finish();
+    result = offscreen.report();
+    spdlog::info("{}: {} pictures, {} frames drawn in {}", result["end"].get<std::string>(),
+                 result["pictures"].size(), result["frames"].get<std::uint64_t>(),
+                 options.offscreen.string());
+    return 0;
+}
+
+}  // namespace eti::client

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <charconv>
+#include <map>
+
+namespace eti::client {
+namespace {
+
+constexpr int smallest_side = 64;
+constexpr int largest_side = 7680;
+
+// "WxH" with even sides: video codecs store colour at half resolution.
+bool read_size(const std::string& text, int& width, int& height) {
+    const char* const end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, width);
+    if (first.ec != std::errc() || first.ptr == end || *first.ptr != 'x') {
+        return false;
+    }
+    const auto second = std::from_chars(first.ptr + 1, end, height);
+    const auto fits = [](int side) { return side >= smallest_side && side <= largest_side && side % 2 == 0; };
+    return second.ec == std::errc() && second.ptr == end && fits(width) && fits(height);
+}
+
+}  // namespace
+
+std::optional<int> parse(int argc, char** argv, Options& options) {
+    CLI::App app("Shows a running session: the trainee's sight, or with --observe anybody's.", "eti-client");
+    const std::map<std::string, Selection> selections{{"overview", Selection::overview},
+                                                      {"section", Selection::section},
+                                                      {"laryngoscope", Selection::laryngoscope},
+                                                      {"all", Selection::all}};
+    std::string view = "all";
+    std::string size = "960x540";
+    bool no_video = false;
+    app.set_version_flag("--version", ETI_VERSION);
+    app.add_option("--view", view, "overview, section, laryngoscope, or all three side by side")
+        ->capture_default_str()
+        ->check(CLI::IsMember(selections));
+    app.add_flag("--observe", options.observe,
+                 "Watch only; without it the trainee's line of sight is published");
+    auto* const offscreen = app.add_option("--offscreen", options.offscreen,
+                                           "Draw without a display; pictures go into this folder");
+    auto* const video =
+        app.add_option("--video", options.video,
+                       "Video file (.mp4), paced on simulation time [default, for an offscreen "
+                       "trainee: session.mp4 in the folder]")
+            ->needs(offscreen);
+    app.add_flag("--no-video", no_video, "Make no video")->excludes(video);
+    app.add_option("--fps", options.frames_per_second, "Video frames per second of simulation time")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 90.0));
+    app.add_option("--every", options.every_s,
+                   "Simulation time between pictures [s]; 0: only the best view and the last")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_option("--frames", options.frames, "End after this many frames; 0: with the session")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    app.add_option("--wait", options.wait_s, "Give up when no server is there for so long [s]")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_option("--size", size, "Pixels, WIDTHxHEIGHT, both even")
+        ->capture_default_str()
+        ->check(
+            [](const std::string& text) {
+                int width = 0, height = 0;
+                return read_size(text, width, height) ? std::string()
+                                                      : "'" + text +
+                                                            "' is no size; expected WIDTHxHEIGHT, even "
+                                                            "numbers from 64 to 7680, e.g. 1280x720";
+            },
+            "WxH");
+    app.add_option("--samples", options.samples,
+                   "Samples a pixel, for smooth edges; 0: 4 with a graphics card, 1 without")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 16));
+    app.add_option("--session", options.bus.session, "Session name; several sessions share a domain")
+        ->capture_default_str();
+    app.add_option("--domain", options.bus.domain, "DDS domain")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 232));
+    app.add_option("--profile", options.bus.profile, "Fast DDS XML profile file")->check(CLI::ExistingFile);
+    app.add_flag("--json", options.json, "Print what was made as one JSON object");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    options.selection = selections.at(view);
+    (void)read_size(size, options.width, options.height);
+    if (!no_video && options.video.empty() && !options.offscreen.empty() && !options.observe) {
+        options.video = options.offscreen / "session.mp4";
+    }
+    return std::nullopt;
+}
+
+}  // namespace eti::client

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "client/app/compositor.hpp"
+#include "common/bus/bus.hpp"
+
+namespace eti::client {
+
+struct Options {
+    bus::Options bus{.session = "default", .domain = 0, .name = "eti-client", .profile = {}};
+    bool observe = false;  ///< watch only: publishes nothing
+    Selection selection = Selection::all;
+    std::filesystem::path offscreen;  ///< folder for pictures; empty: a window
+    std::filesystem::path video;      ///< empty: none
+    double every_s = 5.0;             ///< of simulation time between pictures; 0: only best and last
+    double frames_per_second = 15.0;  ///< of simulation time, in the video
+    std::uint64_t frames = 0;         ///< end after this many; 0: with the session
+    double wait_s = 20.0;             ///< for a scene, before giving up
+    int width = 960;
+    int height = 540;
+    int samples = 0;  ///< a pixel; 0: 4 with a graphics card, 1 in software
+    bool json = false;
+};
+
+/// Reads the command line; an exit status when the program is to end at once (help, version, mistake).
+[[nodiscard]] std::optional<int> parse(int argc, char** argv, Options& options);
+
+}  // namespace eti::client

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/pictures.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace eti::client {
+namespace {
+
+constexpr float better_by_percent = 0.5f;
+
+[[noreturn]] void refuse(const std::filesystem::path& folder, const std::string& cause) {
+    throw std::runtime_error(
+        fmt::format("{}: pictures cannot be written there: {}. Choose another folder with "
+                    "--offscreen, or make this one writable.",
+                    folder.string(), cause));
+}
+
+}  // namespace
+
+void prepare_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        refuse(folder, error.message());
+    }
+    const auto trial = folder / fmt::format(".written-{}", ::getpid());
+    const int file = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (file < 0) {
+        refuse(folder, std::strerror(errno));
+    }
+    ::close(file);
+    std::filesystem::remove(trial, error);
+}
+
+std::string picture_name(std::string_view view, std::string_view occasion, double time_s) {
+    return occasion.empty() ? fmt::format("{}_{:07.3f}s.png", view, time_s)
+                            : fmt::format("{}_{}_{:07.3f}s.png", view, occasion, time_s);
+}
+
+void BestView::consider(const view::SceneView& scene) {
+    const auto& metrics = scene.metrics();
+    if (metrics && scene.complete() && metrics->glottic_opening_percent() > percent_ + better_by_percent) {
+        percent_ = metrics->glottic_opening_percent();
+        scene_ = scene;
+    }
+}
+
+void Pictures::take(Compositor& compositor, Selection selection, const view::SceneView& scene,
+                    const hud::Readout& readout, std::string_view occasion) {
+    std::vector<Selection> wanted{selection};
+    if (selection == Selection::all) {
+        wanted = {Selection::overview, Selection::section, Selection::laryngoscope, Selection::all};
+    }
+    for (const Selection one : wanted) {
+        compositor.draw(one, scene, readout, {}, false);
+        const auto file = folder_ / picture_name(name_of(one), occasion, readout.time_s);
+        render::write_png(compositor.target().read(), file);
+        files_.push_back(file);
+    }
+}
+
+}  // namespace eti::client

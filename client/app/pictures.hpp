@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "client/app/compositor.hpp"
+#include "client/render/image.hpp"
+#include "client/view/scene_view.hpp"
+
+namespace eti::client {
+
+/// Makes the folder and tries to write into it. Throws std::runtime_error naming folder, cause, remedy.
+void prepare_folder(const std::filesystem::path& folder);
+
+/// "laryngoscope_012.345s.png", with an occasion "laryngoscope_best_012.345s.png".
+[[nodiscard]] std::string picture_name(std::string_view view, std::string_view occasion, double time_s);
+
+/// Keeps the scene as it was when the glottis was seen best.
+class BestView {
+  public:
+    /// Copies the scene (about a millisecond) when more is seen than ever before by half a per cent.
+    void consider(const view::SceneView& scene);
+    [[nodiscard]] const std::optional<view::SceneView>& scene() const { return scene_; }
+    [[nodiscard]] float percent() const { return percent_; }
+
+  private:
+    float percent_ = 0.0f;
+    std::optional<view::SceneView> scene_;
+};
+
+/// Draws pictures of single views, and of all side by side if that is selected, into a folder.
+class Pictures {
+  public:
+    explicit Pictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    /// Throws std::runtime_error when a picture cannot be written.
+    void take(Compositor& compositor, Selection selection, const view::SceneView& scene,
+              const hud::Readout& readout, std::string_view occasion);
+    [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
+
+  private:
+    std::filesystem::path folder_;
+    std::vector<std::filesystem::path> files_;
+};
+
+}  // namespace eti::client

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "client/render/camera.hpp"
+#include "client/view/scene_view.hpp"
+#include "common/bus/bus.hpp"
+
+namespace eti::client {
+
+/// Whether a server can be heard.
+enum class Presence {
+    none,  ///< none was ever there
+    alive,
+    silent,  ///< on the bus, but its loop does not move
+    gone,    ///< was there and left the bus
+};
+
+/// The client's side of the bus: takes what arrives into a SceneView, publishes the trainee's eye.
+class SessionInput {
+  public:
+    /// `every_state`: take shapes at 90 Hz, else at 30 Hz. `publish_eye`: as the trainee.
+    SessionInput(bus::Node& node, bool every_state, bool publish_eye);
+
+    /// Takes all that has arrived; true if anything had.
+    bool take_into(view::SceneView& scene);
+    /// Waits until a new shape arrives or the time is over.
+    void wait(std::chrono::milliseconds timeout);
+    /// As the trainee: tells the server where the eye is. Else does nothing.
+    void publish_eye(const view::SceneView& scene);
+
+    [[nodiscard]] Presence presence() const { return presence_; }
+    /// Since when presence() is what it is [s].
+    [[nodiscard]] double presence_for_s() const;
+    /// A server is on the bus, though it may not have published its scene yet.
+    [[nodiscard]] bool server_on_bus() const { return scene_.matched() > 0; }
+
+  private:
+    void update_presence();
+
+    bus::Subscriber<msg::SceneDescription> scene_;
+    bus::Subscriber<msg::DeformationState> deformation_;
+    bus::Subscriber<msg::ProxyState> proxy_;
+    bus::Subscriber<msg::LiveMetrics> metrics_;
+    bus::Subscriber<msg::SessionStatus> status_;
+    std::optional<bus::Publisher<msg::EyePose>> eye_;
+    std::uint32_t eye_number_ = 0;
+
+    // Reused, so that no message allocates anew.
+    msg::SceneDescription scene_message_;
+    msg::DeformationState deformation_message_;
+    msg::ProxyState proxy_message_;
+    msg::LiveMetrics metrics_message_;
+    msg::SessionStatus status_message_;
+
+    Presence presence_ = Presence::none;
+    std::chrono::steady_clock::time_point presence_since_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace eti::client

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/windowed.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+
+#include "client/app/session_input.hpp"
+#include "client/app/stop_signal.hpp"
+#include "client/app/window.hpp"
+#include "client/render/headless_context.hpp"
+
+namespace eti::client {
+namespace {
+
+// A lost connection shows at once; a server that only stumbles is not called lost.
+constexpr double lost_after_s = 1.0;
+
+bool lost(const SessionInput& input) {
+    return (input.presence() == Presence::gone || input.presence() == Presence::silent) &&
+           input.presence_for_s() > lost_after_s;
+}
+
+}  // namespace
+
+int run_windowed(const Options& options, nlohmann::json& result) {
+    Window window(options.width, options.height, "NeoETI - " + options.bus.session, options.selection);
+    spdlog::info("drawing with {}", render::driver_name());
+    bus::Node node(options.bus);
+    SessionInput input(node, !options.observe, !options.observe);
+    view::SceneView scene;
+    Compositor compositor(window.width(), window.height(),
+                          options.samples > 0 ? options.samples : affordable_samples());
+    std::uint64_t frames = 0;
+    bool was_lost = false;
+    while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
+        window.poll_events();
+        input.take_into(scene);
+        scene.update();
+        if (lost(input) != was_lost) {
+            was_lost = !was_lost;
+            spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
+        }
+        compositor.resize(window.width(), window.height());
+        compositor.draw(window.selection(), scene, hud::readout_of(scene, was_lost), window.orbit(),
+                        options.json);
+        compositor.target().copy_to_window();
+        window.show_frame();
+        input.publish_eye(scene);
+        frames += scene.complete() ? 1 : 0;
+        if (!scene.complete()) {
+            input.wait(std::chrono::milliseconds(30));
+        }
+    }
+    result = {{"session", options.bus.session},
+              {"view", std::string(name_of(window.selection()))},
+              {"end", stop_asked() ? "stopped" : "closed"},
+              {"simulation_time_s", 1e-9 * static_cast<double>(scene.simulation_time_ns())},
+              {"frames", frames},
+              {"messages_dropped", scene.dropped()}};
+    return 0;
+}
+
+}  // namespace eti::client

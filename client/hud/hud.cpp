@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/hud/hud.hpp"
+
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace eti::hud {
+namespace {
+
+constexpr ImU32 white = IM_COL32(240, 244, 246, 255);
+constexpr ImU32 grey = IM_COL32(168, 178, 184, 255);
+constexpr ImU32 amber = IM_COL32(245, 178, 60, 255);
+constexpr ImU32 red = IM_COL32(240, 84, 70, 255);
+constexpr ImU32 green = IM_COL32(96, 208, 140, 255);
+constexpr ImU32 shade = IM_COL32(8, 12, 14, 150);
+
+// Full length of the gum force's bar; the mean maxima of Xiao et al. 2020, Table 2, are 3.1-5.3 N.
+constexpr float gum_force_scale_n = 6.0f;
+constexpr float gum_force_amber_n = 2.0f;
+constexpr float gum_force_red_n = 4.0f;
+
+void bar(ImDrawList& list, ImVec2 at, float width, float share, ImU32 colour) {
+    const float filled = width * std::clamp(share, 0.0f, 1.0f);
+    list.AddRectFilled(at, ImVec2(at.x + width, at.y + 8.0f), IM_COL32(60, 68, 72, 220), 2.0f);
+    list.AddRectFilled(at, ImVec2(at.x + filled, at.y + 8.0f), colour, 2.0f);
+}
+
+std::string clock_text(double seconds) {
+    return fmt::format("{:02d}:{:04.1f}", static_cast<int>(seconds) / 60,
+                       seconds - 60.0 * (static_cast<int>(seconds) / 60));
+}
+
+}  // namespace
+
+Hud::Hud() {
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.LogFilename = nullptr;
+    ImFontConfig config;
+    config.SizePixels = 13.0f;
+    small_ = io.Fonts->AddFontDefault(&config);
+    config.SizePixels = 26.0f;
+    large_ = io.Fonts->AddFontDefault(&config);
+    if (!ImGui_ImplOpenGL3_Init("#version 330 core")) {
+        ImGui::DestroyContext();
+        throw std::runtime_error("the text overlay cannot be drawn with this OpenGL driver");
+    }
+}
+
+Hud::~Hud() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui::DestroyContext();
+}
+
+void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, int height) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
+    io.DeltaTime = 1.0f / 30.0f;
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui::NewFrame();
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (const Tile& tile : tiles) {
+        const ImVec2 corner(static_cast<float>(tile.x), static_cast<float>(tile.y));
+        const ImVec2 end(corner.x + static_cast<float>(tile.width),
+                         corner.y + static_cast<float>(tile.height));
+        if (tiles.size() > 1) {
+            list.AddRect(corner, end, IM_COL32(20, 24, 26, 255), 0.0f, 0, 2.0f);
+        }
+        const ImVec2 size = ImGui::CalcTextSize(tile.title.data(), tile.title.data() + tile.title.size());
+        list.AddText(ImVec2(end.x - size.x - 8.0f, end.y - size.y - 6.0f), grey, tile.title.data(),
+                     tile.title.data() + tile.title.size());
+    }
+    if (!tiles.empty()) {
+        draw_numbers(list, readout, tiles.front());
+    }
+    draw_notice(list, readout, width, height);
+    ImGui::Render();
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& tile) const {
+    const float left = static_cast<float>(tile.x) + 8.0f;
+    float y = static_cast<float>(tile.y) + 8.0f;
+    constexpr float column = 168.0f;
+    list.AddRectFilled(ImVec2(left - 4.0f, y - 4.0f), ImVec2(left + column + 4.0f, y + 150.0f), shade, 4.0f);
+    const std::string clock = clock_text(readout.time_s);
+    list.AddText(large_, 26.0f, ImVec2(left, y), white, clock.c_str());
+    const std::string attempt = readout.attempt == 0 ? std::string("no attempt yet")
+                                                     : fmt::format("attempt {}{}", readout.attempt,
+                                                                   readout.attempt_running ? "" : " ended");
+    list.AddText(ImVec2(left, y + 28.0f), readout.attempt_running ? green : grey, attempt.c_str());
+    y += 46.0f;
+    const auto line = [&](const std::string& text, ImU32 colour) {
+        list.AddText(small_, 13.0f, ImVec2(left, y), colour, text.c_str());
+        y += 15.0f;
+    };
+    line(fmt::format("gum force   {:5.1f} N", readout.gum_force_n), white);
+    bar(list, ImVec2(left, y), column, readout.gum_force_n / gum_force_scale_n,
+        readout.gum_force_n > gum_force_red_n     ? red
+        : readout.gum_force_n > gum_force_amber_n ? amber
+                                                  : green);
+    y += 13.0f;
+    line(fmt::format("glottis seen {:4.0f} %", readout.glottic_opening_percent), white);
+    bar(list, ImVec2(left, y), column, readout.glottic_opening_percent / 100.0f, green);
+    y += 13.0f;
+    line(readout.blade_depth_cm > 0.0f ? fmt::format("blade depth {:5.1f} cm", readout.blade_depth_cm)
+                                       : std::string("blade outside"),
+         white);
+    line(readout.tube_past_cords_cm > 0.0f
+             ? fmt::format("tube {:4.1f} cm past cords", readout.tube_past_cords_cm)
+             : std::string("tube before cords"),
+         white);
+    const bool late = readout.behind_s > 0.5f;
+    line(late ? fmt::format("server {:3.0f} %, {:.1f} s late", 100.0f * readout.server_load, readout.behind_s)
+              : fmt::format("server {:3.0f} %", 100.0f * readout.server_load),
+         late ? amber : grey);
+}
+
+void Hud::draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const {
+    std::string text;
+    ImU32 colour = white;
+    switch (readout.link) {
+        case Link::waiting:
+            text = "waiting for the server";
+            break;
+        case Link::lost:
+            text = "server lost";
+            colour = red;
+            break;
+        case Link::finished:
+            text = "session finished";
+            colour = green;
+            break;
+        case Link::running:
+            text = readout.message;
+            break;
+    }
+    if (text.empty()) {
+        return;
+    }
+    const bool shout = readout.link != Link::running;
+    ImFont* const font = shout ? large_ : small_;
+    const float size = shout ? 26.0f : 13.0f;
+    const ImVec2 extent = font->CalcTextSizeA(size, static_cast<float>(width), 0.0f, text.c_str());
+    const ImVec2 at(std::max(4.0f, 0.5f * (static_cast<float>(width) - extent.x)),
+                    static_cast<float>(height) - extent.y - 24.0f);
+    list.AddRectFilled(ImVec2(at.x - 8.0f, at.y - 5.0f),
+                       ImVec2(at.x + extent.x + 8.0f, at.y + extent.y + 5.0f), shade, 4.0f);
+    list.AddText(font, size, at, colour, text.c_str());
+}
+
+}  // namespace eti::hud

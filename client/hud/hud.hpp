@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "client/hud/readout.hpp"
+
+struct ImDrawList;
+struct ImFont;
+
+namespace eti::hud {
+
+/// A part of the picture with a title in its corner; pixels from the upper left.
+struct Tile {
+    std::string_view title;
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Draws the readout over a finished picture. One at a time, for the OpenGL context current when it
+/// was made (Dear ImGui keeps one global state).
+class Hud {
+  public:
+    Hud();
+    ~Hud();
+    Hud(const Hud&) = delete;
+    Hud& operator=(const Hud&) = delete;
+
+    /// Into the bound framebuffer of `width` x `height` pixels.
+    void draw(const Readout& readout, std::span<const Tile> tiles, int width, int height);
+
+  private:
+    void draw_numbers(ImDrawList& list, const Readout& readout, const Tile& tile) const;
+    void draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const;
+
+    ImFont* small_ = nullptr;
+    ImFont* large_ = nullptr;
+};
+
+}  // namespace eti::hud

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/view/scene_view.hpp"
+
+namespace eti::hud {
+
+/// Where the connection to the server stands.
+enum class Link { waiting, running, finished, lost };
+
+/// The numbers an instructor watches, as shown over the picture.
+struct Readout {
+    Link link = Link::waiting;
+    double time_s = 0.0;   ///< simulation time
+    unsigned attempt = 0;  ///< 0 before the first
+    bool attempt_running = false;
+    float gum_force_n = 0.0f;
+    float glottic_opening_percent = 0.0f;
+    float blade_depth_cm = 0.0f;       ///< past the upper gum; 0 while the tip is outside
+    float tube_past_cords_cm = -1.0f;  ///< negative before the cords
+    float server_load = 0.0f;          ///< step time over step budget
+    float behind_s = 0.0f;             ///< wall clock minus simulation time
+    std::string scenario;
+    std::string message;  ///< the server's newest
+};
+
+[[nodiscard]] Readout readout_of(const view::SceneView& scene, bool server_lost);
+
+/// Straight distance [m] from the gum's midpoint to the blade's tip, 0 while the tip has not passed
+/// the gum on its way to the glottis.
+[[nodiscard]] float blade_depth(const Landmarks& points, const Vec3f& tip);
+
+}  // namespace eti::hud

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/offscreen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "client/app/pictures.hpp"
+#include "client/app/stop_signal.hpp"
+#include "common/bus/convert.hpp"
+#include "synthetic_scene.hpp"
+
+namespace eti {
+namespace {
+
+using namespace std::chrono_literals;
+
+bus::Options bus_options(const std::string& name) {
+    bus::Options options;
+    options.session = "client-test-" + std::to_string(::getpid());
+    options.domain = 60 + ::getpid() % 40;
+    options.name = name;
+    return options;
+}
+
+// Publishes the synthetic scene on a real bus, simulation time going as fast as the clock.
+class SyntheticServer {
+  public:
+    explicit SyntheticServer(double finish_after_s)
+        : finish_after_s_(finish_after_s), thread_([this] { run(); }) {}
+    ~SyntheticServer() { stop(); }
+
+    // Ends without saying so, as a killed server does.
+    void stop() {
+        stopping_ = true;
+        if (thread_.joinable()) {
+            thread_.join();
+        }
+    }
+    [[nodiscard]] int eyes() const { return eyes_; }
+    [[nodiscard]] Vec3f eye() const { return last_eye_; }
+
+  private:
+    void run() {
+        const synthetic::Scene scene = synthetic::make_scene();
+        bus::Node node(bus_options("synthetic-server"));
+        bus::Publisher<msg::SceneDescription> objects(node, bus::topics::scene);
+        bus::Publisher<msg::DeformationState> fast(node, bus::topics::deformation);
+        bus::Publisher<msg::DeformationState> slow(node, bus::topics::deformation_slow);
+        bus::Publisher<msg::ProxyState> proxy(node, bus::topics::proxy);
+        bus::Publisher<msg::LiveMetrics> live(node, bus::topics::live_metrics);
+        bus::Publisher<msg::SessionStatus> status(node, bus::topics::session_status);
+        bus::Subscriber<msg::EyePose> eye(node, bus::topics::eye_pose);
+        for (const auto& object : scene.objects) {
+            objects.publish(object);
+        }
+        const auto begin = std::chrono::steady_clock::now();
+        while (!stopping_) {
+            const double time_s =
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+            const auto time_ns = static_cast<std::uint64_t>(1e9 * time_s);
+            const float lift = 0.002f * static_cast<float>(time_s);
+            fast.publish(synthetic::deformation(scene, time_ns, lift, 0.01f));
+            slow.publish(synthetic::deformation(scene, time_ns, lift, 0.01f));
+            proxy.publish(synthetic::proxy(scene, time_ns));
+            // The view is best after one second.
+            const auto percent = static_cast<float>(80.0 - 60.0 * std::abs(time_s - 1.0));
+            live.publish(synthetic::metrics(scene, time_ns, percent));
+            const bool finished = time_s > finish_after_s_;
+            status.publish(synthetic::status(finished ? msg::PHASE_FINISHED : msg::PHASE_RUNNING));
+            status.assert_liveliness();
+            msg::EyePose pose;
+            while (eye.take(pose)) {
+                last_eye_ =
+                    Vec3f(pose.pose().position().x(), pose.pose().position().y(), pose.pose().position().z());
+                ++eyes_;
+            }
+            std::this_thread::sleep_for(30ms);
+        }
+    }
+
+    double finish_after_s_;
+    std::atomic<bool> stopping_{false};
+    std::atomic<int> eyes_{0};
+    Vec3f last_eye_ = Vec3f::Zero();
+    std::thread thread_;
+};
+
+class OffscreenTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        client::ask_to_stop(false);
+        options_.bus = bus_options("eti-client");
+        options_.offscreen =
+            std::filesystem::temp_directory_path() / ("eti_offscreen_" + std::to_string(::getpid()));
+        options_.video = options_.offscreen / "session.mp4";
+        options_.width = 320;
+        options_.height = 240;
+        options_.every_s = 1.0;
+    }
+    void TearDown() override {
+        std::filesystem::remove_all(options_.offscreen);
+        client::ask_to_stop(false);
+    }
+
+    [[nodiscard]] std::vector<std::string> pictures(const std::string& part) const {
+        std::vector<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(options_.offscreen)) {
+            const std::string name = entry.path().filename().string();
+            if (name.find(part) != std::string::npos && entry.path().extension() == ".png") {
+                names.push_back(name);
+            }
+        }
+        return names;
+    }
+
+    [[nodiscard]] int video_frames() const {
+        cv::VideoCapture video(options_.video.string());
+        cv::Mat frame;
+        int frames = 0;
+        while (video.read(frame)) {
+            ++frames;
+        }
+        return frames;
+    }
+
+    client::Options options_;
+    nlohmann::json result_;
+};
+
+TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
+    SyntheticServer server(2.5);
+    ASSERT_EQ(client::run_offscreen(options_, result_), 0);
+    EXPECT_EQ(result_["end"], "finished");
+    EXPECT_EQ(pictures("laryngoscope_final").size(), 1u);
+    EXPECT_EQ(pictures("overview_final").size(), 1u);
+    EXPECT_EQ(pictures("section_final").size(), 1u);
+    EXPECT_EQ(pictures("all_final").size(), 1u);
+    ASSERT_EQ(pictures("laryngoscope_best").size(), 1u);
+    // Seen best at 1 s; states are 30 ms apart and the copy is taken within half a per cent (8 ms).
+    EXPECT_EQ(pictures("laryngoscope_best_000.9").size() + pictures("laryngoscope_best_001.0").size(), 1u);
+    EXPECT_GT(result_["best_glottic_opening_percent"].get<double>(), 75.0);
+    EXPECT_EQ(result_["messages_dropped"], 0);
+    // Simulation time from the first picture to the end at 15 frames a second, held ones included, and
+    // one second of the last picture.
+    const int frames = video_frames();
+    EXPECT_EQ(frames, result_["video"]["frames"].get<int>());
+    EXPECT_GT(frames, 15 + 15);
+    EXPECT_LE(frames, 15 + 15 * 4);
+    const cv::Mat last = cv::imread((options_.offscreen / pictures("section_final").front()).string());
+    EXPECT_EQ(last.cols, 320);
+    EXPECT_EQ(last.rows, 240);
+}
+
+TEST_F(OffscreenTest, TraineePublishesTheExaminersEye) {
+    SyntheticServer server(1.5);
+    options_.video.clear();
+    ASSERT_EQ(client::run_offscreen(options_, result_), 0);
+    server.stop();
+    EXPECT_GT(server.eyes(), 3);
+    // Independent of where the eye is exactly: 0.3 m from the gum, outside, on the head's side.
+    EXPECT_NEAR(server.eye().norm(), 0.3f, 0.03f);
+    EXPECT_LT(server.eye().y(), 0.0f);
+}
+
+TEST_F(OffscreenTest, ObserverPublishesNothing) {
+    SyntheticServer server(1.5);
+    options_.observe = true;
+    options_.selection = client::Selection::section;
+    ASSERT_EQ(client::run_offscreen(options_, result_), 0);
+    server.stop();
+    EXPECT_EQ(server.eyes(), 0);
+    EXPECT_EQ(pictures("overview").size(), 0u);
+    EXPECT_EQ(pictures("section_final").size(), 1u);
+}
+
+TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
+    auto server = std::make_unique<SyntheticServer>(1e9);
+    std::thread killer([&] {
+        std::this_thread::sleep_for(2s);
+        server->stop();
+    });
+    const int status = client::run_offscreen(options_, result_);
+    killer.join();
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(result_["end"], "server lost");
+    EXPECT_EQ(pictures("all_final").size(), 1u);
+    EXPECT_GT(video_frames(), 15);
+}
+
+TEST_F(OffscreenTest, NoServerIsAnError) {
+    options_.wait_s = 0.3;
+    options_.bus.session += "-nobody";
+    EXPECT_NE(client::run_offscreen(options_, result_), 0);
+    EXPECT_TRUE(result_.is_null());
+}
+
+TEST_F(OffscreenTest, StopsWhenAsked) {
+    SyntheticServer server(1e9);
+    std::thread user([] {
+        std::this_thread::sleep_for(2s);
+        client::ask_to_stop();
+    });
+    const int status = client::run_offscreen(options_, result_);
+    user.join();
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(result_["end"], "stopped");
+    EXPECT_GT(video_frames(), 0);
+}
+
+TEST_F(OffscreenTest, DrawsAsManyFramesAsAsked) {
+    SyntheticServer server(1e9);
+    options_.frames = 5;
+    ASSERT_EQ(client::run_offscreen(options_, result_), 0);
+    EXPECT_EQ(result_["frames"], 5);
+}
+
+TEST_F(OffscreenTest, AFolderThatCannotBeMadeIsNamed) {
+    const auto file = std::filesystem::temp_directory_path() / ("eti_file_" + std::to_string(::getpid()));
+    std::ofstream(file) << "not a folder";
+    options_.offscreen = file / "pictures";
+    try {
+        (void)client::run_offscreen(options_, result_);
+        FAIL() << "no error";
+    } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find(options_.offscreen.string()), std::string::npos)
+            << error.what();
+    }
+    std::filesystem::remove(file);
+}
+
+TEST(PictureName, SortsByTimeAndSaysTheOccasion) {
+    EXPECT_EQ(client::picture_name("section", "", 5.0), "section_005.000s.png");
+    EXPECT_EQ(client::picture_name("section", "best", 31.25), "section_best_031.250s.png");
+}
+
+TEST(Layout, TilesCoverThePictureWithoutOverlap) {
+    for (const auto& [width, height] : {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}}) {
+        int area = 0;
+        for (const auto& placed : client::layout(client::Selection::all, width, height)) {
+            EXPECT_GE(placed.tile.x, 0);
+            EXPECT_LE(placed.tile.x + placed.tile.width, width);
+            EXPECT_LE(placed.tile.y + placed.tile.height, height);
+            area += placed.tile.width * placed.tile.height;
+        }
+        EXPECT_EQ(area, width * height);
+    }
+}
+
+}  // namespace
+}  // namespace eti

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/options.hpp"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <vector>
+
+namespace eti {
+namespace {
+
+std::optional<int> parse(std::initializer_list<const char*> arguments, client::Options& options) {
+    std::vector<char*> argv{const_cast<char*>("eti-client")};
+    for (const char* argument : arguments) {
+        argv.push_back(const_cast<char*>(argument));
+    }
+    return client::parse(static_cast<int>(argv.size()), argv.data(), options);
+}
+
+TEST(Options, AnOffscreenTraineeMakesAVideoAndAnObserverDoesNot) {
+    client::Options trainee;
+    ASSERT_FALSE(parse({"--offscreen", "pics"}, trainee));
+    EXPECT_EQ(trainee.video, "pics/session.mp4");
+    EXPECT_EQ(trainee.selection, client::Selection::all);
+    client::Options observer;
+    ASSERT_FALSE(parse({"--offscreen", "pics", "--observe"}, observer));
+    EXPECT_TRUE(observer.video.empty());
+    client::Options silent;
+    ASSERT_FALSE(parse({"--offscreen", "pics", "--no-video"}, silent));
+    EXPECT_TRUE(silent.video.empty());
+}
+
+TEST(Options, ReadsSizeAndView) {
+    client::Options options;
+    ASSERT_FALSE(
+        parse({"--size", "1280x720", "--view", "laryngoscope", "--session", "a", "--domain", "7"}, options));
+    EXPECT_EQ(options.width, 1280);
+    EXPECT_EQ(options.height, 720);
+    EXPECT_EQ(options.selection, client::Selection::laryngoscope);
+    EXPECT_EQ(options.bus.session, "a");
+    EXPECT_EQ(options.bus.domain, 7);
+}
+
+TEST(Options, RefusesWhatCannotBe) {
+    const std::initializer_list<std::initializer_list<const char*>> mistakes = {
+        {"--size", "640"},       {"--size", "641x480"},  {"--size", "0x0"},
+        {"--size", "640x480x2"}, {"--size", "-640x480"}, {"--size", "999999x999998"},
+        {"--view", "nowhere"},   {"--domain", "300"},    {"--every", "-1"},
+        {"--fps", "0"},          {"--video", "a.mp4"},   {"--frames", "-3"},
+        {"--profile", "absent"}, {"--samples", "99"},    {"--no-such-option"},
+    };
+    for (const auto& mistake : mistakes) {
+        client::Options options;
+        const auto status = parse(mistake, options);
+        ASSERT_TRUE(status) << *mistake.begin() << " " << *(mistake.end() - 1);
+        EXPECT_NE(*status, 0);
+    }
+}
+
+}  // namespace
+}  // namespace eti

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/hud/readout.hpp"
+
+#include <gtest/gtest.h>
+
+#include "client/hud/hud.hpp"
+#include "client/render/headless_context.hpp"
+#include "client/render/render_target.hpp"
+#include "synthetic_scene.hpp"
+
+namespace eti {
+namespace {
+
+TEST(Readout, SaysWhatTheMessagesSaid) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    EXPECT_EQ(hud::readout_of(scene, false).link, hud::Link::waiting);
+    synthetic::fill(scene, source);
+    hud::Readout readout = hud::readout_of(scene, false);
+    EXPECT_EQ(readout.link, hud::Link::running);
+    EXPECT_FLOAT_EQ(readout.glottic_opening_percent, 40.0f);
+    EXPECT_FLOAT_EQ(readout.gum_force_n, 1.5f);
+    EXPECT_DOUBLE_EQ(readout.time_s, 1e-3);
+    EXPECT_EQ(readout.attempt, 1u);
+    // The blade's tip lies in the vallecula; marching tetrahedra of 2 mm round the tip by up to 1 mm.
+    const float expected =
+        100.0f *
+        (at(source.landmarks, Landmark::vallecula) - at(source.landmarks, Landmark::upper_gum)).norm();
+    EXPECT_NEAR(readout.blade_depth_cm, expected, 0.1f);
+    EXPECT_EQ(hud::readout_of(scene, true).link, hud::Link::lost);
+    scene.apply(synthetic::status(msg::PHASE_FINISHED));
+    EXPECT_EQ(hud::readout_of(scene, true).link, hud::Link::finished);
+}
+
+TEST(Readout, ABladeBeforeTheMouthHasNoDepth) {
+    const synthetic::Scene source = synthetic::make_scene();
+    EXPECT_EQ(hud::blade_depth(source.landmarks, Vec3f(0.0f, -0.1f, 0.1f)), 0.0f);
+}
+
+TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
+    render::HeadlessContext context;
+    render::RenderTarget target(320, 240, 1);
+    hud::Hud overlay;
+    const hud::Tile tile{"overview", 0, 0, 320, 240};
+    const auto coloured = [&](float force) {
+        hud::Readout readout;
+        readout.link = hud::Link::running;
+        readout.gum_force_n = force;
+        target.bind_scene();
+        glClearColor(0, 0, 0, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        overlay.draw(readout, {&tile, 1}, 320, 240);
+        const render::Image image = target.read();
+        int bar = 0;
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) {
+                const std::uint8_t* p = image.pixel(x, y);
+                bar += std::abs(p[0] - p[1]) > 60 ? 1 : 0;  // green, amber and red; text is grey
+            }
+        }
+        return bar;
+    };
+    const int none = coloured(0.0f), some = coloured(1.5f), more = coloured(3.0f);
+    // The bar is 168 pixels long for 6 N and 8 high.
+    EXPECT_NEAR(some - none, 168 * 8 / 4, 30);
+    EXPECT_NEAR(more - none, 168 * 8 / 2, 60);
+}
+
+}  // namespace
+}  // namespace eti
