@@ -16,6 +16,8 @@ Handle access_properties() {
     H5Pset_libver_bounds(properties.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
     // A file is closed when its handle is, whatever else is still open in it.
     H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG);
+    // Some network file systems know no locks; recording there is better than refusing.
+    H5Pset_file_locking(properties.get(), true, true);
     return properties;
 }
 

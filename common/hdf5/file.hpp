@@ -18,6 +18,7 @@ enum class Access {
 /// An HDF5 file and its root group. Functions throw Error.
 class File {
   public:
+    File() = default;
     /// Creates the file, in the format of HDF5 1.10 (which the access modes above need); refuses to replace
     /// one.
     [[nodiscard]] static File create(const std::filesystem::path& path);
@@ -28,6 +29,8 @@ class File {
 
     /// Writes out and closes. Throws Error if that fails.
     void close();
+    /// Writes out; false on failure.
+    [[nodiscard]] bool flush() const { return H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) >= 0; }
     /// Lets go of a file that can no longer be written, without touching it again.
     void abandon();
 

@@ -234,6 +234,11 @@ void Group::set_integer(const std::string& attribute, std::uint64_t value) const
     }
 }
 
+bool Group::change_integer(const std::string& attribute, std::uint64_t value) const {
+    const Handle opened(H5Aopen(id(), attribute.c_str(), H5P_DEFAULT), H5Aclose);
+    return opened && H5Awrite(opened.get(), H5T_NATIVE_UINT64, &value) >= 0;
+}
+
 namespace {
 
 /// The attribute, if it is a scalar of the wanted class.

@@ -73,6 +73,8 @@ class Group {
     void set_text(const std::string& attribute, std::string_view value) const;
     void set_number(const std::string& attribute, double value) const;
     void set_integer(const std::string& attribute, std::uint64_t value) const;
+    /// Changes an integer attribute that exists; false on failure. Takes no room in the file.
+    [[nodiscard]] bool change_integer(const std::string& attribute, std::uint64_t value) const;
     [[nodiscard]] std::string text(const std::string& attribute) const;
     [[nodiscard]] double number(const std::string& attribute) const;
     [[nodiscard]] std::uint64_t integer(const std::string& attribute) const;

@@ -3,6 +3,7 @@
 #include "common/hdf5/handle.hpp"
 
 #include <mutex>
+#include <string_view>
 
 namespace eti::hdf5 {
 
@@ -31,6 +32,12 @@ herr_t keep_innermost(unsigned, const H5E_error2_t* error, void* text) {
 std::string last_error() {
     std::string text;
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
+    // A failed system call comes with file descriptor, buffer and offset; its own words are enough.
+    constexpr std::string_view mark = "error message = '";
+    if (const std::size_t start = text.find(mark); start != std::string::npos) {
+        const std::size_t first = start + mark.size();
+        return text.substr(first, text.find('\'', first) - first);
+    }
     return text.empty() ? "unknown error in the HDF5 library" : text;
 }
 

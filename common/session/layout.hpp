@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/hdf5/group.hpp"
+#include "common/session/record.hpp"
+
+// Which field of which record lies in which data set. Writer and reader both walk these lists, so a
+// field is added in one place. `column(path, label, field, width)` is called once per data set;
+// `field(record)` returns a reference to the field, `width` see Cell.
+
+namespace eti::session {
+
+inline constexpr std::string_view file_kind = "NeoETI session";
+/// Raised when a reader of the older layout would misread the newer one; added data sets do not count.
+inline constexpr std::uint64_t schema = 1;
+
+inline constexpr std::size_t kind_bytes = 32;
+inline constexpr std::size_t sender_bytes = 48;
+inline constexpr std::size_t text_bytes = 256;
+
+// Rows per chunk. Half a second of steps: a chunk is complete when it is written, and the half
+// second is what a killed server loses. Larger chunks compress a few per cent better and lose more.
+inline constexpr std::size_t step_chunk = 90;
+inline constexpr std::size_t moved_frame_chunk = 1024;
+inline constexpr std::size_t small_chunk = 16;
+
+/// Groups of the step series; each shows the common time axis as `time_ns`.
+inline constexpr std::string_view step_groups[] = {"inputs", "tools", "skeleton", "metrics"};
+
+/// "gum_force_n.max" -> "gum_force_n/max".
+[[nodiscard]] inline std::string path_of(const ParameterField& field) {
+    std::string path(field.key);
+    for (char& c : path) {
+        c = c == '.' ? '/' : c;
+    }
+    return path;
+}
+
+template <class Column>
+void parameter_columns(const std::string& group, const Column& column) {
+    for (const ParameterField& field : parameter_fields) {
+        const std::string description(field.label);
+        column(
+            group + "/" + path_of(field), hdf5::Label{field.unit.empty() ? "1" : field.unit, description},
+            [value = field.value](auto& record) -> auto& { return record.parameters.*value; }, 0);
+    }
+}
+
+/// `tube_nodes`: points of the tube's centre line.
+template <class Column>
+void step_columns(std::size_t tube_nodes, const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "inputs/time_ns", "ns", "simulation time since the session began; the row's step in all step series",
+        [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "inputs/step", "1", "number of the simulation step", [](auto& r) -> auto& { return r.step; });
+    add(
+        "inputs/laryngoscope_pose", "m, 1",
+        "laryngoscope in the hand, as latched: position x y z, unit quaternion w x y z, patient frame",
+        [](auto& r) -> auto& { return r.laryngoscope; });
+    add(
+        "inputs/tube_grip_pose", "m, 1",
+        "grip of the tube, as latched: position x y z, unit quaternion w x y z, patient frame",
+        [](auto& r) -> auto& { return r.tube_grip; });
+    add(
+        "inputs/eye_pose", "m, 1",
+        "eye of the trainee, as latched: position x y z, unit quaternion w x y z, patient frame; "
+        "not-a-number while "
+        "none has arrived",
+        [](auto& r) -> auto& { return r.eye; });
+    add(
+        "inputs/suction", "1", "suction, 0 to 1, as latched", [](auto& r) -> auto& { return r.suction; });
+
+    add(
+        "tools/proxy_pose", "m, 1",
+        "laryngoscope as the shell stops it: position x y z, unit quaternion w x y z, patient frame",
+        [](auto& r) -> auto& { return r.proxy; });
+    add(
+        "tools/shell_force", "N", "force of the shell on the laryngoscope, patient frame",
+        [](auto& r) -> auto& { return r.shell_force; });
+    add(
+        "tools/shell_torque", "N m", "torque of the shell on the laryngoscope about its origin",
+        [](auto& r) -> auto& { return r.shell_torque; });
+    add(
+        "tools/tissue_force", "N", "force of the soft tissue on the blade, patient frame",
+        [](auto& r) -> auto& { return r.tissue_force; });
+    add(
+        "tools/tissue_torque", "N m",
+        "torque of the soft tissue on the blade about the laryngoscope's origin",
+        [](auto& r) -> auto& { return r.tissue_torque; });
+    add(
+        "tools/tube_nodes", "m",
+        "centre line of the tube from connector to tip: step, node, x y z, patient frame",
+        [](auto& r) -> auto& { return r.tube_nodes; }, tube_nodes);
+
+    add(
+        "skeleton/head_elevation", "rad", "turn of the skull about the upper neck, positive chin-up",
+        [](auto& r) -> auto& { return r.head_elevation; });
+    add(
+        "skeleton/jaw_opening", "rad", "turn of the mandible about its joints",
+        [](auto& r) -> auto& { return r.jaw_opening; });
+
+    add(
+        "metrics/attempt", "1", "number of the attempt; 0 before the first",
+        [](auto& r) -> auto& { return r.attempt; });
+    add(
+        "metrics/attempt_running", "1", "1 while the blade is in the mouth",
+        [](auto& r) -> auto& { return r.attempt_running; });
+    add(
+        "metrics/glottic_opening_now", "%", "glottic opening in sight now",
+        [](auto& r) -> auto& { return r.glottic_opening_percent; });
+    add(
+        "metrics/gum_force_now", "N", "force on the upper gum now",
+        [](auto& r) -> auto& { return r.gum_force_n; });
+    add(
+        "metrics/tube_depth_past_glottis", "m",
+        "depth of the tube's tip past the glottis, negative before it",
+        [](auto& r) -> auto& { return r.tube_depth_past_glottis; });
+    parameter_columns("metrics", column);
+}
+
+template <class Column>
+void command_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "inputs/commands/time_ns", "ns", "simulation time at which the command was latched",
+        [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "inputs/commands/step", "1", "step that it applies to first",
+        [](auto& r) -> auto& { return r.step; });
+    add(
+        "inputs/commands/kind", "1", "what was asked for", [](auto& r) -> auto& { return r.kind; },
+        kind_bytes);
+    add(
+        "inputs/commands/value", "rad or 1", "posture in rad, suction 0 to 1",
+        [](auto& r) -> auto& { return r.value; });
+    add(
+        "inputs/commands/sender", "1", "who asked", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
+    add(
+        "inputs/commands/id", "1", "number chosen by the sender", [](auto& r) -> auto& { return r.id; });
+}
+
+/// One row per record of the deformation: which rows of the moved frames belong to it.
+struct MovedFrames {
+    std::uint64_t time_ns = 0;
+    std::uint64_t first_row = 0;
+    std::uint32_t row_count = 0;
+};
+
+template <class Column>
+void moved_frames_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
+        column(path, hdf5::Label{units, description}, field, std::size_t{0});
+    };
+    add(
+        "deformation/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "deformation/first_row", "1", "first row in frame, rotation and centre that belongs to this time",
+        [](auto& r) -> auto& { return r.first_row; });
+    add(
+        "deformation/row_count", "1",
+        "number of rows that belong to this time: the frames that moved since the last",
+        [](auto& r) -> auto& { return r.row_count; });
+}
+
+/// One frame that moved.
+struct MovedFrame {
+    std::uint16_t frame = 0;
+    FramePose pose;
+};
+
+template <class Column>
+void moved_frame_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
+        column(path, hdf5::Label{units, description}, field, std::size_t{0});
+    };
+    add(
+        "deformation/frame", "1", "index of the frame in scene/frame_rest_centre",
+        [](auto& r) -> auto& { return r.frame; });
+    add(
+        "deformation/rotation", "1",
+        "unit quaternion w x y z from rest: a rest point x goes to rotation * (x - rest_centre) + centre",
+        [](auto& r) -> auto& { return r.pose.rotation; });
+    add(
+        "deformation/centre", "m", "where the frame's rest centre is now, patient frame",
+        [](auto& r) -> auto& { return r.pose.centre; });
+}
+
+template <class Column>
+void event_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "events/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "events/kind", "1", "one word", [](auto& r) -> auto& { return r.kind; }, kind_bytes);
+    add(
+        "events/text", "1", "what happened", [](auto& r) -> auto& { return r.text; }, text_bytes);
+}
+
+template <class Column>
+void summary_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "summary/attempt", "1",
+        "number of the attempt, 0 for the whole run; a later row replaces an earlier one",
+        [](auto& r) -> auto& { return r.attempt; });
+    add(
+        "summary/success", "1", "1 if the trachea was intubated",
+        [](auto& r) -> auto& { return r.outcome.success; });
+    add(
+        "summary/reason", "1", "why it counts as success or failure",
+        [](auto& r) -> auto& { return r.outcome.reason; }, text_bytes);
+    parameter_columns("summary", column);
+}
+
+}  // namespace eti::session

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+
+namespace eti::session {
+
+/// Shows other processes that this one is writing a file. The kernel takes the mark away when the
+/// process ends, however it ends, so a file that is marked inside as open for writing but bears no
+/// such mark was left by a killed writer. (An advisory lock of the open file description; it does not
+/// meet the locks that the HDF5 library takes.) Where the file system knows no locks, nothing is shown.
+class LiveMark {
+  public:
+    LiveMark() = default;
+    ~LiveMark() { clear(); }
+    LiveMark(const LiveMark&) = delete;
+    LiveMark& operator=(const LiveMark&) = delete;
+
+    void set(const std::filesystem::path& path);
+    void clear();
+
+  private:
+    int descriptor_ = -1;
+};
+
+/// Whether a process (this one included) has the mark on the file.
+[[nodiscard]] bool being_written(const std::filesystem::path& path);
+
+}  // namespace eti::session

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/reader.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "common/session/layout.hpp"
+#include "common/session/liveness.hpp"
+#include "common/session/rows.hpp"
+#include "common/session/scene_file.hpp"
+
+namespace eti::session {
+
+namespace {
+
+using hdf5::Group;
+
+constexpr const char* time_axis = "/time_ns";
+
+hdf5::File open_session(const std::filesystem::path& path) {
+    try {
+        return hdf5::File::open(path, hdf5::Access::read_beside_writer);
+    } catch (const hdf5::Error& error) {
+        throw hdf5::Error(fmt::format(
+            "{}. If it is a session file, it is damaged or its recording ended before it had begun; try: "
+            "eti-review check --repair {}",
+            error.what(), path.string()));
+    }
+}
+
+void require_session(const Group& root, const std::filesystem::path& path) {
+    const auto names = root.attributes();
+    if (std::find(names.begin(), names.end(), "kind") == names.end() || root.text("kind") != file_kind) {
+        throw hdf5::Error(fmt::format("{}: an HDF5 file, but not a session of this program", path.string()));
+    }
+    if (const std::uint64_t found = root.integer("schema"); found != schema) {
+        throw hdf5::Error(
+            fmt::format("{}: recorded with layout {}, this program reads layout {}; use the version that "
+                        "recorded it",
+                        path.string(), found, schema));
+    }
+}
+
+std::string units_of(const Group& root, const std::string& path) {
+    // Attributes are read through a group; a data set has them too.
+    const hdf5::Handle data_set(H5Oopen(root.id(), path.c_str(), H5P_DEFAULT), H5Oclose);
+    const hdf5::Handle attribute(data_set ? H5Aopen(data_set.get(), "units", H5P_DEFAULT) : -1, H5Aclose);
+    const hdf5::Handle type(attribute ? H5Aget_type(attribute.get()) : -1, H5Tclose);
+    char* value = nullptr;
+    if (!type || H5Tis_variable_str(type.get()) <= 0 || H5Aread(attribute.get(), type.get(), &value) < 0 ||
+        value == nullptr) {
+        return {};
+    }
+    std::string text(value);
+    H5free_memory(value);
+    return text;
+}
+
+struct Found {
+    std::string path;
+    H5T_class_t kind;
+    std::size_t bytes;
+    hdf5::Shape row_shape;
+};
+
+void find_data_sets(const Group& root, const std::string& prefix, bool with_subgroups,
+                    std::vector<Found>& found) {
+    for (const std::string& name : root.open(prefix).members()) {
+        const std::string path = prefix + "/" + name;
+        if (root.is_group(path)) {
+            // A group with a time axis of its own is another table.
+            if (with_subgroups && !root.has(path + time_axis)) {
+                find_data_sets(root, path, true, found);
+            }
+            continue;
+        }
+        const hdf5::Handle data_set(H5Dopen2(root.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
+        const hdf5::Handle type(data_set ? H5Dget_type(data_set.get()) : -1, H5Tclose);
+        const hdf5::Handle space(data_set ? H5Dget_space(data_set.get()) : -1, H5Sclose);
+        const int rank = space ? H5Sget_simple_extent_ndims(space.get()) : -1;
+        if (!type || rank < 1) {
+            throw hdf5::Error(
+                fmt::format("{}: not a readable data set: {}", root.at(path), hdf5::last_error()));
+        }
+        std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
+        H5Sget_simple_extent_dims(space.get(), extent.data(), nullptr);
+        found.push_back({path, H5Tget_class(type.get()), H5Tget_size(type.get()),
+                         hdf5::Shape(extent.begin() + 1, extent.end())});
+    }
+}
+
+}  // namespace
+
+std::size_t Series::row_size() const {
+    std::size_t size = 1;
+    for (const std::size_t extent : row_shape) {
+        size *= extent;
+    }
+    return size;
+}
+
+std::size_t Series::rows() const {
+    return texts.empty() ? (row_size() == 0 ? 0 : values.size() / row_size()) : texts.size();
+}
+
+SessionReader::SessionReader(const std::filesystem::path& path) : path_(path), file_(open_session(path)) {
+    require_session(file_.root(), path);
+    const Group meta = file_.root().open("meta");
+    info_ = read_info(meta);
+    finished_ = meta.integer("finished") != 0;
+    lost_ = meta.integer("lost_records");
+    live_ = being_written(path);
+}
+
+double SessionReader::duration() const {
+    const std::size_t rows = readable_rows(file_.root(), "inputs/time_ns");
+    if (rows == 0) {
+        return 0.0;
+    }
+    const auto bytes =
+        read_rows_as(file_.root(), "inputs/time_ns", hdf5::number_type<std::uint64_t>(), {}, rows);
+    std::uint64_t last = 0;
+    std::memcpy(&last, bytes.data() + (rows - 1) * sizeof(last), sizeof(last));
+    return static_cast<double>(last) * 1e-9;
+}
+
+SceneRecord SessionReader::scene() const {
+    return read_scene(file_.root().open("scene"));
+}
+
+std::vector<StepRecord> SessionReader::steps() const {
+    const std::size_t nodes = file_.root().open("scene").open("tube").integer("nodes");
+    return read_records<StepRecord>(
+        file_.root(), [nodes](const auto& column) { step_columns(std::max<std::size_t>(nodes, 1), column); });
+}
+
+std::vector<CommandRecord> SessionReader::commands() const {
+    return read_records<CommandRecord>(file_.root(), [](const auto& column) { command_columns(column); });
+}
+
+std::vector<DeformationRecord> SessionReader::deformations() const {
+    const auto frames =
+        read_records<MovedFrame>(file_.root(), [](const auto& column) { moved_frame_columns(column); });
+    const auto times =
+        read_records<MovedFrames>(file_.root(), [](const auto& column) { moved_frames_columns(column); });
+    std::vector<DeformationRecord> records;
+    std::uint64_t expected = 0;
+    for (const MovedFrames& moved : times) {
+        if (moved.first_row != expected) {
+            throw hdf5::Error(fmt::format("{}: row {} begins at {}, the one before ends at {}",
+                                          file_.root().at("deformation/first_row"), records.size(),
+                                          moved.first_row, expected));
+        }
+        expected += moved.row_count;
+        if (expected > frames.size()) {
+            break;
+        }
+        DeformationRecord record;
+        record.time_ns = moved.time_ns;
+        for (std::uint64_t row = moved.first_row; row < expected; ++row) {
+            record.frame.push_back(frames[row].frame);
+            record.pose.push_back(frames[row].pose);
+        }
+        records.push_back(std::move(record));
+    }
+    return records;
+}
+
+std::vector<EventRecord> SessionReader::events() const {
+    return read_records<EventRecord>(file_.root(), [](const auto& column) { event_columns(column); });
+}
+
+std::vector<SummaryRecord> SessionReader::summaries() const {
+    std::map<std::uint32_t, SummaryRecord> last;
+    for (SummaryRecord& record :
+         read_records<SummaryRecord>(file_.root(), [](const auto& column) { summary_columns(column); })) {
+        last[record.attempt] = std::move(record);
+    }
+    std::vector<SummaryRecord> records;
+    for (auto& [attempt, record] : last) {
+        records.push_back(std::move(record));
+    }
+    return records;
+}
+
+std::vector<Series> SessionReader::series(const std::string& group) const {
+    const Group& root = file_.root();
+    std::vector<Found> found;
+    find_data_sets(root, group, true, found);
+    std::stable_partition(found.begin(), found.end(),
+                          [](const Found& f) { return f.path.ends_with(time_axis); });
+    std::size_t rows = found.empty() ? 0 : std::numeric_limits<std::size_t>::max();
+    for (const Found& f : found) {
+        rows = std::min(rows, readable_rows(root, f.path));
+    }
+    std::vector<Series> all;
+    for (const Found& f : found) {
+        Series series{f.path, units_of(root, f.path), f.row_shape, {}, {}};
+        if (f.kind == H5T_STRING) {
+            const hdf5::Handle type = hdf5::fixed_text_type(f.bytes);
+            const auto bytes = read_rows_as(root, f.path, type.get(), f.row_shape, rows);
+            series.texts.resize(rows);
+            for (std::size_t i = 0; i < rows; ++i) {
+                Cell<std::string>::unpack(bytes.data() + i * f.bytes, f.bytes, series.texts[i]);
+            }
+        } else {
+            series.values = read_as_doubles(root, f.path, rows);
+        }
+        all.push_back(std::move(series));
+    }
+    return all;
+}
+
+}  // namespace eti::session

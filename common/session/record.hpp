@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/math/transform.hpp"
+#include "common/mesh/skinning.hpp"
+#include "common/mesh/triangle_mesh.hpp"
+#include "common/model/parameters.hpp"
+#include "common/model/tissue.hpp"
+
+namespace eti::session {
+
+/// What a session file says of the session as a whole.
+struct SessionInfo {
+    std::string session;        ///< name
+    std::string start_time;     ///< UTC, ISO 8601
+    std::string scenario;       ///< name
+    std::string scenario_text;  ///< the file as read
+    std::string operator_name;  ///< empty when people or other processes hold the tools
+    std::string operator_text;
+    std::string version;  ///< of the program that recorded
+    std::string build;    ///< compiler, build type, instruction set: what bit-equality depends on
+    std::uint64_t seed = 0;
+    std::map<std::string, std::string> more;  ///< further texts, by name
+};
+
+/// A visible surface of the patient, rest posture.
+struct SurfaceRecord {
+    std::string name;
+    Tissue tissue = Tissue::soft;
+    TriangleMesh mesh;
+    std::vector<Tissue> triangle_tissue;  ///< one per triangle
+    std::vector<SkinWeights> skin;        ///< one per vertex
+};
+
+/// A point that moves with the frames: a landmark, or a corner of the glottis (nameless).
+struct PointRecord {
+    std::string name;
+    Vec3f rest = Vec3f::Zero();  ///< [m]
+    SkinWeights skin;
+};
+
+/// What does not change during a session, so that a replay needs neither server nor scenario.
+struct SceneRecord {
+    std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, then clusters
+    std::vector<SurfaceRecord> surfaces;
+    std::vector<PointRecord> landmarks;
+    std::vector<PointRecord> glottis_contour;
+    std::string blade;
+    TriangleMesh laryngoscope;         ///< tool frame
+    float tube_outer_diameter = 0.0f;  ///< [m]
+    float tube_inner_diameter = 0.0f;  ///< [m]
+    std::size_t tube_nodes = 0;        ///< points of the centre line in every step
+};
+
+inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+
+/// A pose that did not arrive: every number is not-a-number.
+[[nodiscard]] inline RigidTransform no_pose() {
+    return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
+}
+
+/// One simulation step. Patient frame, unless said otherwise.
+struct StepRecord {
+    std::uint64_t time_ns = 0;  ///< since the session began
+    std::uint64_t step = 0;
+    // Inputs, as latched.
+    RigidTransform laryngoscope;  ///< the device
+    RigidTransform tube_grip;
+    RigidTransform eye = no_pose();  ///< of the trainee's client
+    float suction = 0.0f;            ///< 0..1
+    // Tools.
+    RigidTransform proxy;                 ///< the laryngoscope as the shell stops it
+    Vec3f shell_force = Vec3f::Zero();    ///< [N], on the proxy
+    Vec3f shell_torque = Vec3f::Zero();   ///< [N m], about the proxy's origin
+    Vec3f tissue_force = Vec3f::Zero();   ///< [N], on the blade
+    Vec3f tissue_torque = Vec3f::Zero();  ///< [N m], about the proxy's origin
+    std::vector<Vec3f> tube_nodes;        ///< [m], connector to tip
+    // Skeleton.
+    float head_elevation = 0.0f;  ///< [rad]
+    float jaw_opening = 0.0f;     ///< [rad]
+    // Metrics.
+    std::uint32_t attempt = 0;  ///< 0 before the first
+    bool attempt_running = false;
+    float glottic_opening_percent = 0.0f;  ///< now in sight
+    float gum_force_n = 0.0f;              ///< now
+    float tube_depth_past_glottis = 0.0f;  ///< [m], negative before the cords
+    Parameters parameters;                 ///< of the current attempt so far
+};
+
+/// A command as it was latched.
+struct CommandRecord {
+    std::uint64_t time_ns = 0;
+    std::uint64_t step = 0;
+    std::string kind;    ///< e.g. "jaw_opening"
+    double value = 0.0;  ///< rad for postures, 0..1 for suction
+    std::string sender;
+    std::uint32_t id = 0;  ///< chosen by the sender
+};
+
+/// Where the frames are that moved since the record before.
+struct DeformationRecord {
+    std::uint64_t time_ns = 0;
+    std::vector<std::uint16_t> frame;
+    std::vector<FramePose> pose;  ///< one per entry of `frame`
+};
+
+struct EventRecord {
+    std::uint64_t time_ns = 0;
+    std::string kind;  ///< one word: attempt, contact, error, command, ...
+    std::string text;
+};
+
+/// Parameters and outcome of one attempt, or of the whole run (attempt 0); a later record of the
+/// same attempt replaces an earlier one.
+struct SummaryRecord {
+    std::uint32_t attempt = 0;
+    Outcome outcome;
+    Parameters parameters;
+};
+
+}  // namespace eti::session

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/rows.hpp"
+
+#include <fmt/format.h>
+
+namespace eti::session {
+
+namespace {
+
+struct Opened {
+    hdf5::Handle data_set;
+    hdf5::Handle type;
+    std::vector<hsize_t> extent;
+};
+
+Opened open(const hdf5::Group& root, const std::string& path) {
+    if (!root.has(path)) {
+        throw hdf5::Error(fmt::format("{}: this data set is missing", root.at(path)));
+    }
+    Opened opened;
+    opened.data_set = {H5Dopen2(root.id(), path.c_str(), H5P_DEFAULT), H5Dclose};
+    const hdf5::Handle space(opened.data_set ? H5Dget_space(opened.data_set.get()) : -1, H5Sclose);
+    opened.type = {opened.data_set ? H5Dget_type(opened.data_set.get()) : -1, H5Tclose};
+    const int rank = space ? H5Sget_simple_extent_ndims(space.get()) : -1;
+    if (!opened.type || rank < 1) {
+        throw hdf5::Error(fmt::format("{}: not a readable data set: {}", root.at(path), hdf5::last_error()));
+    }
+    opened.extent.resize(static_cast<std::size_t>(rank));
+    H5Sget_simple_extent_dims(space.get(), opened.extent.data(), nullptr);
+    // Bounds what a damaged extent can make us ask for.
+    std::size_t left = hdf5::largest_read_bytes / std::max<std::size_t>(H5Tget_size(opened.type.get()), 1);
+    for (const hsize_t extent : opened.extent) {
+        if (extent > left) {
+            throw hdf5::Error(fmt::format(
+                "{}: its stated size is larger than any such data set can be: damaged", root.at(path)));
+        }
+        left /= std::max<hsize_t>(extent, 1);
+    }
+    return opened;
+}
+
+bool read(const Opened& opened, hid_t type, std::size_t first, std::size_t rows, void* values) {
+    std::vector<hsize_t> start(opened.extent.size(), 0), count = opened.extent;
+    start[0] = first;
+    count[0] = rows;
+    const hdf5::Handle file_space(H5Dget_space(opened.data_set.get()), H5Sclose);
+    const hdf5::Handle memory_space(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                                    H5Sclose);
+    return H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                               nullptr) >= 0 &&
+           H5Dread(opened.data_set.get(), type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) >=
+               0;
+}
+
+std::size_t row_bytes(const Opened& opened) {
+    std::size_t bytes = H5Tget_size(opened.type.get());
+    for (std::size_t i = 1; i < opened.extent.size(); ++i) {
+        bytes *= opened.extent[i];
+    }
+    return bytes;
+}
+
+std::size_t chunk_rows(const Opened& opened) {
+    const hdf5::Handle creation(H5Dget_create_plist(opened.data_set.get()), H5Pclose);
+    std::vector<hsize_t> chunk(opened.extent.size(), 1);
+    if (!creation || H5Pget_layout(creation.get()) != H5D_CHUNKED ||
+        H5Pget_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data()) < 0) {
+        return 1;
+    }
+    return std::max<std::size_t>(chunk[0], 1);
+}
+
+}  // namespace
+
+std::size_t stated_rows(const hdf5::Group& root, const std::string& path) {
+    return open(root, path).extent[0];
+}
+
+std::size_t readable_rows(const hdf5::Group& root, const std::string& path) {
+    const Opened opened = open(root, path);
+    const std::size_t rows = opened.extent[0];
+    const std::size_t step = chunk_rows(opened);
+    std::vector<std::byte> buffer(std::min(step, rows) * row_bytes(opened));
+    for (std::size_t first = 0; first < rows; first += step) {
+        if (!read(opened, opened.type.get(), first, std::min(step, rows - first), buffer.data())) {
+            return first;
+        }
+    }
+    return rows;
+}
+
+std::vector<std::byte> read_rows_as(const hdf5::Group& root, const std::string& path, hid_t type,
+                                    const hdf5::Shape& row_shape, std::size_t rows) {
+    const Opened opened = open(root, path);
+    const hdf5::Shape found(opened.extent.begin() + 1, opened.extent.end());
+    if (found != row_shape || H5Tget_class(opened.type.get()) != H5Tget_class(type) ||
+        H5Tget_size(opened.type.get()) != H5Tget_size(type) || H5Tis_variable_str(opened.type.get()) > 0) {
+        throw hdf5::Error(
+            fmt::format("{}: its rows have another type or shape than this program records", root.at(path)));
+    }
+    std::vector<std::byte> bytes(rows * row_bytes(opened));
+    if (rows > 0 && !read(opened, type, 0, rows, bytes.data())) {
+        throw hdf5::Error(
+            fmt::format("{}: the values cannot be read: {}", root.at(path), hdf5::last_error()));
+    }
+    return bytes;
+}
+
+std::vector<double> read_as_doubles(const hdf5::Group& root, const std::string& path, std::size_t rows) {
+    const Opened opened = open(root, path);
+    const H5T_class_t kind = H5Tget_class(opened.type.get());
+    if (kind != H5T_FLOAT && kind != H5T_INTEGER) {
+        throw hdf5::Error(fmt::format("{}: holds no numbers", root.at(path)));
+    }
+    std::vector<double> values(rows * (row_bytes(opened) / H5Tget_size(opened.type.get())));
+    if (!values.empty() && !read(opened, H5T_NATIVE_DOUBLE, 0, rows, values.data())) {
+        throw hdf5::Error(
+            fmt::format("{}: the values cannot be read: {}", root.at(path), hdf5::last_error()));
+    }
+    return values;
+}
+
+}  // namespace eti::session

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/hdf5/group.hpp"
+#include "common/session/cell.hpp"
+
+namespace eti::session {
+
+/// Rows of a data set that can be read from the start on: all of them, or those before the first
+/// damaged chunk. Throws hdf5::Error where `path` is no data set.
+[[nodiscard]] std::size_t readable_rows(const hdf5::Group& root, const std::string& path);
+
+/// Rows that a data set says it has. Throws hdf5::Error.
+[[nodiscard]] std::size_t stated_rows(const hdf5::Group& root, const std::string& path);
+
+/// The first `rows` rows as memory image of `type`. Throws hdf5::Error, also if the rows have another shape.
+[[nodiscard]] std::vector<std::byte> read_rows_as(const hdf5::Group& root, const std::string& path,
+                                                  hid_t type, const hdf5::Shape& row_shape, std::size_t rows);
+
+/// The first `rows` rows of a data set of any kind of number. Throws hdf5::Error.
+[[nodiscard]] std::vector<double> read_as_doubles(const hdf5::Group& root, const std::string& path,
+                                                  std::size_t rows);
+
+/// Reads the records of a list in layout.hpp, as many as all its data sets have.
+template <class Record, class Visit>
+[[nodiscard]] std::vector<Record> read_records(const hdf5::Group& root, const Visit& visit) {
+    std::size_t rows = std::numeric_limits<std::size_t>::max();
+    visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t) {
+        using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
+        // A parameter may be newer than the file; everything else is needed.
+        if (!std::is_same_v<Field, double> || root.has(path)) {
+            rows = std::min(rows, readable_rows(root, path));
+        }
+    });
+    std::vector<Record> records(rows);
+    visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t width) {
+        using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
+        if constexpr (std::is_same_v<Field, double>) {
+            if (!root.has(path)) {
+                for (Record& record : records) {
+                    field(record) = std::numeric_limits<double>::quiet_NaN();
+                }
+                return;
+            }
+        }
+        const auto bytes =
+            read_rows_as(root, path, Cell<Field>::type(width).get(), Cell<Field>::shape(width), rows);
+        for (std::size_t i = 0; i < rows; ++i) {
+            Cell<Field>::unpack(bytes.data() + i * Cell<Field>::bytes(width), width, field(records[i]));
+        }
+    });
+    return records;
+}
+
+}  // namespace eti::session

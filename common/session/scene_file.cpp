@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include "common/hdf5/packing.hpp"
+
+namespace eti::session {
+
+namespace {
+
+using hdf5::any_extent;
+using hdf5::Group;
+
+struct TextField {
+    const char* attribute;
+    std::string SessionInfo::*value;
+};
+constexpr TextField text_fields[] = {
+    {"session", &SessionInfo::session},        {"start_time", &SessionInfo::start_time},
+    {"scenario", &SessionInfo::scenario},      {"scenario_text", &SessionInfo::scenario_text},
+    {"operator", &SessionInfo::operator_name}, {"operator_text", &SessionInfo::operator_text},
+    {"version", &SessionInfo::version},        {"build", &SessionInfo::build},
+};
+
+void write_points(const Group& group, const std::vector<PointRecord>& points, bool named) {
+    std::vector<std::string> names;
+    std::vector<Vec3f> rest;
+    std::vector<SkinWeights> skin;
+    for (const PointRecord& point : points) {
+        names.push_back(point.name);
+        rest.push_back(point.rest);
+        skin.push_back(point.skin);
+    }
+    if (named) {
+        group.write_texts("name", names, {"1", "what each point is"});
+    }
+    write_rows(group, "rest", rest, {"m", "rest position x y z, patient frame"});
+    write_skin(group, skin);
+}
+
+std::vector<PointRecord> read_points(const Group& group, std::size_t frames, bool named) {
+    const auto rest = hdf5::read_rows<Vec3f>(group, "rest");
+    require_finite(group, "rest", hdf5::numbers_of(rest));
+    const auto skin = read_skin(group, rest.size());
+    require_skin(group, skin, frames);
+    const std::vector<std::string> names =
+        named ? group.read_texts("name") : std::vector<std::string>(rest.size());
+    if (names.size() != rest.size()) {
+        throw hdf5::Error(
+            fmt::format("{}: {} names for {} points", group.at("name"), names.size(), rest.size()));
+    }
+    std::vector<PointRecord> points;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        points.push_back({names[i], rest[i], skin[i]});
+    }
+    return points;
+}
+
+SurfaceRecord read_surface(const Group& group, std::size_t frames) {
+    SurfaceRecord surface;
+    surface.name = group.text("name");
+    const std::uint64_t tissue = group.integer("tissue");
+    if (tissue >= tissue_count) {
+        throw hdf5::Error(fmt::format("{}: attribute tissue: {} is no tissue", group.place(), tissue));
+    }
+    surface.tissue = static_cast<Tissue>(tissue);
+    surface.mesh = read_mesh(group);
+    surface.triangle_tissue = read_tissues(group, "triangle_tissue", surface.mesh.triangles.size());
+    surface.skin = read_skin(group, surface.mesh.vertices.size());
+    require_skin(group, surface.skin, frames);
+    return surface;
+}
+
+}  // namespace
+
+void write_info(const Group& meta, const SessionInfo& info) {
+    for (const TextField& field : text_fields) {
+        meta.set_text(field.attribute, info.*field.value);
+    }
+    meta.set_integer("seed", info.seed);
+    const Group more = meta.create("more");
+    for (const auto& [key, value] : info.more) {
+        more.set_text(key, value);
+    }
+}
+
+SessionInfo read_info(const Group& meta) {
+    SessionInfo info;
+    for (const TextField& field : text_fields) {
+        info.*field.value = meta.text(field.attribute);
+    }
+    info.seed = meta.integer("seed");
+    const Group more = meta.open("more");
+    for (const std::string& key : more.attributes()) {
+        info.more[key] = more.text(key);
+    }
+    return info;
+}
+
+void write_scene(const Group& group, const SceneRecord& scene) {
+    write_rows(group, "frame_rest_centre", scene.frame_rest_centre,
+               {"m", "rest centre of each frame: trunk, skull, mandible, then the clusters; patient frame"});
+    const Group surfaces = group.create("surfaces");
+    for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+        const Group surface = surfaces.create(std::to_string(i));
+        surface.set_text("name", scene.surfaces[i].name);
+        surface.set_integer("tissue", static_cast<std::uint64_t>(scene.surfaces[i].tissue));
+        write_mesh(surface, scene.surfaces[i].mesh);
+        write_tissues(surface, "triangle_tissue", scene.surfaces[i].triangle_tissue);
+        write_skin(surface, scene.surfaces[i].skin);
+    }
+    write_points(group.create("landmarks"), scene.landmarks, true);
+    write_points(group.create("glottis_contour"), scene.glottis_contour, false);
+    const Group laryngoscope = group.create("laryngoscope");
+    laryngoscope.set_text("blade", scene.blade);
+    write_mesh(laryngoscope, scene.laryngoscope);
+    const Group tube = group.create("tube");
+    tube.set_number("outer_diameter_m", static_cast<double>(scene.tube_outer_diameter));
+    tube.set_number("inner_diameter_m", static_cast<double>(scene.tube_inner_diameter));
+    tube.set_integer("nodes", scene.tube_nodes);
+}
+
+SceneRecord read_scene(const Group& group) {
+    SceneRecord scene;
+    scene.frame_rest_centre = hdf5::read_rows<Vec3f>(group, "frame_rest_centre");
+    require_finite(group, "frame_rest_centre", hdf5::numbers_of(scene.frame_rest_centre));
+    const std::size_t frames = scene.frame_rest_centre.size();
+    const Group surfaces = group.open("surfaces");
+    for (std::size_t i = 0; i < surfaces.members().size(); ++i) {
+        scene.surfaces.push_back(read_surface(surfaces.open(std::to_string(i)), frames));
+    }
+    scene.landmarks = read_points(group.open("landmarks"), frames, true);
+    scene.glottis_contour = read_points(group.open("glottis_contour"), frames, false);
+    const Group laryngoscope = group.open("laryngoscope");
+    scene.blade = laryngoscope.text("blade");
+    scene.laryngoscope = read_mesh(laryngoscope);
+    const Group tube = group.open("tube");
+    scene.tube_outer_diameter = static_cast<float>(tube.number("outer_diameter_m"));
+    scene.tube_inner_diameter = static_cast<float>(tube.number("inner_diameter_m"));
+    scene.tube_nodes = tube.integer("nodes");
+    return scene;
+}
+
+}  // namespace eti::session

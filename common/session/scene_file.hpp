@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "common/hdf5/group.hpp"
+#include "common/session/record.hpp"
+
+namespace eti::session {
+
+/// The groups `meta` and `scene` of a session file. All throw hdf5::Error.
+void write_info(const hdf5::Group& meta, const SessionInfo& info);
+[[nodiscard]] SessionInfo read_info(const hdf5::Group& meta);
+
+void write_scene(const hdf5::Group& group, const SceneRecord& scene);
+/// Checks indices, weights and finiteness.
+[[nodiscard]] SceneRecord read_scene(const hdf5::Group& group);
+
+}  // namespace eti::session

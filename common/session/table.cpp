@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/table.hpp"
+
+#include <fmt/format.h>
+
+namespace eti::session {
+
+namespace {
+
+/// Level 1 with the shuffle filter: level 4 took 1.6 times as long and saved 2 % on recorded sessions.
+constexpr unsigned deflate_level = 1;
+
+}  // namespace
+
+void Table::create_column(const hdf5::Group& root, const std::string& path, hid_t type,
+                          const hdf5::Shape& row_shape, const hdf5::Label& label) {
+    std::vector<hsize_t> start{0}, most{H5S_UNLIMITED}, chunk{chunk_rows_};
+    std::size_t bytes = H5Tget_size(type);
+    for (const std::size_t extent : row_shape) {
+        start.push_back(extent);
+        most.push_back(extent);
+        chunk.push_back(extent);
+        bytes *= extent;
+    }
+    const hdf5::Handle space(H5Screate_simple(static_cast<int>(start.size()), start.data(), most.data()),
+                             H5Sclose);
+    const hdf5::Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data());
+    H5Pset_shuffle(creation.get());
+    H5Pset_deflate(creation.get(), deflate_level);
+    const hdf5::Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+    H5Pset_create_intermediate_group(links.get(), 1);
+    const hdf5::Handle data_set(
+        H5Dcreate2(root.id(), path.c_str(), type, space.get(), links.get(), creation.get(), H5P_DEFAULT),
+        H5Dclose);
+    if (!data_set || !hdf5::set_label(data_set.get(), label)) {
+        throw hdf5::Error(
+            fmt::format("{}: the data set cannot be created: {}", root.at(path), hdf5::last_error()));
+    }
+    columns_.push_back({path, row_shape, {H5Tcopy(type), H5Tclose}, bytes, {}, {}});
+}
+
+void Table::open(const hdf5::Group& root) {
+    for (Column& column : columns_) {
+        column.data_set = {H5Dopen2(root.id(), column.path.c_str(), H5P_DEFAULT), H5Dclose};
+        if (!column.data_set) {
+            throw hdf5::Error(fmt::format("{}: the data set cannot be opened: {}", root.at(column.path),
+                                          hdf5::last_error()));
+        }
+    }
+}
+
+std::byte* Table::next_cell() {
+    Column& column = columns_[cursor_];
+    const std::size_t offset = column.pending.size();
+    column.pending.resize(offset + column.row_bytes);
+    if (++cursor_ == columns_.size()) {
+        cursor_ = 0;
+        if (pending_++ == 0) {
+            pending_since_ = std::chrono::steady_clock::now();
+        }
+    }
+    return column.pending.data() + offset;
+}
+
+bool Table::has_full_chunk() const {
+    return rows() / chunk_rows_ > written_ / chunk_rows_;
+}
+
+bool Table::overdue(std::chrono::steady_clock::duration limit) const {
+    return pending_ > 0 && std::chrono::steady_clock::now() - pending_since_ >= limit;
+}
+
+bool Table::write_full_chunks() {
+    const std::size_t full = rows() / chunk_rows_ * chunk_rows_;
+    return full <= written_ || write(full - written_);
+}
+
+bool Table::write_all() {
+    return write(pending_);
+}
+
+bool Table::write(std::size_t rows) {
+    if (rows == 0) {
+        return true;
+    }
+    for (Column& column : columns_) {
+        std::vector<hsize_t> extent{written_ + rows}, start{written_}, count{rows};
+        for (const std::size_t n : column.row_shape) {
+            extent.push_back(n);
+            start.push_back(0);
+            count.push_back(n);
+        }
+        const hid_t data_set = column.data_set.get();
+        if (H5Dset_extent(data_set, extent.data()) < 0) {
+            return false;
+        }
+        const hdf5::Handle file_space(H5Dget_space(data_set), H5Sclose);
+        const hdf5::Handle memory_space(
+            H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+        if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                                nullptr) < 0 ||
+            H5Dwrite(data_set, column.type.get(), memory_space.get(), file_space.get(), H5P_DEFAULT,
+                     column.pending.data()) < 0) {
+            return false;
+        }
+        column.pending.erase(column.pending.begin(),
+                             column.pending.begin() + static_cast<std::ptrdiff_t>(rows * column.row_bytes));
+    }
+    written_ += rows;
+    pending_ -= rows;
+    pending_since_ = std::chrono::steady_clock::now();
+    return true;
+}
+
+void Table::abandon() {
+    for (Column& column : columns_) {
+        column.data_set.abandon();
+    }
+}
+
+}  // namespace eti::session

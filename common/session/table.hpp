@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/hdf5/file.hpp"
+#include "common/session/cell.hpp"
+
+namespace eti::session {
+
+/// Data sets that grow together, one row of each per record. Rows gather in memory until a chunk is
+/// full: a compressed chunk that is written twice leaves its first place in the file unused.
+class Table {
+  public:
+    explicit Table(std::size_t chunk_rows) : chunk_rows_(chunk_rows) {}
+
+    /// While the file is made. Throws hdf5::Error.
+    void create_column(const hdf5::Group& root, const std::string& path, hid_t type,
+                       const hdf5::Shape& row_shape, const hdf5::Label& label);
+    /// Opens the data sets for appending, in a file opened anew. Throws hdf5::Error.
+    void open(const hdf5::Group& root);
+
+    /// Room for the next row's value in the next column; columns in the order they were created.
+    [[nodiscard]] std::byte* next_cell();
+
+    [[nodiscard]] std::size_t rows() const { return written_ + pending_; }
+    [[nodiscard]] std::size_t written() const { return written_; }
+    [[nodiscard]] bool has_pending() const { return pending_ > 0; }
+    [[nodiscard]] bool has_full_chunk() const;
+    /// Whether a row has waited in memory for longer than `limit`.
+    [[nodiscard]] bool overdue(std::chrono::steady_clock::duration limit) const;
+
+    /// Writes full chunks, or everything. False on failure; hdf5::last_error() tells why.
+    [[nodiscard]] bool write_full_chunks();
+    [[nodiscard]] bool write_all();
+
+    /// Lets go of data sets that can no longer be written, without touching them again.
+    void abandon();
+
+  private:
+    struct Column {
+        std::string path;
+        hdf5::Shape row_shape;
+        hdf5::Handle type;
+        std::size_t row_bytes = 0;
+        hdf5::Handle data_set;
+        std::vector<std::byte> pending;
+    };
+
+    [[nodiscard]] bool write(std::size_t rows);
+
+    std::size_t chunk_rows_;
+    std::vector<Column> columns_;
+    std::size_t cursor_ = 0;
+    std::size_t written_ = 0;
+    std::size_t pending_ = 0;
+    std::chrono::steady_clock::time_point pending_since_{};
+};
+
+/// The visitor that creates a table's columns from a list in layout.hpp.
+template <class Record>
+[[nodiscard]] auto creating(Table& table, const hdf5::Group& root) {
+    return [&table, &root](const std::string& path, const hdf5::Label& label, auto field, std::size_t width) {
+        using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
+        table.create_column(root, path, Cell<Field>::type(width).get(), Cell<Field>::shape(width), label);
+    };
+}
+
+/// The visitor that appends a record.
+template <class Record>
+[[nodiscard]] auto appending(Table& table, const Record& record) {
+    return [&table, &record](const std::string&, const hdf5::Label&, auto field, std::size_t width) {
+        using Field = std::decay_t<decltype(field(record))>;
+        Cell<Field>::pack(field(record), width, table.next_cell());
+    };
+}
+
+}  // namespace eti::session

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/writer.hpp"
+
+#include <pthread.h>
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "common/hdf5/file.hpp"
+#include "common/session/layout.hpp"
+#include "common/session/liveness.hpp"
+#include "common/session/ring.hpp"
+#include "common/session/scene_file.hpp"
+#include "common/session/table.hpp"
+
+namespace eti::session {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+/// How often the queues are emptied.
+constexpr auto poll = 20ms;
+/// Longest that a record waits in memory; with poll and the time of a write it stays under one second.
+constexpr auto longest_unwritten = 750ms;
+constexpr auto warning_period = 10s;
+
+std::size_t deformations_waiting(std::size_t steps) {
+    return steps / 12 + 2;  // 15 Hz against 180 Hz
+}
+
+}  // namespace
+
+struct SessionWriter::Impl {
+    Impl(const std::filesystem::path& file_path, const SessionInfo& info, const SceneRecord& scene,
+         Settings wanted)
+        : path(file_path),
+          settings(std::move(wanted)),
+          tube_nodes(std::max<std::size_t>(scene.tube_nodes, 1)),
+          steps(settings.waiting_steps),
+          commands(256),
+          deformations(deformations_waiting(settings.waiting_steps)),
+          events(1024),
+          summaries(256) {
+        create(info, scene);
+        thread = std::thread([this] { run(); });
+    }
+
+    void create(const SessionInfo& info, const SceneRecord& scene);
+    void create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene);
+    void run();
+    void drain();
+    [[nodiscard]] bool write(bool everything);
+    void finish();
+    void fail(const std::string& reason);
+    void warn_of_losses();
+
+    template <class T>
+    bool push(Ring<T>& ring, const T& record) {
+        while (!has_failed.load(std::memory_order_relaxed)) {
+            if (ring.push(record)) {
+                return true;
+            }
+            if (!settings.wait_when_full) {
+                lost.fetch_add(1, std::memory_order_relaxed);
+                return false;
+            }
+            std::this_thread::sleep_for(1ms);
+        }
+        return false;
+    }
+
+    std::filesystem::path path;
+    Settings settings;
+    std::size_t tube_nodes;
+
+    Ring<StepRecord> steps;
+    Ring<CommandRecord> commands;
+    Ring<DeformationRecord> deformations;
+    Ring<EventRecord> events;
+    Ring<SummaryRecord> summaries;
+
+    // The writer's thread alone touches these once it runs.
+    hdf5::File file;
+    hdf5::Group meta;
+    Table step_table{step_chunk};
+    Table command_table{small_chunk};
+    Table frame_table{moved_frame_chunk};
+    Table deformation_table{small_chunk};
+    Table event_table{small_chunk};
+    Table summary_table{small_chunk};
+    std::deque<MovedFrames> moved_waiting;
+    std::uint64_t lost_reported = 0;
+    Clock::time_point warned_at{};
+    std::uint64_t last_time_ns = 0;
+    LiveMark live;
+
+    std::atomic<std::uint64_t> lost{0};
+    std::atomic<bool> has_failed{false};
+    bool closed = false;
+
+    std::mutex mutex;
+    std::condition_variable wake;
+    bool stop = false;
+    std::thread thread;
+};
+
+void SessionWriter::Impl::create(const SessionInfo& info, const SceneRecord& scene) {
+    hdf5::File made = hdf5::File::create(path);
+    try {
+        create_in(std::move(made), info, scene);
+    } catch (...) {
+        // Half a beginning is of no use, and would be in the way of the next try.
+        std::error_code ignored;
+        std::filesystem::remove(path, ignored);
+        throw;
+    }
+}
+
+void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene) {
+    const hdf5::Group& root = made.root();
+    root.set_text("kind", file_kind);
+    root.set_integer("schema", schema);
+    const hdf5::Group made_meta = root.create("meta");
+    made_meta.set_integer("schema", schema);
+    made_meta.set_integer("finished", 0);
+    made_meta.set_integer("lost_records", 0);
+    write_info(made_meta, info);
+    write_scene(root.create("scene"), scene);
+    step_columns(tube_nodes, creating<StepRecord>(step_table, root));
+    command_columns(creating<CommandRecord>(command_table, root));
+    moved_frame_columns(creating<MovedFrame>(frame_table, root));
+    moved_frames_columns(creating<MovedFrames>(deformation_table, root));
+    event_columns(creating<EventRecord>(event_table, root));
+    summary_columns(creating<SummaryRecord>(summary_table, root));
+    for (const std::string_view group : step_groups) {
+        const std::string link = std::string(group) + "/time_ns";
+        if (group != step_groups[0] && H5Lcreate_hard(root.id(), "inputs/time_ns", root.id(), link.c_str(),
+                                                      H5P_DEFAULT, H5P_DEFAULT) < 0) {
+            throw hdf5::Error(fmt::format("{}: cannot be linked: {}", root.at(link), hdf5::last_error()));
+        }
+    }
+    made.close();
+
+    // From here on in single-writer mode, in which nothing but rows may be added.
+    file = hdf5::File::open(path, hdf5::Access::append_beside_readers);
+    meta = file.root().open("meta");
+    for (Table* table :
+         {&step_table, &command_table, &frame_table, &deformation_table, &event_table, &summary_table}) {
+        table->open(file.root());
+    }
+    live.set(path);
+}
+
+void SessionWriter::Impl::run() {
+    // Signals belong to the program's main thread; a file-size limit then shows as a failed write.
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    hdf5::prepare_thread();
+    for (bool last = false; !last;) {
+        {
+            std::unique_lock lock(mutex);
+            last = wake.wait_for(lock, poll, [this] { return stop; });
+        }
+        drain();
+        if (has_failed) {
+            continue;
+        }
+        warn_of_losses();
+        if (!write(last)) {
+            fail(hdf5::last_error());
+        }
+    }
+    finish();
+}
+
+/// Moves what waits into the tables; after a failure, away.
+void SessionWriter::Impl::drain() {
+    const auto take = [this](auto& ring, const auto& append) {
+        // A producer as fast as this thread must not keep the other queues waiting.
+        for (std::size_t left = ring.capacity(); left > 0; --left) {
+            const auto* record = ring.front();
+            if (record == nullptr) {
+                return;
+            }
+            if (!has_failed) {
+                append(*record);
+            }
+            ring.pop();
+        }
+    };
+    take(commands, [this](const CommandRecord& r) { command_columns(appending(command_table, r)); });
+    take(deformations, [this](const DeformationRecord& r) {
+        moved_waiting.push_back({r.time_ns, frame_table.rows(), static_cast<std::uint32_t>(r.frame.size())});
+        for (std::size_t i = 0; i < r.frame.size(); ++i) {
+            const MovedFrame frame{r.frame[i], r.pose[i]};
+            moved_frame_columns(appending(frame_table, frame));
+        }
+    });
+    take(steps, [this](const StepRecord& r) {
+        step_columns(tube_nodes, appending(step_table, r));
+        last_time_ns = r.time_ns;
+    });
+    take(events, [this](const EventRecord& r) { event_columns(appending(event_table, r)); });
+    take(summaries, [this](const SummaryRecord& r) { summary_columns(appending(summary_table, r)); });
+}
+
+/// Writes full chunks and what has waited long enough, or everything. False on failure.
+bool SessionWriter::Impl::write(bool everything) {
+    bool any = false;
+    const auto write_table = [&](Table& table) {
+        if (everything || table.overdue(longest_unwritten)) {
+            any = any || table.has_pending();
+            return table.write_all();
+        }
+        any = any || table.has_full_chunk();
+        return table.write_full_chunks();
+    };
+    if (!write_table(frame_table)) {
+        return false;
+    }
+    // A row of the deformation follows the rows of frames that it points to.
+    while (!moved_waiting.empty() &&
+           moved_waiting.front().first_row + moved_waiting.front().row_count <= frame_table.written()) {
+        moved_frames_columns(appending(deformation_table, moved_waiting.front()));
+        moved_waiting.pop_front();
+    }
+    any = any || deformation_table.has_pending();
+    return deformation_table.write_all() && write_table(step_table) && write_table(command_table) &&
+           write_table(event_table) && write_table(summary_table) && (!any || file.flush());
+}
+
+void SessionWriter::Impl::warn_of_losses() {
+    const Clock::time_point now = Clock::now();
+    const std::uint64_t total = lost.load(std::memory_order_relaxed);
+    if (total == lost_reported || (lost_reported > 0 && now - warned_at < warning_period)) {
+        return;
+    }
+    const std::string text = fmt::format(
+        "{}: {} records were lost because the disk could not follow. Remedy: record to a faster disk, or "
+        "raise the "
+        "number of steps that may wait (waiting_steps, now {}).",
+        path.string(), total - lost_reported, settings.waiting_steps);
+    lost_reported = total;
+    warned_at = now;
+    event_columns(appending(event_table, EventRecord{last_time_ns, "recording", text}));
+    if (settings.on_warning) {
+        settings.on_warning(text);
+    }
+}
+
+void SessionWriter::Impl::fail(const std::string& reason) {
+    // The library's handles are left alone: another attempt to write could only spoil what is there.
+    for (Table* table :
+         {&step_table, &command_table, &frame_table, &deformation_table, &event_table, &summary_table}) {
+        table->abandon();
+    }
+    meta = {};
+    file.abandon();
+    live.clear();
+    has_failed = true;
+    if (settings.on_error) {
+        settings.on_error(
+            fmt::format("{}: recording stopped: {}. What was recorded until then is kept. Remedy: make room "
+                        "on the disk or record "
+                        "elsewhere, then run: eti-review check --repair {}",
+                        path.string(), reason, path.string()));
+    }
+}
+
+void SessionWriter::Impl::finish() {
+    if (has_failed) {
+        return;
+    }
+    if (!meta.change_integer("lost_records", lost.load()) || !meta.change_integer("finished", 1)) {
+        fail(hdf5::last_error());
+        return;
+    }
+    try {
+        meta = {};
+        file.close();
+        live.clear();
+    } catch (const hdf5::Error&) {
+        fail(hdf5::last_error());
+    }
+}
+
+SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionInfo& info,
+                             const SceneRecord& scene, Settings settings)
+    : impl_(std::make_unique<Impl>(path, info, scene, std::move(settings))) {}
+
+SessionWriter::~SessionWriter() {
+    close();
+}
+
+bool SessionWriter::push(const StepRecord& record) {
+    return impl_->push(impl_->steps, record);
+}
+bool SessionWriter::push(const CommandRecord& record) {
+    return impl_->push(impl_->commands, record);
+}
+bool SessionWriter::push(const DeformationRecord& record) {
+    return impl_->push(impl_->deformations, record);
+}
+bool SessionWriter::push(const EventRecord& record) {
+    return impl_->push(impl_->events, record);
+}
+bool SessionWriter::push(const SummaryRecord& record) {
+    return impl_->push(impl_->summaries, record);
+}
+
+std::uint64_t SessionWriter::lost() const {
+    return impl_->lost.load(std::memory_order_relaxed);
+}
+
+bool SessionWriter::failed() const {
+    return impl_->has_failed;
+}
+
+bool SessionWriter::close() {
+    if (!impl_->closed) {
+        impl_->closed = true;
+        {
+            const std::lock_guard lock(impl_->mutex);
+            impl_->stop = true;
+        }
+        impl_->wake.notify_one();
+        impl_->thread.join();
+    }
+    return !failed() && lost() == 0;
+}
+
+}  // namespace eti::session

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "common/math/random.hpp"
+#include "common/session/record.hpp"
+
+namespace eti::session::sample {
+
+// A made-up session whose every number follows from the step's index, so that a reader can tell
+// whether a row holds what was recorded for it.
+
+inline constexpr std::size_t frames = 200;
+inline constexpr std::size_t tube_nodes = 17;
+inline constexpr std::uint64_t step_ns = 1000000000 / 180;
+
+inline SessionInfo info() {
+    SessionInfo info;
+    info.session = "sample";
+    info.start_time = "2024-02-29T12:00:00Z";
+    info.scenario = "term";
+    info.scenario_text = "name: term\nweight_kg: 3.5  # µ is two bytes\n";
+    info.operator_name = "expert";
+    info.operator_text = "name: expert\n";
+    info.version = "0.1.0";
+    info.build = "test";
+    info.seed = 0xfedcba9876543210ULL;
+    info.more = {{"threads", "2"}};
+    return info;
+}
+
+inline SkinWeights skin(Random& random) {
+    const float part = random.uniform();
+    return {{static_cast<std::uint16_t>(random.bits() % frames), 1, 0, 0}, {part, 1.0f - part, 0.0f, 0.0f}};
+}
+
+inline SceneRecord scene(std::size_t vertices = 300) {
+    Random random(3);
+    SceneRecord scene;
+    for (std::size_t i = 0; i < frames; ++i) {
+        scene.frame_rest_centre.push_back({random.normal(), random.normal(), random.normal()});
+    }
+    for (const char* name : {"body", "tongue"}) {
+        SurfaceRecord surface{name, Tissue::tongue, {}, {}, {}};
+        for (std::size_t i = 0; i < vertices; ++i) {
+            surface.mesh.vertices.push_back({random.normal(), random.normal(), random.normal()});
+            surface.skin.push_back(skin(random));
+            surface.mesh.triangles.push_back({static_cast<std::uint32_t>(i),
+                                              static_cast<std::uint32_t>((i + 1) % vertices),
+                                              static_cast<std::uint32_t>((i + 2) % vertices)});
+            surface.triangle_tissue.push_back(static_cast<Tissue>(i % tissue_count));
+        }
+        scene.surfaces.push_back(std::move(surface));
+    }
+    scene.landmarks = {{"upper_gum", Vec3f::Zero(), skin(random)}, {"carina", Vec3f(0, 1, 2), skin(random)}};
+    scene.glottis_contour = {{"", Vec3f(1, 0, 0), skin(random)}, {"", Vec3f(0, 1, 0), skin(random)}};
+    scene.blade = "miller_1";
+    scene.laryngoscope = scene.surfaces[0].mesh;
+    scene.tube_outer_diameter = 4.2e-3f;
+    scene.tube_inner_diameter = 3.0e-3f;
+    scene.tube_nodes = tube_nodes;
+    return scene;
+}
+
+/// A smooth value of the step, different for each `channel`; it compresses about as motion does.
+inline float value(std::uint64_t step, int channel) {
+    return 0.1f * std::sin(0.01f * static_cast<float>(step % 100000) + static_cast<float>(channel));
+}
+
+inline Vec3f vector(std::uint64_t step, int channel) {
+    return {value(step, channel), value(step, channel + 1), value(step, channel + 2)};
+}
+
+inline RigidTransform pose(std::uint64_t step, int channel) {
+    return {quaternion_from(vector(step, channel + 3)), vector(step, channel)};
+}
+
+inline StepRecord step(std::uint64_t number) {
+    StepRecord record;
+    record.time_ns = number * step_ns;
+    record.step = number;
+    record.laryngoscope = pose(number, 0);
+    record.tube_grip = pose(number, 10);
+    record.eye = pose(number, 20);
+    record.suction = value(number, 26);
+    record.proxy = pose(number, 30);
+    record.shell_force = vector(number, 40);
+    record.shell_torque = vector(number, 43);
+    record.tissue_force = vector(number, 46);
+    record.tissue_torque = vector(number, 49);
+    for (std::size_t i = 0; i < tube_nodes; ++i) {
+        record.tube_nodes.push_back(vector(number, 60 + 3 * static_cast<int>(i)));
+    }
+    record.head_elevation = value(number, 120);
+    record.jaw_opening = value(number, 121);
+    record.attempt = static_cast<std::uint32_t>(number / 1000);
+    record.attempt_running = number % 2 == 1;
+    record.glottic_opening_percent = value(number, 122);
+    record.gum_force_n = value(number, 123);
+    record.tube_depth_past_glottis = value(number, 124);
+    int channel = 130;
+    for (const ParameterField& field : parameter_fields) {
+        record.parameters.*field.value = static_cast<double>(value(number, channel++));
+    }
+    return record;
+}
+
+/// The deformation at a step: a third of the frames has moved.
+inline DeformationRecord deformation(std::uint64_t number) {
+    DeformationRecord record;
+    record.time_ns = number * step_ns;
+    for (std::uint16_t i = static_cast<std::uint16_t>(number % 3); i < frames;
+         i = static_cast<std::uint16_t>(i + 3)) {
+        record.frame.push_back(i);
+        const RigidTransform at = pose(number, i);
+        record.pose.push_back({at.translation, at.rotation});
+    }
+    return record;
+}
+
+inline EventRecord event(std::uint64_t number) {
+    return {number * step_ns, "attempt", "event of step " + std::to_string(number)};
+}
+
+}  // namespace eti::session::sample

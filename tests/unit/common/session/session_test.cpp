@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "common/session/cell.hpp"
+#include "common/session/check.hpp"
+#include "common/session/layout.hpp"
+#include "common/session/reader.hpp"
+#include "common/session/ring.hpp"
+#include "common/session/superblock.hpp"
+#include "common/session/writer.hpp"
+#include "tests/unit/common/session/sample.hpp"
+
+namespace eti::session {
+namespace {
+
+class Session : public ::testing::Test {
+  protected:
+    Session() {
+        folder = std::filesystem::temp_directory_path() /
+                 ("eti_session_" + std::to_string(::getpid()) + "_" +
+                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder);
+        path = folder / "run.eti.h5";
+    }
+    ~Session() override { std::filesystem::remove_all(folder); }
+
+    std::filesystem::path folder;
+    std::filesystem::path path;
+};
+
+/// Records `steps` steps with a deformation every twelfth and a few of everything else.
+void record(const std::filesystem::path& path, std::uint64_t steps) {
+    SessionWriter::Settings settings;
+    settings.on_error = [](const std::string& text) { ADD_FAILURE() << text; };
+    settings.wait_when_full = true;
+    SessionWriter writer(path, sample::info(), sample::scene(), settings);
+    for (std::uint64_t i = 0; i < steps; ++i) {
+        if (i % 100 == 0) {
+            writer.push(CommandRecord{i * sample::step_ns, i, "jaw_opening", 0.25 * static_cast<double>(i),
+                                      "trainee", static_cast<std::uint32_t>(i)});
+            writer.push(sample::event(i));
+        }
+        if (i % 12 == 0) {
+            writer.push(sample::deformation(i));
+        }
+        writer.push(sample::step(i));
+    }
+    const StepRecord last = sample::step(steps);
+    writer.push(SummaryRecord{1, {false, "the tube went into the oesophagus"}, last.parameters});
+    writer.push(SummaryRecord{0, {false, "so far"}, {}});
+    writer.push(SummaryRecord{2, {true, "the trachea was intubated"}, {}});
+    writer.push(SummaryRecord{0, {true, "the trachea was intubated"}, last.parameters});
+    EXPECT_TRUE(writer.close());
+}
+
+/// Bit for bit, so that not-a-number equals itself.
+bool same(const StepRecord& a, const StepRecord& b) {
+    bool equal = a.tube_nodes == b.tube_nodes;
+    step_columns(0, [&](const std::string&, const hdf5::Label&, auto field, std::size_t) {
+        using Field = std::decay_t<decltype(field(a))>;
+        if constexpr (!std::is_same_v<Field, std::vector<Vec3f>>) {
+            std::array<std::byte, 64> left{}, right{};
+            Cell<Field>::pack(field(a), 0, left.data());
+            Cell<Field>::pack(field(b), 0, right.data());
+            equal = equal && left == right;
+        }
+    });
+    return equal;
+}
+
+TEST_F(Session, EverythingRecordedIsReadToTheBit) {
+    constexpr std::uint64_t steps = 1000;
+    record(path, steps);
+    const SessionReader reader(path);
+    EXPECT_TRUE(reader.finished());
+    EXPECT_FALSE(reader.live());
+    EXPECT_EQ(reader.lost_records(), 0u);
+    EXPECT_DOUBLE_EQ(reader.duration(), static_cast<double>((steps - 1) * sample::step_ns) * 1e-9);
+
+    const SessionInfo info = sample::info();
+    EXPECT_EQ(reader.info().scenario_text, info.scenario_text);
+    EXPECT_EQ(reader.info().session, info.session);
+    EXPECT_EQ(reader.info().seed, info.seed);
+    EXPECT_EQ(reader.info().more, info.more);
+
+    const auto read = reader.steps();
+    ASSERT_EQ(read.size(), steps);
+    for (std::uint64_t i = 0; i < steps; ++i) {
+        ASSERT_TRUE(same(read[i], sample::step(i))) << "step " << i;
+    }
+    const auto commands = reader.commands();
+    ASSERT_EQ(commands.size(), 10u);
+    EXPECT_EQ(commands[3].step, 300u);
+    EXPECT_EQ(commands[3].kind, "jaw_opening");
+    EXPECT_EQ(commands[3].sender, "trainee");
+    EXPECT_EQ(commands[3].value, 75.0);
+    EXPECT_EQ(commands[3].id, 300u);
+    const auto events = reader.events();
+    ASSERT_EQ(events.size(), 10u);
+    EXPECT_EQ(events[9].text, "event of step 900");
+    const auto deformations = reader.deformations();
+    ASSERT_EQ(deformations.size(), (steps + 11) / 12);
+    for (std::size_t i = 0; i < deformations.size(); ++i) {
+        const DeformationRecord expected = sample::deformation(12 * i);
+        ASSERT_EQ(deformations[i].time_ns, expected.time_ns);
+        ASSERT_EQ(deformations[i].frame, expected.frame);
+        for (std::size_t k = 0; k < expected.pose.size(); ++k) {
+            ASSERT_EQ(deformations[i].pose[k].centre, expected.pose[k].centre);
+            ASSERT_EQ(deformations[i].pose[k].rotation.coeffs(), expected.pose[k].rotation.coeffs());
+        }
+    }
+    const auto summaries = reader.summaries();
+    ASSERT_EQ(summaries.size(), 3u);
+    EXPECT_EQ(summaries[0].attempt, 0u);
+    EXPECT_TRUE(summaries[0].outcome.success) << "the later record of an attempt counts";
+    EXPECT_FALSE(summaries[1].outcome.success);
+    EXPECT_EQ(summaries[1].outcome.reason, "the tube went into the oesophagus");
+    EXPECT_EQ(summaries[1].parameters.time_s, sample::step(steps).parameters.time_s);
+
+    const SceneRecord scene = reader.scene(), expected = sample::scene();
+    EXPECT_EQ(scene.frame_rest_centre, expected.frame_rest_centre);
+    ASSERT_EQ(scene.surfaces.size(), 2u);
+    EXPECT_EQ(scene.surfaces[1].name, "tongue");
+    EXPECT_EQ(scene.surfaces[1].mesh.vertices, expected.surfaces[1].mesh.vertices);
+    EXPECT_EQ(scene.surfaces[1].triangle_tissue, expected.surfaces[1].triangle_tissue);
+    EXPECT_EQ(scene.surfaces[1].skin[7].frame, expected.surfaces[1].skin[7].frame);
+    EXPECT_EQ(scene.surfaces[1].skin[7].weight, expected.surfaces[1].skin[7].weight);
+    EXPECT_EQ(scene.landmarks[1].name, "carina");
+    EXPECT_EQ(scene.blade, "miller_1");
+    EXPECT_EQ(scene.tube_outer_diameter, expected.tube_outer_diameter);
+    EXPECT_TRUE(check(path).sound());
+}
+
+TEST_F(Session, ASessionWithoutAnySampleIsWhole) {
+    { SessionWriter writer(path, sample::info(), sample::scene(), {}); }
+    const SessionReader reader(path);
+    EXPECT_TRUE(reader.finished());
+    EXPECT_EQ(reader.duration(), 0.0);
+    EXPECT_TRUE(reader.steps().empty());
+    EXPECT_TRUE(reader.summaries().empty());
+    EXPECT_TRUE(check(path).sound());
+}
+
+TEST_F(Session, EveryDataSetSaysUnitAndMeaningAndIsCompressed) {
+    record(path, 200);
+    const hdf5::File file = hdf5::File::open(path, hdf5::Access::read);
+    struct Visit {
+        hid_t root;
+        int data_sets = 0;
+    } visit{file.id()};
+    const auto look = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
+        auto& seen = *static_cast<Visit*>(data);
+        if (info->type == H5O_TYPE_DATASET) {
+            ++seen.data_sets;
+            const hdf5::Handle set(H5Dopen2(seen.root, name, H5P_DEFAULT), H5Dclose);
+            EXPECT_GT(H5Aexists(set.get(), "units"), 0) << name;
+            EXPECT_GT(H5Aexists(set.get(), "description"), 0) << name;
+            const hdf5::Handle creation(H5Dget_create_plist(set.get()), H5Pclose);
+            EXPECT_EQ(H5Pget_layout(creation.get()), H5D_CHUNKED) << name;
+            EXPECT_EQ(H5Pget_nfilters(creation.get()), 2) << name << ": shuffle and deflate";
+        }
+        return 0;
+    };
+    H5Ovisit2(file.id(), H5_INDEX_NAME, H5_ITER_NATIVE, look, &visit, H5O_INFO_BASIC);
+    EXPECT_GT(visit.data_sets, 80);
+}
+
+TEST_F(Session, AGroupsSeriesAreOfOneLengthWithTheTimeAxisFirst) {
+    record(path, 200);
+    const SessionReader reader(path);
+    for (const std::string group : {"inputs", "tools", "skeleton", "metrics"}) {
+        const auto series = reader.series(group);
+        ASSERT_GE(series.size(), 3u) << group;
+        EXPECT_EQ(series[0].path, group + "/time_ns");
+        EXPECT_EQ(series[0].units, "ns");
+        for (const Series& one : series) {
+            EXPECT_EQ(one.rows(), 200u) << one.path;
+        }
+    }
+}
+
+TEST_F(Session, IsReadWhileItIsRecorded) {
+    SessionWriter::Settings settings;
+    settings.wait_when_full = true;
+    SessionWriter writer(path, sample::info(), sample::scene(), settings);
+    for (std::uint64_t i = 0; i < 500; ++i) {
+        writer.push(sample::step(i));
+    }
+    // Whatever was pushed is on disk within a second.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+    const SessionReader reader(path);
+    EXPECT_TRUE(reader.live());
+    EXPECT_FALSE(reader.finished());
+    EXPECT_EQ(reader.steps().size(), 500u);
+    EXPECT_TRUE(check(path).sound());
+    EXPECT_THROW((void)repair(path), hdf5::Error) << "would change a file under its writer";
+    EXPECT_TRUE(writer.close());
+    EXPECT_TRUE(SessionReader(path).finished());
+}
+
+TEST_F(Session, AFullQueueLosesRecordsAndSaysSo) {
+    std::atomic<int> warnings{0};
+    SessionWriter::Settings settings;
+    settings.waiting_steps = 4;
+    settings.on_warning = [&](const std::string& text) {
+        EXPECT_NE(text.find("waiting_steps"), std::string::npos) << text;
+        ++warnings;
+    };
+    SessionWriter writer(path, sample::info(), sample::scene(), settings);
+    // 1000 pushes take about a millisecond; the writer looks into its queues every 20 ms.
+    std::uint64_t taken = 0;
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        taken += writer.push(sample::step(i)) ? 1 : 0;
+    }
+    EXPECT_LT(taken, 1000u);
+    EXPECT_EQ(writer.lost(), 1000u - taken);
+    EXPECT_FALSE(writer.close()) << "not everything is in the file";
+    EXPECT_GE(warnings, 1);
+    const SessionReader reader(path);
+    EXPECT_EQ(reader.steps().size(), taken);
+    EXPECT_EQ(reader.lost_records(), 1000u - taken);
+    ASSERT_FALSE(reader.events().empty());
+    EXPECT_EQ(reader.events()[0].kind, "recording");
+}
+
+TEST_F(Session, RefusesToReplaceAFileAndToWriteWhereItCannot) {
+    std::ofstream(path) << "precious";
+    EXPECT_THROW(SessionWriter(path, sample::info(), sample::scene(), {}), hdf5::Error);
+    EXPECT_EQ(std::filesystem::file_size(path), 8u);
+    try {
+        const SessionWriter writer(folder / "missing" / "run.eti.h5", sample::info(), sample::scene(), {});
+        FAIL();
+    } catch (const hdf5::Error& error) {
+        EXPECT_NE(std::string(error.what()).find("No such file or directory"), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST_F(Session, TextsAreCutBetweenCharacters) {
+    const std::string text = std::string(text_bytes - 1, 'a') + "µ";  // two bytes, of which one fits
+    {
+        SessionWriter writer(path, sample::info(), sample::scene(), {});
+        writer.push(EventRecord{0, "note", text});
+    }
+    const auto events = SessionReader(path).events();
+    ASSERT_EQ(events.size(), 1u);
+    EXPECT_EQ(events[0].text, std::string(text_bytes - 1, 'a'));
+}
+
+TEST_F(Session, ForeignFilesAreRefusedByName) {
+    const auto refusal = [&] {
+        try {
+            const SessionReader reader(path);
+        } catch (const hdf5::Error& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    EXPECT_NE(refusal().find("no such file"), std::string::npos) << refusal();
+    std::ofstream(path) << "";
+    EXPECT_NE(refusal().find("empty"), std::string::npos) << refusal();
+    std::ofstream(path) << std::string(5000, 'x');
+    EXPECT_NE(refusal().find("not an HDF5 file"), std::string::npos) << refusal();
+    std::filesystem::remove(path);
+    hdf5::File::create(path).close();
+    EXPECT_NE(refusal().find("not a session"), std::string::npos) << refusal();
+}
+
+TEST(Ring, PassesEveryValueInOrderBetweenThreads) {
+    Ring<std::uint64_t> ring(7);
+    constexpr std::uint64_t count = 200000;
+    std::thread producer([&] {
+        for (std::uint64_t i = 0; i < count;) {
+            i += ring.push(i) ? 1 : 0;
+        }
+    });
+    for (std::uint64_t expected = 0; expected < count;) {
+        if (const std::uint64_t* value = ring.front()) {
+            ASSERT_EQ(*value, expected);
+            ring.pop();
+            ++expected;
+        }
+    }
+    producer.join();
+    EXPECT_EQ(ring.front(), nullptr);
+}
+
+TEST(Ring, HoldsItsCapacityAndNoMore) {
+    Ring<int> ring(3);
+    EXPECT_TRUE(ring.push(1) && ring.push(2) && ring.push(3));
+    EXPECT_FALSE(ring.push(4));
+    ring.pop();
+    EXPECT_TRUE(ring.push(5));
+    EXPECT_EQ(*ring.front(), 2);
+}
+
+TEST(MetadataChecksum, AgreesWithItsAuthorsExamples) {
+    // lookup3.c, driver5: hashlittle of these texts with initial value 0.
+    const std::string text = "Four score and seven years ago";
+    EXPECT_EQ(metadata_checksum(reinterpret_cast<const unsigned char*>(text.data()), text.size()),
+              0x17770551u);
+    EXPECT_EQ(metadata_checksum(nullptr, 0), 0xdeadbeefu);
+}
+
+}  // namespace
+}  // namespace eti::session
