@@ -52,9 +52,9 @@ Rod::Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& gr
       joints_(segments_.size() - 1),
       state_(joints_.size()),
       angle_before_(joints_.size(), Vec3d::Zero()),
+      target_(segments_.size()),
       multiplier_(joints_.size(), Vec6d::Zero()),
-      change_(joints_.size(), Vec6d::Zero()),
-      turn_(segments_.size(), Vec3d::Zero()),
+      motion_(segments_.size()),
       chain_(joints_.size()),
       radius_(0.5f * tube.outer_diameter),
       retardation_time_(double{settings.retardation_time}),
@@ -124,7 +124,6 @@ void Rod::predict(float dt, const Vec3f& gravity, const RigidTransform& grip) {
     std::copy(segments_.begin(), segments_.end(), previous_.begin());
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         angle_before_[j] = evaluate(joints_[j], segments_[j], segments_[j + 1]).angle;
-        multiplier_[j].setZero();
     }
     for (RodSegment& s : segments_) {
         if (s.inverse_mass > 0.0) {
@@ -137,27 +136,44 @@ void Rod::predict(float dt, const Vec3f& gravity, const RigidTransform& grip) {
         segments_[held_].position = grip.translation.cast<double>();
         segments_[held_].rotation = to_double(grip.rotation);
     }
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+        target_[i] = {segments_[i].position, segments_[i].rotation};
+    }
+}
+
+void Rod::load(std::size_t segment, float along, const Vec3f& force) {
+    const RodSegment& s = segments_[segment];
+    const Vec3d impulse = dt_ * dt_ * force.cast<double>();
+    Target& target = target_[segment];
+    target.position += s.inverse_mass * impulse;
+    const Vec3d turn = s.inverse_inertia * arm(segment, along, Vec3f::Zero()).cross(impulse);
+    target.rotation = (exp_rotation(turn) * target.rotation).normalized();
 }
 
 void Rod::assemble() {
     const double inverse_dt2 = 1.0 / (dt_ * dt_);
-    // XPBD's damping (Macklin et al. 2016, eq. 26), divided by 1 + gamma to stay symmetric.
+    // Viscosity g = retardation time / dt turns the constraint angle + compliance * moment into
+    // (1 + g) angle - g angle_before + ...; divided by 1 + g the system stays symmetric.
     const double gamma = retardation_time_ / dt_;
     const double softening = 1.0 / (1.0 + gamma);
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+        motion_[i].shift = target_[i].position - segments_[i].position;
+        motion_[i].turn = log_rotation(Quatd(target_[i].rotation * segments_[i].rotation.conjugate()));
+    }
     for (std::size_t j = 0; j < joints_.size(); ++j) {
-        state_[j] = evaluate(joints_[j], segments_[j], segments_[j + 1]);
-        chain_.diagonal(j) = self_coupling(state_[j], segments_[j], segments_[j + 1]);
-        const double stretch = joints_[j].stretch_compliance * inverse_dt2;
-        const Vec3d bend = joints_[j].bend_compliance * inverse_dt2;
-        for (Eigen::Index k = 0; k < 3; ++k) {
-            chain_.diagonal(j)(k, k) += stretch;
-            chain_.diagonal(j)(k + 3, k + 3) += softening * bend[k];
-        }
-        change_[j].head<3>() = -state_[j].gap - stretch * multiplier_[j].head<3>();
-        change_[j].tail<3>() = -softening * (state_[j].angle + bend.cwiseProduct(multiplier_[j].tail<3>()) +
-                                             gamma * (state_[j].angle - angle_before_[j]));
+        const Motion& a = motion_[j];
+        const Motion& b = motion_[j + 1];
+        RodJointState& state = state_[j];
+        state = evaluate(joints_[j], segments_[j], segments_[j + 1]);
+        chain_.diagonal(j) = self_coupling(state, segments_[j], segments_[j + 1]);
+        chain_.diagonal(j).diagonal().head<3>().array() += joints_[j].stretch_compliance * inverse_dt2;
+        chain_.diagonal(j).diagonal().tail<3>() += softening * inverse_dt2 * joints_[j].bend_compliance;
+        multiplier_[j].head<3>() =
+            -(state.gap + a.shift + a.turn.cross(state.arm_a) - b.shift - b.turn.cross(state.arm_b));
+        multiplier_[j].tail<3>() =
+            gamma * softening * angle_before_[j] - state.angle - state.turn * (b.turn - a.turn);
         if (j > 0) {
-            chain_.right(j - 1) = neighbour_coupling(state_[j - 1], state_[j], segments_[j]);
+            chain_.right(j - 1) = neighbour_coupling(state_[j - 1], state, segments_[j]);
         }
     }
 }
@@ -165,44 +181,34 @@ void Rod::assemble() {
 void Rod::solve() {
     assemble();
     chain_.factorize();
-    chain_.solve(change_);
-    apply();
-}
-
-void Rod::apply() {
-    const auto turn_of = [&](std::size_t i) {
-        Vec3d moment = Vec3d::Zero();
-        if (i > 0) {
-            const Vec3d force = change_[i - 1].head<3>();
-            moment +=
-                state_[i - 1].turn.transpose() * change_[i - 1].tail<3>() - state_[i - 1].arm_b.cross(force);
-        }
-        if (i < joints_.size()) {
-            const Vec3d force = change_[i].head<3>();
-            moment += state_[i].arm_a.cross(force) - state_[i].turn.transpose() * change_[i].tail<3>();
-        }
-        return Vec3d(segments_[i].inverse_inertia * moment);
-    };
+    chain_.solve(multiplier_);
     double widest = 0.0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-        turn_[i] = turn_of(i);
-        widest = std::max(widest, turn_[i].squaredNorm());
+        Vec3d force = Vec3d::Zero();
+        Vec3d moment = Vec3d::Zero();
+        if (i > 0) {
+            const Vec3d pull = multiplier_[i - 1].head<3>();
+            force -= pull;
+            moment += state_[i - 1].turn.transpose() * multiplier_[i - 1].tail<3>() -
+                      state_[i - 1].arm_b.cross(pull);
+        }
+        if (i < joints_.size()) {
+            const Vec3d pull = multiplier_[i].head<3>();
+            force += pull;
+            moment += state_[i].arm_a.cross(pull) - state_[i].turn.transpose() * multiplier_[i].tail<3>();
+        }
+        motion_[i].shift += segments_[i].inverse_mass * force;
+        motion_[i].turn += segments_[i].inverse_inertia * moment;
+        widest = std::max(widest, motion_[i].turn.squaredNorm());
     }
     widest = std::sqrt(widest);
     const double scale = widest > largest_turn ? largest_turn / widest : 1.0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-        Vec3d force = Vec3d::Zero();
-        if (i > 0) {
-            force -= change_[i - 1].head<3>();
+        if (segments_[i].inverse_mass > 0.0) {
+            segments_[i].position += scale * motion_[i].shift;
+            segments_[i].rotation =
+                (exp_rotation(scale * motion_[i].turn) * segments_[i].rotation).normalized();
         }
-        if (i < joints_.size()) {
-            force += change_[i].head<3>();
-        }
-        segments_[i].position += scale * segments_[i].inverse_mass * force;
-        segments_[i].rotation = (exp_rotation(scale * turn_[i]) * segments_[i].rotation).normalized();
-    }
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-        multiplier_[j] += scale * change_[j];
     }
 }
 
@@ -268,9 +274,13 @@ float Rod::inverse_mass(std::size_t segment, float along, const Vec3f& offset, c
 void Rod::push(std::size_t segment, float along, const Vec3f& offset, const Vec3f& impulse) {
     RodSegment& s = segments_[segment];
     const Vec3d p = impulse.cast<double>();
-    const Vec3d turn = limited(s.inverse_inertia * arm(segment, along, offset).cross(p), largest_turn);
-    s.position += s.inverse_mass * p;
-    s.rotation = (exp_rotation(turn) * s.rotation).normalized();
+    const Vec3d shift = s.inverse_mass * p;
+    const Quatd turn =
+        exp_rotation(limited(s.inverse_inertia * arm(segment, along, offset).cross(p), largest_turn));
+    s.position += shift;
+    s.rotation = (turn * s.rotation).normalized();
+    target_[segment].position += shift;
+    target_[segment].rotation = (turn * target_[segment].rotation).normalized();
 }
 
 Vec3f Rod::displace(std::size_t segment, float along, const Vec3f& offset, const Vec3f& displacement) {

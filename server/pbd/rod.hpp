@@ -28,11 +28,14 @@ struct GripWrench {
     Vec3f torque = Vec3f::Zero();  ///< [N m], about the grip point
 };
 
-/// The tube as a Cosserat rod: rigid segments, stretch, shear, bending and twist compliances from the
-/// section, XPBD multipliers, and all joints solved at once by a block-tridiagonal Cholesky (Deul,
-/// Kugelstadt, Weiler & Bender 2018), so that stiffness needs no iterations. One segment is held: its
-/// origin is the grip. A segment's inertia is its transverse one about every axis: a slim segment's
-/// axial inertia would only make twist ring faster than the substep. Doubles throughout.
+/// The tube as a Cosserat rod: rigid segments with stretch, shear, bending and twist compliances from
+/// the section. A pass takes one Newton step of the implicit Euler equations in their compliant form
+/// (XPBD's multipliers), all joints at once by a block-tridiagonal Cholesky (Deul, Kugelstadt, Weiler
+/// & Bender 2018), so that stiffness needs no iterations. Unlike XPBD, a pass measures inertia from
+/// where loads alone would send each segment, however far that is; joints are only ever linearised
+/// about where the segments are. One segment is held: its origin is the grip. A segment's inertia is
+/// its transverse one about every axis: a slim segment's axial inertia would only make twist ring
+/// faster than the substep. Doubles throughout.
 ///
 /// A substep: predict, then passes of solve() with contacts in between, then finish. The last pass
 /// before finish should be solve() if the chain is to be intact, contacts if nothing may penetrate.
@@ -47,7 +50,11 @@ class Rod {
     /// Moves all segments by their velocities for `dt` [s], the held one to `grip`.
     void predict(float dt, const Vec3f& gravity, const RigidTransform& grip);
 
-    /// One pass over all joints.
+    /// Loads a point of a segment with a constant force [N] during this substep; takes effect in the
+    /// next solve().
+    void load(std::size_t segment, float along, const Vec3f& force);
+
+    /// One Newton step of the whole chain.
     void solve();
 
     /// New velocities from the way travelled since predict.
@@ -79,6 +86,7 @@ class Rod {
                                      const Vec3f& direction) const;
 
     /// Gives a segment the positional impulse `impulse` [kg m] at a point (Mueller et al. 2020, eq. 6-9).
+    /// The segment moves at once, as if it were alone; the next solve() spreads the impulse along the chain.
     void push(std::size_t segment, float along, const Vec3f& offset, const Vec3f& impulse);
 
     /// Moves a point of a segment by `displacement` [m]; returns the positional impulse [kg m] that took.
@@ -93,6 +101,17 @@ class Rod {
     [[nodiscard]] double energy() const;
 
   private:
+    /// Where velocity and impulses alone would take a segment in this substep.
+    struct Target {
+        Vec3d position = Vec3d::Zero();
+        Quatd rotation = Quatd::Identity();
+    };
+    /// A segment's displacement [m] and rotation vector [rad].
+    struct Motion {
+        Vec3d shift = Vec3d::Zero();
+        Vec3d turn = Vec3d::Zero();
+    };
+
     void lay_out(const Tube& tube, const RodSettings& settings);
     void assemble();
     void apply();
@@ -103,9 +122,9 @@ class Rod {
     std::vector<RodJoint> joints_;
     std::vector<RodJointState> state_;
     std::vector<Vec3d> angle_before_;  ///< [rad], joints' angles at predict
-    std::vector<Vec6d> multiplier_;    ///< [N s^2, N m s^2], summed over the passes of a substep
-    std::vector<Vec6d> change_;
-    std::vector<Vec3d> turn_;  ///< [rad], of the segments in this pass
+    std::vector<Target> target_;
+    std::vector<Vec6d> multiplier_;  ///< [N s^2, N m s^2], one per joint
+    std::vector<Motion> motion_;
     RodChain chain_;
     std::size_t held_ = 0;
     float radius_ = 0.0f;
