@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/recorder.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cmath>
+
+namespace eti::app {
+
+namespace {
+
+session::PointRecord point(std::string name, const anatomy::CarriedPoint& carried) {
+    return {std::move(name), carried.rest, carried.skin};
+}
+
+session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+                              std::size_t tube_nodes) {
+    session::SceneRecord scene;
+    scene.frame_rest_centre = patient.frame_rest_centre;
+    for (const anatomy::Surface& surface : patient.surfaces) {
+        scene.surfaces.push_back(
+            {surface.name, surface.tissue, surface.mesh, surface.triangle_tissue, surface.skin});
+    }
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        scene.landmarks.push_back(point(std::string(landmark_names[i]), patient.landmarks[i]));
+    }
+    for (const anatomy::CarriedPoint& corner : patient.glottis_contour) {
+        scene.glottis_contour.push_back(point({}, corner));
+    }
+    scene.blade = name_of(scope.blade);
+    scene.laryngoscope = laryngoscope_mesh(scope);
+    scene.tube_outer_diameter = tube.outer_diameter;
+    scene.tube_inner_diameter = tube.inner_diameter;
+    scene.tube_nodes = tube_nodes;
+    return scene;
+}
+
+session::SessionInfo completed(session::SessionInfo info) {
+    if (info.start_time.empty()) {
+        const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+        info.start_time = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+    }
+    if (info.version.empty()) {
+        info.version = ETI_VERSION;
+    }
+    if (info.build.empty()) {
+        info.build = build_description();
+    }
+    return info;
+}
+
+session::SessionWriter::Settings writer_settings(bool wait_when_full) {
+    session::SessionWriter::Settings settings;
+    settings.wait_when_full = wait_when_full;
+    settings.on_error = [](const std::string& text) { spdlog::error("{}", text); };
+    settings.on_warning = [](const std::string& text) { spdlog::warn("{}", text); };
+    return settings;
+}
+
+// Frames are recorded on a grid far finer than the quantum that they must move by: 2^-20 m (1 um) and
+// 2^-15 in the quaternion (0.004 deg at most). The low bits of the floats are then zero, and compress.
+float on_grid(float value, float cells_per_unit) {
+    return std::nearbyint(value * cells_per_unit) / cells_per_unit;
+}
+
+FramePose on_grid(const FramePose& pose) {
+    constexpr float shifts = 0x1p20f, turns = 0x1p15f;
+    FramePose rounded;
+    rounded.centre = pose.centre.unaryExpr([](float v) { return on_grid(v, shifts); });
+    rounded.rotation.coeffs() = pose.rotation.coeffs().unaryExpr([](float v) { return on_grid(v, turns); });
+    return rounded;
+}
+
+bool moved(const FramePose& from, const FramePose& to) {
+    return !((to.centre - from.centre).norm() <= deformation_shift) ||
+           !(rotation_vector(from.rotation.conjugate() * to.rotation).norm() <= deformation_turn);
+}
+
+}  // namespace
+
+std::string build_description() {
+#if defined(__AVX512F__)
+    const char* const instructions = "AVX-512";
+#elif defined(__AVX2__)
+    const char* const instructions = "AVX2";
+#elif defined(__SSE2__)
+    const char* const instructions = "SSE2";
+#else
+    const char* const instructions = "no vector instructions";
+#endif
+#if defined(NDEBUG)
+    const char* const assertions = "without assertions";
+#else
+    const char* const assertions = "with assertions";
+#endif
+    return fmt::format("compiler {}, {}, {}, Eigen {}.{}.{}", __VERSION__, instructions, assertions,
+                       EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
+}
+
+Recorder::Recorder(const std::filesystem::path& path, session::SessionInfo info,
+                   const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+                   std::size_t tube_nodes, bool wait_when_full)
+    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, tube_nodes),
+              writer_settings(wait_when_full)) {}
+
+void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live,
+                      const Parameters& parameters, const std::optional<RigidTransform>& eye) {
+    step_.time_ns = snapshot.time_ns;
+    step_.step = snapshot.step;
+    step_.laryngoscope = snapshot.device;
+    step_.tube_grip = snapshot.tube_grip;
+    step_.eye = eye.value_or(session::no_pose());
+    step_.suction = snapshot.suction;
+    step_.proxy = snapshot.proxy;
+    step_.shell_force = snapshot.shell_force;
+    step_.shell_torque = snapshot.shell_torque;
+    step_.tissue_force = snapshot.tissue_force;
+    step_.tissue_torque = snapshot.tissue_torque;
+    step_.tube_nodes = snapshot.tube_nodes;
+    step_.head_elevation = snapshot.head_elevation;
+    step_.jaw_opening = snapshot.jaw_opening;
+    step_.attempt = live.attempt;
+    step_.attempt_running = live.attempt_running;
+    step_.glottic_opening_percent = live.glottic_opening_percent;
+    step_.gum_force_n = live.gum_force;
+    step_.tube_depth_past_glottis = live.tube_depth_past_glottis;
+    step_.parameters = parameters;
+    writer_.push(step_);
+    if (snapshot.time_ns >= next_deformation_ns_) {
+        record_deformation(snapshot);
+        next_deformation_ns_ = (snapshot.time_ns / deformation_period_ns + 1) * deformation_period_ns;
+    }
+}
+
+void Recorder::record_deformation(const scene::Snapshot& snapshot) {
+    all_frames_ = all_frames_ || recorded_.size() != snapshot.frames.size();
+    recorded_.resize(snapshot.frames.size());
+    moved_.time_ns = snapshot.time_ns;
+    moved_.frame.clear();
+    moved_.pose.clear();
+    for (std::size_t i = 0; i < snapshot.frames.size(); ++i) {
+        if (all_frames_ || moved(recorded_[i], snapshot.frames[i])) {
+            moved_.frame.push_back(static_cast<std::uint16_t>(i));
+            moved_.pose.push_back(on_grid(snapshot.frames[i]));
+        }
+    }
+    // A record that was lost leaves its frames to the next one.
+    if (!moved_.frame.empty() && writer_.push(moved_)) {
+        for (std::size_t k = 0; k < moved_.frame.size(); ++k) {
+            recorded_[moved_.frame[k]] = moved_.pose[k];
+        }
+        all_frames_ = false;
+    }
+}
+
+void Recorder::command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,
+                       const std::string& sender, std::uint32_t id) {
+    writer_.push(session::CommandRecord{time_ns, step, kind, value, sender, id});
+}
+
+void Recorder::event(std::uint64_t time_ns, const std::string& kind, const std::string& text) {
+    writer_.push(session::EventRecord{time_ns, kind, text});
+}
+
+void Recorder::summary(const metrics::AttemptSummary& summary) {
+    writer_.push(session::SummaryRecord{summary.number, summary.outcome, summary.parameters});
+}
+
+}  // namespace eti::app

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/model/tools.hpp"
+#include "common/session/writer.hpp"
+#include "server/anatomy/patient.hpp"
+#include "server/metrics/metrics.hpp"
+#include "server/scene/snapshot.hpp"
+
+namespace eti::app {
+
+/// Keeps the session file: turns what the server computes into records. Call from the physics thread;
+/// nothing waits for the disk. A failing disk is logged once with its remedy, and the session goes on.
+class Recorder {
+  public:
+    /// `info`: start time, version and build are filled in where empty. `wait_when_full`: for runs that
+    /// ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if the file cannot be begun.
+    Recorder(const std::filesystem::path& path, session::SessionInfo info, const anatomy::Patient& patient,
+             const Laryngoscope& scope, const Tube& tube, std::size_t tube_nodes, bool wait_when_full);
+
+    /// Once per step. `eye`: as latched, if one has arrived.
+    void record(const scene::Snapshot& snapshot, const metrics::Live& live, const Parameters& parameters,
+                const std::optional<RigidTransform>& eye);
+    /// A command, when it takes effect before step `step`. `value` in rad or 0..1.
+    void command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,
+                 const std::string& sender, std::uint32_t id);
+    /// `kind`: one word (attempt, command, error, ...).
+    void event(std::uint64_t time_ns, const std::string& kind, const std::string& text);
+    /// An attempt, or the run as a whole (number 0); a later one of the same number replaces an earlier.
+    void summary(const metrics::AttemptSummary& summary);
+
+    /// Closes the file; false if something is missing in it. Later calls do nothing.
+    bool finish() { return writer_.close(); }
+
+  private:
+    void record_deformation(const scene::Snapshot& snapshot);
+
+    session::SessionWriter writer_;
+    session::StepRecord step_;
+    session::DeformationRecord moved_;
+    std::vector<FramePose> recorded_;  // where each frame was when last recorded
+    std::uint64_t next_deformation_ns_ = 0;
+    bool all_frames_ = true;
+};
+
+/// Frames that turned or shifted less since they were recorded count as unmoved.
+inline constexpr float deformation_shift = 0.02e-3f;                     ///< [m]
+inline constexpr float deformation_turn = 0.05f * 3.14159265f / 180.0f;  ///< [rad]
+inline constexpr std::uint64_t deformation_period_ns = 1'000'000'000 / 15;
+
+/// Compiler, build type and instruction set: what the bits of a re-run depend on.
+[[nodiscard]] std::string build_description();
+
+}  // namespace eti::app

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/recorder.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/session/check.hpp"
+#include "common/session/reader.hpp"
+
+namespace eti::app {
+namespace {
+
+constexpr std::size_t frame_count = 40;
+constexpr std::size_t tube_nodes = 5;
+
+anatomy::Patient small_patient() {
+    anatomy::Patient patient;
+    patient.frame_rest_centre.assign(frame_count, Vec3f(0.1f, 0.2f, 0.3f));
+    anatomy::Surface surface;
+    surface.name = "tongue";
+    surface.tissue = Tissue::tongue;
+    surface.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    surface.mesh.triangles = {{0, 1, 2}};
+    surface.triangle_tissue = {Tissue::tongue};
+    surface.skin.assign(3, {{7, 0, 0, 0}, {1.0f, 0, 0, 0}});
+    patient.surfaces.push_back(surface);
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        patient.landmarks[i] = {Vec3f::Constant(static_cast<float>(i)), {{1, 0, 0, 0}, {1.0f, 0, 0, 0}}};
+    }
+    return patient;
+}
+
+class RecorderTest : public ::testing::Test {
+  protected:
+    RecorderTest() {
+        folder = std::filesystem::temp_directory_path() /
+                 ("eti_recorder_" + std::to_string(::getpid()) + "_" +
+                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder);
+        path = folder / "run.eti.h5";
+        snapshot.frames.resize(frame_count);
+        snapshot.tube_nodes.assign(tube_nodes, Vec3f(1, 2, 3));
+    }
+    ~RecorderTest() override { std::filesystem::remove_all(folder); }
+
+    [[nodiscard]] Recorder recorder() const {
+        session::SessionInfo info;
+        info.session = "test";
+        return {path, info, small_patient(), make_laryngoscope(Blade::miller_0), Tube{}, tube_nodes, true};
+    }
+
+    /// Moves the snapshot on to step `number` at 180 Hz.
+    void advance(std::uint64_t number) {
+        snapshot.step = number;
+        snapshot.time_ns = number * 1'000'000'000 / 180;
+    }
+
+    std::filesystem::path folder;
+    std::filesystem::path path;
+    scene::Snapshot snapshot;
+    metrics::Live live;
+};
+
+TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
+    Recorder kept = recorder();
+    advance(17);
+    snapshot.device.translation = {1, 2, 3};
+    snapshot.tube_grip.translation = {4, 5, 6};
+    snapshot.proxy.rotation = quaternion_from({0.1f, 0.2f, 0.3f});
+    snapshot.shell_force = {7, 8, 9};
+    snapshot.shell_torque = {10, 11, 12};
+    snapshot.tissue_force = {13, 14, 15};
+    snapshot.tissue_torque = {16, 17, 18};
+    snapshot.suction = 0.5f;
+    snapshot.head_elevation = 0.4f;
+    snapshot.jaw_opening = 0.3f;
+    live.attempt = 3;
+    live.attempt_running = true;
+    live.glottic_opening_percent = 42.0f;
+    live.gum_force = 2.5f;
+    live.tube_depth_past_glottis = -0.01f;
+    Parameters parameters;
+    parameters.time_s = 12.5;
+    RigidTransform eye;
+    eye.translation = {19, 20, 21};
+    kept.record(snapshot, live, parameters, eye);
+    advance(18);
+    kept.record(snapshot, live, parameters, std::nullopt);
+    kept.command(5, 17, "jaw_opening", 0.25, "trainee", 9);
+    kept.event(6, "attempt", "began");
+    kept.summary({1, 0.0, 1.0, {true, "the trachea was intubated"}, parameters});
+    EXPECT_TRUE(kept.finish());
+
+    const session::SessionReader reader(path);
+    const auto steps = reader.steps();
+    ASSERT_EQ(steps.size(), 2u);
+    const session::StepRecord& first = steps[0];
+    EXPECT_EQ(first.step, 17u);
+    EXPECT_EQ(first.time_ns, 94'444'444u) << "17 / 180 s";
+    EXPECT_EQ(first.laryngoscope.translation, Vec3f(1, 2, 3));
+    EXPECT_EQ(first.tube_grip.translation, Vec3f(4, 5, 6));
+    EXPECT_EQ(first.eye.translation, Vec3f(19, 20, 21));
+    EXPECT_TRUE(std::isnan(steps[1].eye.translation.x()));
+    EXPECT_EQ(first.proxy.rotation.coeffs(), snapshot.proxy.rotation.coeffs());
+    EXPECT_EQ(first.shell_force, Vec3f(7, 8, 9));
+    EXPECT_EQ(first.shell_torque, Vec3f(10, 11, 12));
+    EXPECT_EQ(first.tissue_force, Vec3f(13, 14, 15));
+    EXPECT_EQ(first.tissue_torque, Vec3f(16, 17, 18));
+    EXPECT_EQ(first.tube_nodes, snapshot.tube_nodes);
+    EXPECT_EQ(first.suction, 0.5f);
+    EXPECT_EQ(first.head_elevation, 0.4f);
+    EXPECT_EQ(first.jaw_opening, 0.3f);
+    EXPECT_EQ(first.attempt, 3u);
+    EXPECT_TRUE(first.attempt_running);
+    EXPECT_EQ(first.glottic_opening_percent, 42.0f);
+    EXPECT_EQ(first.gum_force_n, 2.5f);
+    EXPECT_EQ(first.tube_depth_past_glottis, -0.01f);
+    EXPECT_EQ(first.parameters.time_s, 12.5);
+    ASSERT_EQ(reader.commands().size(), 1u);
+    EXPECT_EQ(reader.commands()[0].sender, "trainee");
+    ASSERT_EQ(reader.events().size(), 1u);
+    ASSERT_EQ(reader.summaries().size(), 1u);
+    EXPECT_EQ(reader.summaries()[0].outcome.reason, "the trachea was intubated");
+
+    const session::SceneRecord scene = reader.scene();
+    ASSERT_EQ(scene.surfaces.size(), 1u);
+    EXPECT_EQ(scene.surfaces[0].tissue, Tissue::tongue);
+    ASSERT_EQ(scene.landmarks.size(), landmark_count);
+    EXPECT_EQ(scene.landmarks[14].name, "carina");
+    EXPECT_EQ(scene.landmarks[14].rest, Vec3f::Constant(14.0f));
+    EXPECT_EQ(scene.blade, name_of(Blade::miller_0));
+    EXPECT_FALSE(scene.laryngoscope.triangles.empty());
+    EXPECT_FALSE(reader.info().version.empty());
+    EXPECT_FALSE(reader.info().build.empty());
+    EXPECT_EQ(reader.info().start_time.size(), std::string("2024-02-29T12:00:00Z").size());
+    EXPECT_TRUE(session::check(path).sound());
+}
+
+TEST_F(RecorderTest, DeformationHoldsWhatMovedFifteenTimesASecond) {
+    Recorder kept = recorder();
+    // Frame 3 creeps by 7 um a step, so it passes the quantum of 20 um in every period of 12 steps;
+    // frame 4 creeps by 0.7 um and passes it in every third; the others rest.
+    constexpr std::uint64_t steps = 180;
+    for (std::uint64_t i = 0; i < steps; ++i) {
+        advance(i);
+        snapshot.frames[3].centre.x() = 7e-6f * static_cast<float>(i);
+        snapshot.frames[4].centre.x() = 0.7e-6f * static_cast<float>(i);
+        kept.record(snapshot, live, {}, std::nullopt);
+    }
+    EXPECT_TRUE(kept.finish());
+    const auto deformations = session::SessionReader(path).deformations();
+    ASSERT_EQ(deformations.size(), 15u);
+    EXPECT_EQ(deformations[0].frame.size(), frame_count) << "the first record places every frame";
+    for (std::size_t k = 1; k < deformations.size(); ++k) {
+        const auto& frames = deformations[k].frame;
+        EXPECT_EQ(deformations[k].time_ns, 12 * k * 1'000'000'000 / 180);
+        EXPECT_EQ(frames, k % 3 == 0 ? (std::vector<std::uint16_t>{3, 4}) : (std::vector<std::uint16_t>{3}));
+    }
+}
+
+TEST_F(RecorderTest, AReplayStaysWithinTheQuantum) {
+    Recorder kept = recorder();
+    std::vector<std::vector<FramePose>> truth;
+    for (std::uint64_t i = 0; i < 360; ++i) {
+        advance(i);
+        for (std::size_t f = 0; f < frame_count; ++f) {
+            const float phase = 0.01f * static_cast<float>(i) * static_cast<float>(f % 7);
+            snapshot.frames[f].centre =
+                Vec3f(0.1f, -0.05f, 0.02f) + 1e-3f * Vec3f(std::sin(phase), std::cos(phase), 0);
+            snapshot.frames[f].rotation = quaternion_from({0.1f * std::sin(phase), 0.0f, 0.02f * phase});
+        }
+        kept.record(snapshot, live, {}, std::nullopt);
+        if (i % 12 == 0) {
+            truth.push_back(snapshot.frames);
+        }
+    }
+    EXPECT_TRUE(kept.finish());
+    std::vector<FramePose> replayed(frame_count);
+    const auto deformations = session::SessionReader(path).deformations();
+    ASSERT_EQ(deformations.size(), truth.size());
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+        for (std::size_t j = 0; j < deformations[k].frame.size(); ++j) {
+            replayed[deformations[k].frame[j]] = deformations[k].pose[j];
+        }
+        for (std::size_t f = 0; f < frame_count; ++f) {
+            // The quantum, plus the grid: half a cell of 2^-20 m in each of three directions, and half a
+            // cell of 2^-15 in each of four components of the quaternion, which is half the angle.
+            EXPECT_LE((replayed[f].centre - truth[k][f].centre).norm(), deformation_shift + 0.9f * 0x1p-20f);
+            const Quatf rotation = replayed[f].rotation.normalized();
+            EXPECT_LE(rotation_vector(rotation.conjugate() * truth[k][f].rotation).norm(),
+                      deformation_turn + 2.0f * 0x1p-15f);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace eti::app
