@@ -18,7 +18,6 @@ FOLDER = support.BIN.parent / "operator-runs"
 RUNS = {
     "expert": ("expert", 1, {}),
     "expert_two_threads": ("expert", 2, {}),
-    "expert_again": ("expert", 2, {}),
     "novice": ("novice", 2, {}),
     "oesophageal": ("oesophageal", 2, {}),
     "no_lift": ("no_lift", 2, {}),
