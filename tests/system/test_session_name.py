@@ -15,14 +15,15 @@ SECONDS_TO_START = 120
 
 class SessionName(support.Case):
     def server(self, name, number):
-        """A server under a session name, once it simulates."""
+        """A server under a session name, once it owns the session."""
         log = self.folder / f"server-{number}.log"
-        process = subprocess.Popen(self.command(name), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                   stderr=log.open("wb"))
+        with log.open("wb") as file:
+            process = subprocess.Popen(self.command(name), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                       stderr=file)
         self.addCleanup(process.wait, 30)
         self.addCleanup(process.kill)
         deadline = time.monotonic() + SECONDS_TO_START
-        while "simulation time" not in log.read_text(errors="replace"):
+        while "runs scenario" not in log.read_text(errors="replace"):
             self.assertIsNone(process.poll(), log.read_text())
             self.assertLess(time.monotonic(), deadline, log.read_text())
             time.sleep(0.1)
