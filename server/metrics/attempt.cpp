@@ -13,15 +13,16 @@ namespace {
 
 constexpr double peak_prominence_deg = 5.0;
 
-// Bins of the angle curves [Hz] that rocking is judged on. The finest wavelet band then spans
-// curve_rate / 4 to curve_rate / 2: what is faster than a hand rocks is averaged out.
-constexpr double curve_rate = 30.0;
+// Bins of the angle curves [Hz] that rocking is judged on. The noise level is read from the finest
+// wavelet band, a quarter to a half of this: 2.5 to 5 Hz, the fastest that a hand rocks a blade.
+// Physiological tremor, 8 to 12 Hz, is averaged out; at finer bins it alone would set the result.
+constexpr double curve_rate = 10.0;
 
 // [Hz]; the shortest interval that a speed is taken over, and the bins of the speed profile, whose
 // spectrum is read up to 10 Hz.
 constexpr double speed_rate = 30.0;
 
-// Nine minutes at 30 Hz before neighbours merge.
+// Nine minutes at 30 Hz before neighbours merge and bins double.
 constexpr std::size_t curve_capacity = std::size_t{1} << 14;
 
 double in_degrees(double radians) {

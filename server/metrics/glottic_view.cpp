@@ -71,14 +71,14 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
     }
 }
 
-void GlotticViewer::block(SightLines& lines, const scene::Snapshot& snapshot) {
+void GlotticViewer::block(SightLines& lines, const PosedFrames& frames, const scene::Snapshot& snapshot) {
     if (laryngoscope_) {
         const Vec3f centre = Vec3f::Zero();
         const FramePose pose{snapshot.proxy.translation, snapshot.proxy.rotation};
-        laryngoscope_->block(lines, std::span(&centre, 1), std::span(&pose, 1));
+        laryngoscope_->block(lines, PosedFrames(std::span(&centre, 1), std::span(&pose, 1)));
     }
     for (Occluder& surface : surfaces_) {
-        surface.block(lines, rest_centres_, snapshot.frames);
+        surface.block(lines, frames);
     }
     if (settings_.tube_hides) {
         for (std::size_t i = 1; i < snapshot.tube_nodes.size(); ++i) {
@@ -93,9 +93,10 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& ey
     if (snapshot.frames.size() != rest_centres_.size()) {
         return view;
     }
+    const PosedFrames frames(rest_centres_, snapshot.frames);
     const AreaSamples samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
     SightLines to_glottis(eye, samples.points, settings_.tolerance);
-    block(to_glottis, snapshot);
+    block(to_glottis, frames, snapshot);
     for (std::size_t i = 0; i < to_glottis.size(); ++i) {
         if (!to_glottis.blocked(i)) {
             view.opening_percent += 100.0f * samples.weights[i];
@@ -105,10 +106,10 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& ey
 
     std::vector<Vec3f> targets;
     for (const anatomy::CarriedPoint& point : epiglottis_) {
-        targets.push_back(skin_point(point.rest, point.skin, rest_centres_, snapshot.frames));
+        targets.push_back(frames.skin(point.rest, point.skin));
     }
     SightLines to_epiglottis(eye, targets, settings_.tolerance);
-    block(to_epiglottis, snapshot);
+    block(to_epiglottis, frames, snapshot);
     for (std::size_t i = 0; i < to_epiglottis.size() && !view.epiglottis_seen; ++i) {
         view.epiglottis_seen = !to_epiglottis.blocked(i);
     }

@@ -50,7 +50,7 @@ class GlotticViewer {
     [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& eye);
 
   private:
-    void block(SightLines& lines, const scene::Snapshot& snapshot);
+    void block(SightLines& lines, const PosedFrames& frames, const scene::Snapshot& snapshot);
 
     Settings settings_;
     std::vector<Vec3f> rest_centres_;

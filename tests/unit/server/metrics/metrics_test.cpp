@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "airway_shapes.hpp"
+#include "common/math/units.hpp"
+
+namespace eti::metrics {
+namespace {
+
+constexpr double step = 1.0 / 180.0;
+
+// Poses a blade whose tip lies `depth` [m] behind the mouth opening's plane, on its axis.
+void place_blade(scene::Snapshot& snapshot, const Laryngoscope& scope, float depth, float pitch = 0.0f,
+                 float yaw = 0.0f) {
+    const Vec3f direction(std::sin(yaw), std::cos(yaw) * std::cos(pitch), -std::cos(yaw) * std::sin(pitch));
+    snapshot.proxy.rotation = Quatf::FromTwoVectors(Vec3f::UnitZ(), direction);
+    const Vec3f tip = at(snapshot.landmarks, Landmark::mouth_opening) + Vec3f(0, depth, 0);
+    snapshot.proxy.translation = tip - snapshot.proxy.rotation * scope.tip();
+}
+
+class Session {
+  public:
+    Session() {
+        patient.weight = 3.0f;
+        scope.blade_length = 0.1f;
+        metrics.begin(patient, scope, 30.0);
+    }
+
+    // Plays `seconds` of a motion; `pose` fills the snapshot and the view for a time since the play began.
+    void play(double seconds, const std::function<void(double, scene::Snapshot&, GlotticView&)>& pose) {
+        const int steps = static_cast<int>(std::lround(seconds / step));
+        for (int i = 0; i < steps; ++i, ++number) {
+            snapshot.step = number;
+            snapshot.time_ns =
+                static_cast<std::uint64_t>(std::llround(static_cast<double>(number) * step * 1e9));
+            pose(static_cast<double>(i) * step, snapshot, view);
+            metrics.observe(snapshot, view);
+        }
+    }
+
+    anatomy::Patient patient;
+    Laryngoscope scope;
+    scene::Snapshot snapshot = test::plain_snapshot();
+    GlotticView view;
+    Metrics metrics;
+    std::uint64_t number = 900;  // a session that began five seconds before the run
+};
+
+TEST(Metrics, AttemptLastsFromBladeInToBladeOut) {
+    Session run;
+    const auto to_and_fro = [&](double t, scene::Snapshot& s, GlotticView&) {
+        // 50 mm/s in from 20 mm before the plane to 40 mm past it, and out.
+        place_blade(s, run.scope, static_cast<float>(t < 1.2 ? -0.02 + 0.05 * t : 0.04 - 0.05 * (t - 1.2)));
+    };
+    run.play(2.4, to_and_fro);
+    run.play(2.4, to_and_fro);
+    ASSERT_EQ(run.metrics.attempts().size(), 2u);
+    const AttemptSummary& first = run.metrics.attempts()[0];
+    // In at +2 mm, 22 mm on the way; out at -2 mm, 42 mm on the way back. Each is seen up to a step late.
+    const double in = 0.022 / 0.05;
+    const double out = 1.2 + 0.042 / 0.05;
+    EXPECT_NEAR(first.began, in, step);
+    EXPECT_NEAR(first.ended, out, step);
+    EXPECT_NEAR(first.parameters.time_s, out - in, step);
+    EXPECT_EQ(run.metrics.run().parameters.attempts, 2);
+    EXPECT_NEAR(run.metrics.run().parameters.time_s, 2 * (out - in), 2 * step);
+
+    // Depth: straight from the gum at the origin to a tip at (0, y, -10 mm). Largest at y = 30 mm; the mean
+    // by the closed form of the integral of sqrt(y^2 + a^2).
+    const double a = 0.01;
+    const auto primitive = [a](double y) { return 0.5 * (y * std::hypot(y, a) + a * a * std::asinh(y / a)); };
+    const double path = (0.03 + 0.008) + (0.03 + 0.012);  // y from -8 to 30 mm, and back to -12 mm
+    const double mean = (2 * primitive(0.03) - primitive(-0.008) - primitive(-0.012)) / path;
+    EXPECT_NEAR(first.parameters.blade_depth_max_cm, 100 * std::hypot(0.03, a), 0.03);  // a step is 0.28 mm
+    EXPECT_NEAR(first.parameters.blade_depth_mean_cm, 100 * mean, 0.03);
+    // The path is sampled at 30 Hz; the turn and the two ends lose at most an interval of 1.7 mm each.
+    EXPECT_NEAR(first.parameters.blade_path_length_cm, 100 * path, 3 * 0.17);
+}
+
+TEST(Metrics, ForcesFollowTissueAndTime) {
+    Session run;
+    run.play(0.5, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); });
+    run.play(6.0, [&](double t, scene::Snapshot& s, GlotticView&) {
+        place_blade(s, run.scope, 0.03f);
+        s.shell_contacts.clear();
+        s.tissue_contacts.clear();
+        if (t < 2.0) {
+            s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 2.0f, Tissue::upper_gum});
+            s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 1.0f, Tissue::upper_gum});
+            s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 9.0f, Tissue::lower_gum});
+            scene::TissueContact particle;
+            particle.tissue = Tissue::upper_gum;
+            particle.force = {0.3f, 0, 0.4f};
+            s.tissue_contacts.push_back(particle);
+            particle.tissue = Tissue::epiglottis;
+            particle.force = {0, 0, 1.5f};
+            s.tissue_contacts.push_back(particle);
+            s.tissue_contacts.push_back(particle);
+            particle.tissue = Tissue::tongue;
+            particle.force = {0, 2.0f, 0};
+            s.tissue_contacts.push_back(particle);
+            particle.force = {0, 2.0f, 1.5f};
+            s.tissue_contacts.push_back(particle);
+        }
+    });
+    run.metrics.finish();
+    const Parameters& p = run.metrics.attempts()[0].parameters;
+    EXPECT_NEAR(p.gum_force_max_n, 3.5, 1e-6);
+    EXPECT_NEAR(p.gum_force_mean_n, 3.5 / 3, 3.5 * step / 6);
+    EXPECT_NEAR(p.epiglottis_force_max_n, 3.0, 1e-6);
+    EXPECT_NEAR(p.tongue_force_max_n, std::hypot(4.0, 1.5), 1e-6);
+}
+
+TEST(Metrics, PeaksAreCountedInTheSkullFrame) {
+    Session run;
+    const Quatf turned(Eigen::AngleAxisf(0.5f, Vec3f::UnitX()));
+    run.play(10.0, [&](double t, scene::Snapshot& s, GlotticView&) {
+        const double pitch = 60 - 4 * std::cos(2 * std::numbers::pi * 0.5 * t);  // five maxima, 8 deg each
+        const double yaw =
+            -6 * (1 - std::cos(2 * std::numbers::pi * 0.2 * t)) / 2;  // two swings to the right
+        s.frames[1].rotation = turned;
+        place_blade(s, run.scope, 0.03f, static_cast<float>(pitch) * degree,
+                    static_cast<float>(yaw) * degree);
+        const Vec3f tip = s.proxy * run.scope.tip();
+        s.proxy.rotation = turned * s.proxy.rotation;
+        s.proxy.translation = tip - s.proxy.rotation * run.scope.tip();
+    });
+    run.metrics.finish();
+    const Parameters& p = run.metrics.attempts()[0].parameters;
+    EXPECT_EQ(p.pitch_peaks, 5);
+    EXPECT_EQ(p.yaw_peaks, 2);
+}
+
+TEST(Metrics, RockingTellsAShakenBladeFromASteadyOne) {
+    const auto rocking_of = [](double amplitude_deg) {
+        Session run;
+        run.play(12.0, [&](double t, scene::Snapshot& s, GlotticView&) {
+            const double swing = 50 + 10 * std::sin(0.5 * t);
+            const double shake = amplitude_deg * std::sin(2 * std::numbers::pi * 3.1 * t);
+            place_blade(s, run.scope, 0.03f, static_cast<float>(swing + shake) * degree);
+        });
+        run.metrics.finish();
+        return run.metrics.attempts()[0].parameters.pitch_rocking_deg;
+    };
+    EXPECT_LT(rocking_of(0.0), 0.1);
+    // At 3.1 Hz the shake lies in the finest band and is removed whole; bins of 0.1 s pass sinc(0.31) = 0.85
+    // of it. The residual's largest value may exceed the amplitude where wavelets overlap.
+    EXPECT_GT(rocking_of(3.0), 0.85 * 3.0 * 0.8);
+    EXPECT_LT(rocking_of(3.0), 3.0 * 1.6);
+}
+
+TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
+    Session run;
+    const test::Path path = test::tracheal_path();
+    const float glottis = path.length_to(2);
+    run.snapshot.head_elevation = 5 * degree;
+    run.play(10.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
+        place_blade(s, run.scope, 0.03f);
+        view.opening_percent = t < 2 ? 0.0f : t < 5 ? 20.0f : 80.0f;
+        s.head_elevation = (t < 5 ? 5.0f : t < 8 ? 12.0f : 17.0f) * degree;
+        // 10 mm/s; 6 mm before the glottis at t = 7 s, 2 mm past it at 7.8 s.
+        s.tube_nodes = test::tube_on(path, glottis - 0.006f + 0.01f * static_cast<float>(t - 7));
+    });
+    run.metrics.finish();
+    const Parameters& p = run.metrics.attempts()[0].parameters;
+    EXPECT_NEAR(p.glottic_opening_max_percent, 80.0, 1e-6);
+    EXPECT_NEAR(p.glottic_opening_mean_percent, (3 * 20 + 2 * 80) / 5.0, 80 * 3 * step / 5);
+    EXPECT_NEAR(p.head_elevation_deg, 12.0, 1e-4);  // at passage, not at the end
+    EXPECT_EQ(p.cormack_lehane_grade, 1);
+}
+
+TEST(Metrics, SuccessfulIntubation) {
+    Session run;
+    const test::Path path = test::tracheal_path();
+    const float from = path.length_to(1) - 0.01f;
+    const float to = path.length_to(2) + 0.021f;
+    run.play(1.0, [&](double, scene::Snapshot& s, GlotticView&) {
+        place_blade(s, run.scope, 0.03f);
+        s.tube_nodes = test::tube_on(path, from);
+    });
+    const double speed = 0.02;
+    const double travel = static_cast<double>(to - from) / speed;
+    run.play(travel, [&](double t, scene::Snapshot& s, GlotticView& view) {
+        view.opening_percent = 60.0f;
+        s.tube_nodes = test::tube_on(path, from + static_cast<float>(speed * t));
+    });
+    run.play(1.0, [&](double t, scene::Snapshot& s, GlotticView&) {
+        place_blade(s, run.scope, static_cast<float>(0.03 - 0.06 * t));
+    });
+    ASSERT_EQ(run.metrics.attempts().size(), 1u);
+    const AttemptSummary& attempt = run.metrics.attempts()[0];
+    EXPECT_TRUE(attempt.outcome.success);
+    EXPECT_EQ(attempt.outcome.reason, "the tube's tip lies 21 mm past the glottis, 29 mm above the carina");
+    EXPECT_EQ(run.metrics.run().outcome.reason, attempt.outcome.reason);
+    const Parameters& p = attempt.parameters;
+    // Mean over the way inside the mouth and the rest after it; the path's corners shorten a chord.
+    const double inside = (static_cast<double>(to - from) - 0.012) / speed;
+    const double resting = attempt.ended - 1.0 - travel;
+    EXPECT_NEAR(p.tube_speed_max_cm_per_s, 2.0, 0.01);
+    EXPECT_NEAR(p.tube_speed_mean_cm_per_s, 2.0 * inside / (inside + resting), 0.05);
+    EXPECT_NEAR(p.tube_depth_at_lip_cm, 100.0 * static_cast<double>(to - path.length_to(1)), 0.05);
+    EXPECT_EQ(p.tube_depth_rule_cm, 9.0);
+    EXPECT_EQ(p.oesophageal_entries, 0);
+    EXPECT_EQ(p.main_stem_entries, 0);
+    EXPECT_EQ(p.over_time_limit, 0);
+    for (const ParameterField& field : parameter_fields) {
+        EXPECT_FALSE(std::isnan(run.metrics.run().parameters.*field.value)) << field.key;
+    }
+}
+
+TEST(Metrics, OesophagealIntubationIsSaidSo) {
+    Session run;
+    const test::Path path = test::oesophageal_path();
+    const float inlet = path.length_to(2);
+    run.play(4.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
+        place_blade(s, run.scope, 0.03f);
+        view.opening_percent = 10.0f;
+        s.tube_nodes = test::tube_on(path, inlet - 0.03f + 0.02f * static_cast<float>(t));
+    });
+    run.metrics.finish();
+    const AttemptSummary run_summary = run.metrics.run();
+    EXPECT_FALSE(run_summary.outcome.success);
+    // 30 mm and the slack of 2 mm at 20 mm/s.
+    EXPECT_EQ(run_summary.outcome.reason, "the tube went into the oesophagus at 1.6 s");
+    EXPECT_EQ(run_summary.parameters.oesophageal_entries, 1);
+    EXPECT_EQ(run_summary.parameters.cormack_lehane_grade, 2);
+}
+
+TEST(Metrics, FailuresNameTheirCause) {
+    const test::Path path = test::tracheal_path();
+    const float glottis = path.length_to(2);
+    const auto outcome_of = [&](float tip, float opening, double seconds = 2.0) {
+        Session run;
+        run.play(seconds, [&](double t, scene::Snapshot& s, GlotticView& view) {
+            place_blade(s, run.scope, 0.03f);
+            view.opening_percent = opening;
+            s.tube_nodes = test::tube_on(path, std::min(tip, glottis - 0.2f + 0.3f * static_cast<float>(t)));
+        });
+        run.metrics.finish();
+        return run.metrics.run().outcome;
+    };
+    EXPECT_EQ(outcome_of(glottis - 0.2f, 2.0f).reason, "the glottis was never seen (best view 2 %)");
+    EXPECT_EQ(outcome_of(glottis - 0.2f, 63.0f).reason, "the tube never entered the mouth (best view 63 %)");
+    EXPECT_EQ(outcome_of(glottis - 0.012f, 63.0f).reason,
+              "the tube's tip came no nearer than 12 mm to the glottis (best view 63 %)");
+    EXPECT_EQ(outcome_of(glottis + 0.004f, 63.0f).reason,
+              "the tube's tip lies only 4 mm past the glottis, where 10 mm are needed");
+    EXPECT_EQ(outcome_of(glottis + 0.056f, 63.0f).reason,
+              "the tube's tip lies 6 mm past the carina, in a main bronchus");
+    EXPECT_FALSE(outcome_of(glottis + 0.056f, 63.0f).success);
+    const Outcome late = outcome_of(glottis + 0.02f, 63.0f, 31.0);
+    EXPECT_TRUE(late.success);
+    EXPECT_EQ(late.reason,
+              "the tube's tip lies 20 mm past the glottis, 30 mm above the carina; it took 31.0 s, over the "
+              "limit of "
+              "30 s");
+    Session idle;
+    idle.play(1.0, [](double, scene::Snapshot&, GlotticView&) {});
+    idle.metrics.finish();
+    EXPECT_EQ(idle.metrics.run().outcome.reason, "the blade never entered the mouth");
+}
+
+TEST(Metrics, RunCombinesAttempts) {
+    RunPart a, b;
+    a.parameters.gum_force_max_n = 4;
+    a.parameters.gum_force_mean_n = 1;
+    a.parameters.time_s = 10;
+    a.parameters.pitch_peaks = 3;
+    a.parameters.attempts = 1;
+    a.parameters.cormack_lehane_grade = 3;
+    a.parameters.glottic_opening_max_percent = 90;
+    a.parameters.head_elevation_deg = 4;
+    a.parameters.tube_speed_max_cm_per_s = std::nan("");
+    a.parameters.tube_speed_mean_cm_per_s = std::nan("");
+    a.weights = {10, 0, 0};
+    b = a;
+    b.parameters.gum_force_max_n = 2;
+    b.parameters.gum_force_mean_n = 2;
+    b.parameters.time_s = 30;
+    b.parameters.pitch_peaks = 1;
+    b.parameters.cormack_lehane_grade = 2;
+    b.parameters.glottic_opening_max_percent = 50;
+    b.parameters.head_elevation_deg = 9;
+    b.parameters.tube_speed_max_cm_per_s = 5;
+    b.parameters.tube_speed_mean_cm_per_s = 3;
+    b.weights = {30, 4, 6};
+    b.passed_glottis = true;
+    const std::array<RunPart, 2> parts = {a, b};
+    const Parameters run = combine(parts);
+    EXPECT_EQ(run.gum_force_max_n, 4);
+    EXPECT_NEAR(run.gum_force_mean_n, (1.0 * 10 + 2.0 * 30) / 40, 1e-12);
+    EXPECT_EQ(run.time_s, 40);
+    EXPECT_EQ(run.pitch_peaks, 4);
+    EXPECT_EQ(run.attempts, 2);
+    EXPECT_EQ(run.cormack_lehane_grade, 2);
+    EXPECT_EQ(run.head_elevation_deg, 9);
+    EXPECT_EQ(run.tube_speed_max_cm_per_s, 5);
+    EXPECT_EQ(run.tube_speed_mean_cm_per_s, 3);
+}
+
+TEST(Metrics, OldSnapshotsAreIgnored) {
+    Session run;
+    run.play(2.0, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); });
+    const double time = run.metrics.live_parameters().time_s;
+    run.snapshot.time_ns -= 1'000'000'000;
+    run.metrics.observe(run.snapshot, run.view);
+    EXPECT_EQ(run.metrics.live_parameters().time_s, time);
+}
+
+}  // namespace
+}  // namespace eti::metrics

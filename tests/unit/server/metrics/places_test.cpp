@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/metrics/places.hpp"
+
+#include <gtest/gtest.h>
+
+#include "airway_shapes.hpp"
+#include "common/math/units.hpp"
+#include "server/metrics/airway_watch.hpp"
+
+namespace eti::metrics {
+namespace {
+
+using test::plain_snapshot;
+using Change = Passage::Change;
+
+// Points of a few centimetres in float: a micrometre leaves a hundred-fold margin.
+constexpr float near = 1e-6f;
+
+TEST(Places, GatesFaceOnwards) {
+    const Places places = places_in(plain_snapshot());
+    EXPECT_LT((places.mouth.onward - Vec3f::UnitY()).norm(), near);
+    EXPECT_LT((places.glottis.onward + Vec3f::UnitZ()).norm(), near);
+    EXPECT_LT((places.oesophagus.onward + Vec3f::UnitZ()).norm(), near);
+    EXPECT_NEAR(places.mouth.past({0.004f, 0.02f, 0.003f}), 0.03f, near);
+    EXPECT_NEAR(places.mouth.aside({0.004f, 0.02f, -0.007f}), 0.005f, near);
+    EXPECT_NEAR(places.trachea_length(), 0.05f, near);
+}
+
+TEST(Places, ClosedMouthStillHasAGateInwards) {
+    scene::Snapshot snapshot = plain_snapshot();
+    snapshot.landmarks[static_cast<std::size_t>(Landmark::lower_lip)] = Vec3f(0, -0.01f, -0.001f);
+    EXPECT_GT(places_in(snapshot).mouth.onward.y(), 0.99f);
+}
+
+TEST(Places, TiltedHeadTiltsTheMouthsGate) {
+    scene::Snapshot snapshot = plain_snapshot();
+    const RigidTransform tilt = RigidTransform::about({0, 0.05f, 0}, Vec3f::UnitX(), 20 * degree);
+    for (const Landmark which :
+         {Landmark::upper_lip, Landmark::lower_lip, Landmark::mouth_opening, Landmark::tongue_dorsum}) {
+        Vec3f& point = snapshot.landmarks[static_cast<std::size_t>(which)];
+        point = tilt * point;
+    }
+    EXPECT_LT((places_in(snapshot).mouth.onward - tilt.rotation * Vec3f::UnitY()).norm(), 10 * near);
+}
+
+TEST(Places, LengthAlongTheTrachea) {
+    const Places places = places_in(plain_snapshot());
+    EXPECT_NEAR(places.along_trachea({0.001f, 0.035f, -0.07f}), 0.01f, near);
+    EXPECT_NEAR(places.along_trachea({0, 0.036f, -0.10f}), 0.04f, near);
+    EXPECT_NEAR(places.along_trachea({0, 0.035f, -0.12f}), 0.06f, near);
+    EXPECT_NEAR(places.along_trachea({0, 0.035f, -0.05f}), -0.01f, near);
+    EXPECT_NEAR(places.from_trachea({0.002f, 0.035f, -0.1f}), 0.002f, near);
+    EXPECT_NEAR(places.from_oesophagus({0, 0.045f, -0.2f}), 0.002f, near);
+}
+
+TEST(Places, TubeDepthIsMeasuredAlongTheTube) {
+    const Places places = places_in(plain_snapshot());
+    const test::Path path = test::tracheal_path();
+    const float to_mouth = path.length_to(1);
+    for (const float inside : {0.01f, 0.05f, 0.1f}) {
+        const auto depth = depth_at_lip(test::tube_on(path, to_mouth + inside), places.mouth);
+        ASSERT_TRUE(depth.has_value());
+        // Half-millimetre nodes cut the path's two corners: each by less than half a node distance.
+        EXPECT_NEAR(*depth, inside, 0.5e-3f);
+    }
+    EXPECT_FALSE(depth_at_lip(test::tube_on(path, to_mouth - 0.01f), places.mouth).has_value());
+}
+
+TEST(Places, BladeAnglesAreThoseOfTheBuiltDirection) {
+    scene::Snapshot snapshot = plain_snapshot();
+    const RigidTransform skull =
+        RigidTransform::about(Vec3f::Zero(), Vec3f(1, 0.2f, -0.3f).normalized(), 0.7f);
+    for (const float pitch : {-10.0f, 0.0f, 45.0f, 90.0f, 120.0f}) {
+        for (const float yaw : {-30.0f, 0.0f, 12.0f}) {
+            const float p = pitch * degree;
+            const float q = yaw * degree;
+            const Vec3f direction(std::sin(q), std::cos(q) * std::cos(p), -std::cos(q) * std::sin(p));
+            snapshot.proxy.rotation = Quatf::FromTwoVectors(Vec3f::UnitZ(), direction);
+            snapshot.frames[1].rotation = Quatf::Identity();
+            const BladeAngles plain = blade_angles(snapshot);
+            EXPECT_NEAR(plain.pitch, static_cast<double>(p), 1e-5);
+            EXPECT_NEAR(plain.yaw, static_cast<double>(q), 1e-5);
+            // The same with head and blade turned together.
+            snapshot.frames[1].rotation = skull.rotation;
+            snapshot.proxy.rotation = skull.rotation * snapshot.proxy.rotation;
+            const BladeAngles turned = blade_angles(snapshot);
+            EXPECT_NEAR(turned.pitch, static_cast<double>(p), 1e-5);
+            EXPECT_NEAR(turned.yaw, static_cast<double>(q), 1e-5);
+        }
+    }
+}
+
+TEST(AirwayWatch, TremblingTipIsCountedOnce) {
+    const Places places = places_in(plain_snapshot());
+    AirwayWatch watch;
+    int entries = 0;
+    int exits = 0;
+    for (int i = 0; i < 2000; ++i) {
+        // From 10 mm before the inlet to 10 mm past it and back, with 1.5 mm of tremor.
+        const float way = 0.01f * (1.0f - 2.0f * std::abs(1.0f - static_cast<float>(i) / 1000.0f));
+        const float z = -0.065f - way - 0.0015f * std::sin(1.7f * static_cast<float>(i));
+        const auto changes = watch.update({0.001f, 0.046f, z}, places);
+        entries += changes.oesophagus == Change::in ? 1 : 0;
+        exits += changes.oesophagus == Change::out ? 1 : 0;
+        EXPECT_EQ(changes.trachea, Change::none);
+    }
+    EXPECT_EQ(entries, 1);
+    EXPECT_EQ(exits, 1);
+}
+
+TEST(AirwayWatch, FollowsTheTubeDownTheTracheaAndBack) {
+    const Places places = places_in(plain_snapshot());
+    const test::Path path = test::tracheal_path();
+    AirwayWatch watch;
+    std::vector<std::string> story;
+    for (int i = 0; i <= 1200; ++i) {
+        const float tip = 0.1f + 0.2f * (1.0f - std::abs(1.0f - static_cast<float>(i) / 600.0f));
+        const auto changes = watch.update(path.at(tip), places);
+        const auto tell = [&](Change change, const char* place) {
+            if (change != Change::none) {
+                story.push_back((change == Change::in ? "in " : "out ") + std::string(place));
+            }
+        };
+        tell(changes.mouth, "mouth");
+        tell(changes.trachea, "trachea");
+        tell(changes.main_stem, "main stem");
+        tell(changes.oesophagus, "oesophagus");
+    }
+    const std::vector<std::string> expected = {"in mouth",      "in trachea",  "in main stem",
+                                               "out main stem", "out trachea", "out mouth"};
+    EXPECT_EQ(story, expected);
+}
+
+TEST(AirwayWatch, TipBesideTheFaceIsNotInTheMouth) {
+    const Places places = places_in(plain_snapshot());
+    AirwayWatch watch;
+    for (int i = 0; i < 100; ++i) {
+        watch.update({0.07f, -0.1f + 0.002f * static_cast<float>(i), -0.01f}, places);
+        EXPECT_FALSE(watch.in_mouth());
+    }
+}
+
+}  // namespace
+}  // namespace eti::metrics
