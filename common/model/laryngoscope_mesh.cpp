@@ -3,101 +3,182 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
+#include "common/math/units.hpp"
 #include "common/model/tools.hpp"
 
 namespace eti {
 
 namespace {
 
-/// A closed tube of quads: rings of equal size, capped at both ends by fans about the rings' centroids.
-void add_loft(TriangleMesh& mesh, const std::vector<std::vector<Vec3f>>& rings) {
-    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    const auto count = static_cast<std::uint32_t>(rings.front().size());
-    for (const auto& ring : rings) {
-        mesh.vertices.insert(mesh.vertices.end(), ring.begin(), ring.end());
+// The whole laryngoscope is one section swept down the handle, round the heel and along the blade, so
+// its surface is closed by construction. A section is `columns` pairs of points, upper and lower.
+constexpr int columns = 12;
+constexpr float pi = std::numbers::pi_v<float>;
+
+struct Section {
+    std::array<Eigen::Vector2f, columns> upper, lower;  ///< (left, towards the tongue) [m]
+};
+
+Section blended(const Section& a, const Section& b, float share) {
+    Section result;
+    for (int i = 0; i < columns; ++i) {
+        result.upper[i] = (1 - share) * a.upper[i] + share * b.upper[i];
+        result.lower[i] = (1 - share) * a.lower[i] + share * b.lower[i];
     }
-    const auto at = [&](std::size_t ring, std::uint32_t k) {
-        return base + static_cast<std::uint32_t>(ring) * count + k % count;
-    };
-    for (std::size_t r = 0; r + 1 < rings.size(); ++r) {
-        for (std::uint32_t k = 0; k < count; ++k) {
-            mesh.triangles.push_back({at(r, k), at(r, k + 1), at(r + 1, k + 1)});
-            mesh.triangles.push_back({at(r, k), at(r + 1, k + 1), at(r + 1, k)});
+    return result;
+}
+
+Section round_section(float radius) {
+    Section section;
+    for (int i = 0; i < columns; ++i) {
+        const float angle = pi * (1.0f - (static_cast<float>(i) + 0.5f) / columns);
+        section.upper[i] = radius * Eigen::Vector2f(std::cos(angle), std::sin(angle));
+        section.lower[i] = radius * Eigen::Vector2f(std::cos(angle), -std::sin(angle));
+    }
+    return section;
+}
+
+// The plate, its crown at zero height, with the flange on the patient's left: there it holds back the
+// tongue that the blade has swept aside, and the right stays open for view and tube.
+Section plate_section(float width, float thickness, float crown, float flange) {
+    const float half = 0.5f * width;
+    const float wall = 0.12f * width;
+    Section section;
+    for (int i = 0; i < columns; ++i) {
+        const int last = columns - 1;
+        // All columns but the last two span the plate; those two are the flange.
+        const float x = i == last       ? half
+                        : i == last - 1 ? half - wall
+                                        : -half + (width - 1.35f * wall) * static_cast<float>(i) /
+                                                      static_cast<float>(last - 2);
+        const float top = -crown * (x / half) * (x / half);
+        section.upper[i] = {x, top};
+        section.lower[i] = {x, top - thickness - (i >= last - 1 ? flange : 0.0f)};
+    }
+    return section;
+}
+
+float smooth(float from, float to, float x) {
+    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+class Sweep {
+  public:
+    // `origin` and the direction of the section's height; its width runs along +x.
+    void add(const Section& section, const Vec3f& origin, const Vec3f& height) {
+        const auto place = [&](const Eigen::Vector2f& p) {
+            mesh_.vertices.push_back(origin + p.x() * Vec3f::UnitX() + p.y() * height);
+        };
+        for (int i = 0; i < columns; ++i) {
+            place(section.upper[i]);
+        }
+        for (int i = columns - 1; i >= 0; --i) {
+            place(section.lower[i]);
+        }
+        const auto rings = static_cast<std::uint32_t>(mesh_.vertices.size() / ring);
+        if (rings < 2) {
+            return;
+        }
+        const std::uint32_t now = (rings - 1) * ring;
+        const std::uint32_t before = now - ring;
+        for (std::uint32_t i = 0; i < ring; ++i) {
+            const std::uint32_t next = (i + 1) % ring;
+            mesh_.triangles.push_back({before + i, now + i, now + next});
+            mesh_.triangles.push_back({before + i, now + next, before + next});
         }
     }
-    for (const std::size_t end : {std::size_t{0}, rings.size() - 1}) {
-        Vec3f centre = Vec3f::Zero();
-        for (const Vec3f& v : rings[end]) {
-            centre += v / static_cast<float>(count);
-        }
-        const auto hub = static_cast<std::uint32_t>(mesh.vertices.size());
-        mesh.vertices.push_back(centre);
-        for (std::uint32_t k = 0; k < count; ++k) {
-            if (end == 0) {
-                mesh.triangles.push_back({hub, at(end, k + 1), at(end, k)});
-            } else {
-                mesh.triangles.push_back({hub, at(end, k), at(end, k + 1)});
+
+    [[nodiscard]] TriangleMesh closed() && {
+        cap(0, false);
+        cap(static_cast<std::uint32_t>(mesh_.vertices.size()) - ring, true);
+        return std::move(mesh_);
+    }
+
+  private:
+    static constexpr std::uint32_t ring = 2 * columns;
+
+    void cap(std::uint32_t first, bool end) {
+        for (std::uint32_t i = 0; i + 1 < columns; ++i) {
+            const std::uint32_t upper = first + i;
+            const std::uint32_t lower = first + ring - 1 - i;
+            std::array<Triangle, 2> pair{Triangle{upper, upper + 1, lower - 1},
+                                         Triangle{upper, lower - 1, lower}};
+            for (Triangle& t : pair) {
+                if (end) {
+                    std::swap(t[1], t[2]);
+                }
+                mesh_.triangles.push_back(t);
             }
         }
+    }
+
+    TriangleMesh mesh_;
+};
+
+void add_handle(Sweep& sweep, const Capsule& handle) {
+    const float top = handle.b.y() + handle.radius;
+    // Edge rounded over 2 mm; below, the shaft narrows to the heel.
+    const std::array<std::array<float, 2>, 7> profile = {{{top, 7.0f},
+                                                          {top - 0.7f * millimetre, 8.3f},
+                                                          {top - 2.0f * millimetre, 9.0f},
+                                                          {0.5f * top, 9.0f},
+                                                          {24.0f * millimetre, 9.0f},
+                                                          {17.0f * millimetre, 7.0f},
+                                                          {13.0f * millimetre, 5.2f}}};
+    for (const auto& [height, radius] : profile) {
+        sweep.add(round_section(radius * millimetre), Vec3f(0, height, 0), Vec3f::UnitZ());
     }
 }
 
 }  // namespace
 
 TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
-    const bool smaller = scope.blade == Blade::miller_0;
-    const float half_width_base = smaller ? 4.0e-3f : 5.0e-3f;
-    const float half_width_tip = smaller ? 3.0e-3f : 3.5e-3f;
-    constexpr float thickness = 1.5e-3f;
-    constexpr float flange_height = 4.0e-3f;
-    constexpr int stations = 24;
-    TriangleMesh mesh;
-    // The blade: a plate on the tongue's side of the capsules (their crest at y = radius), with a low
-    // flange along the patient's right (-x); the channel below the plate stays open for the view.
-    std::vector<std::vector<Vec3f>> blade;
-    for (int s = 0; s <= stations; ++s) {
-        const float u = static_cast<float>(s) / stations;
-        const float z = u * scope.blade_length;
-        const float half = half_width_base + (half_width_tip - half_width_base) * u;
-        const float crest = scope.capsules[1].radius + (scope.capsules[2].radius - scope.capsules[1].radius) * std::min(1.0f, u / 0.6f);
-        // The last 8 mm turn up by a millimetre, as the straight blade's lip does.
-        const float lip = 1.0e-3f * std::pow(std::max(0.0f, (z - scope.blade_length + 8e-3f) / 8e-3f), 2.0f);
-        const float top = crest + lip;
-        const float flange = flange_height * (1.0f - std::pow(u, 4.0f));
-        const float arch = 0.8e-3f;
-        blade.push_back({{-half, top - arch, z},
-                         {-0.5f * half, top - 0.25f * arch, z},
-                         {0, top, z},
-                         {0.5f * half, top - 0.25f * arch, z},
-                         {half, top - arch, z},
-                         {half, top - arch - thickness, z},
-                         {0.5f * half, top - 0.25f * arch - thickness, z},
-                         {0, top - thickness, z},
-                         {-0.5f * half, top - 0.25f * arch - thickness, z},
-                         {-half + thickness, top - arch - thickness, z},
-                         {-half + thickness, top - arch - thickness - flange, z},
-                         {-half, top - arch - thickness - flange, z}});
-        std::reverse(blade.back().begin(), blade.back().end());
+    const bool small = scope.blade == Blade::miller_0;
+    const float wide = (small ? 8.0f : 10.0f) * millimetre;
+    const float narrow = (small ? 6.0f : 7.0f) * millimetre;
+    constexpr float thickness = 1.5f * millimetre;
+    constexpr float crown = 1.2f * millimetre;
+    constexpr float flange = 2.5f * millimetre;
+    const float length = scope.blade_length;
+    const float proximal = scope.capsules[1].radius;
+    const float distal = scope.capsules[2].radius;
+
+    Sweep sweep;
+    add_handle(sweep, scope.capsules[0]);
+
+    // Round the heel: from running down the handle to running along the blade.
+    const Vec3f pivot(0, 12.0f * millimetre, 12.0f * millimetre - proximal);
+    const Section plate = plate_section(wide, thickness, crown, flange);
+    for (int i = 0; i <= 8; ++i) {
+        const float share = static_cast<float>(i) / 8.0f;
+        const float angle = 0.5f * pi * share;
+        const Vec3f height(0, std::sin(angle), std::cos(angle));
+        const Section section = blended(round_section(5.0f * millimetre), plate, smooth(0, 1, share));
+        sweep.add(section, pivot - pivot.z() * height, height);
     }
-    add_loft(mesh, blade);
-    std::vector<std::vector<Vec3f>> handle;
-    const Capsule& grip = scope.capsules[0];
-    for (const float shrink : {-2.0f, -1.0f, 0.0f, 1.0f, 2.0f}) {
-        // Bevelled ends.
-        const float y = shrink < 0 ? grip.a.y() + (shrink < -1 ? -6e-3f : -4e-3f)
-                                   : (shrink > 0 ? grip.b.y() + (shrink > 1 ? 6e-3f : 4e-3f) : 0.5f * (grip.a.y() + grip.b.y()));
-        const float radius = std::fabs(shrink) > 1 ? 0.8f * grip.radius : grip.radius;
-        std::vector<Vec3f> ring;
-        for (int k = 0; k < 24; ++k) {
-            const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(k) / 24.0f;
-            ring.emplace_back(radius * std::sin(angle), y, radius * std::cos(angle));
-        }
-        handle.push_back(ring);
+
+    constexpr float heel = 12.0f * millimetre;
+    constexpr int stations = 40;
+    for (int i = 1; i <= stations; ++i) {
+        // Closer together towards the tip, where the outline is rounded.
+        const float share = 1.0f - std::pow(1.0f - static_cast<float>(i) / stations, 1.5f);
+        const float z = heel + (length - heel) * share;
+        const float to_tip = length - z;
+        const float rounding = 4.0f * millimetre;
+        const float outline =
+            to_tip < rounding ? std::sqrt(1.0f - std::pow(1.0f - to_tip / rounding, 2.0f)) : 1.0f;
+        const float width =
+            (wide + (narrow - wide) * smooth(0.3f * length, 0.8f * length, z)) * (0.45f + 0.55f * outline);
+        const float lip = smooth(8.0f * millimetre, 0.0f, to_tip);
+        const float top = proximal + (distal - proximal) * smooth(0.35f * length, 0.65f * length, z) +
+                          0.8f * millimetre * lip;
+        const float fade = 1.0f - smooth(0.75f * length, 0.93f * length, z);
+        sweep.add(plate_section(width, thickness * (1.0f - 0.3f * lip), crown * width / wide, flange * fade),
+                  Vec3f(0, top, z), Vec3f::UnitY());
     }
-    add_loft(mesh, handle);
-    return mesh;
+    return std::move(sweep).closed();
 }
 
 }  // namespace eti

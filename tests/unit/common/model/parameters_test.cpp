@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "common/model/parameters_json.hpp"
+
+namespace eti {
+namespace {
+
+// Every field a different value.
+Parameters numbered() {
+    Parameters parameters;
+    double next = 0.5;
+    for (const ParameterField& field : parameter_fields) {
+        parameters.*field.value = next++;
+    }
+    return parameters;
+}
+
+TEST(Parameters, TableNamesEveryMemberOnce) {
+    static_assert(sizeof(Parameters) == parameter_fields.size() * sizeof(double));
+    const Parameters parameters = numbered();
+    std::set<double> values;
+    std::set<std::string_view> keys;
+    for (const ParameterField& field : parameter_fields) {
+        values.insert(parameters.*field.value);
+        keys.insert(field.key);
+    }
+    EXPECT_EQ(values.size(), parameter_fields.size()) << "a member stands twice in the table";
+    EXPECT_EQ(keys.size(), parameter_fields.size()) << "a key stands twice in the table";
+}
+
+TEST(Parameters, KeysOfThePaperAreThoseOfTheDesign) {
+    const nlohmann::ordered_json json = parameters_to_json(numbered());
+    for (const char* name :
+         {"gum_force_n", "blade_depth_cm", "glottic_opening_percent", "tube_speed_cm_per_s"}) {
+        EXPECT_TRUE(json.at(name).at("max").is_number()) << name;
+        EXPECT_TRUE(json.at(name).at("mean").is_number()) << name;
+    }
+    for (const char* name : {"pitch_peaks", "yaw_peaks", "pitch_rocking_deg", "yaw_rocking_deg", "attempts",
+                             "time_s", "head_elevation_deg", "oesophageal_entries", "tube_depth_at_lip_cm"}) {
+        EXPECT_TRUE(json.at(name).is_number()) << name;
+    }
+    EXPECT_EQ(std::count_if(parameter_fields.begin(), parameter_fields.end(),
+                            [](const ParameterField& field) { return field.in_paper; }),
+              16);
+    EXPECT_EQ(json.at("gum_force_n").at("max"), numbered().gum_force_max_n);
+}
+
+TEST(Parameters, ValuesThatDoNotExistAreNull) {
+    Parameters parameters = numbered();
+    parameters.tube_speed_mean_cm_per_s = std::numeric_limits<double>::quiet_NaN();
+    parameters.time_s = std::numeric_limits<double>::infinity();
+    const auto json = nlohmann::json::parse(parameters_to_json(parameters).dump());
+    EXPECT_TRUE(json.at("tube_speed_cm_per_s").at("mean").is_null());
+    EXPECT_TRUE(json.at("time_s").is_null());
+    EXPECT_EQ(json.at("tube_speed_cm_per_s").at("max"), parameters.tube_speed_max_cm_per_s);
+}
+
+TEST(Parameters, JsonKeepsTheOrderOfDisplay) {
+    const nlohmann::ordered_json json = parameters_to_json(numbered());
+    EXPECT_EQ(json.begin().key(), "gum_force_n");
+    EXPECT_EQ(std::prev(json.end()).key(), "blade_smoothness");
+}
+
+}  // namespace
+}  // namespace eti
