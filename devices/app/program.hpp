@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "devices/haptics/scene_link.hpp"
+#include "devices/sensor/drivers.hpp"
+
+namespace eti::devices {
+
+/// What both device programs understand.
+struct ProgramOptions {
+    std::string device;
+    std::string operator_name;  ///< by name or path; empty: nobody moves the tool
+    bus::Options bus;
+    double duration = 0.0;  ///< [s] of the clock; 0: until the session ends
+    bool json = false;
+};
+
+/// Adds these options to the program's own.
+void add_options(CLI::App& app, ProgramOptions& options, Tool tool);
+
+/// Parses; the exit status when the program is done already (--help, --version, a mistake).
+[[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, char** argv);
+
+/// Logs go to standard error; Ctrl-C and SIGTERM end the program in order.
+void set_up_process(const std::string& name);
+
+/// A device program's life: its place on the bus, its device, and why it ended.
+class Program {
+  public:
+    /// Throws DeviceError, InputError or bus::BusError.
+    Program(const ProgramOptions& options, Tool tool);
+
+    /// Waits, where a script needs it, until the server has shown the scene, and opens the device.
+    /// Null when the program was asked to end first.
+    [[nodiscard]] std::unique_ptr<Sensor> open_sensor();
+
+    /// True when there is a reason to end; it is kept for ended().
+    [[nodiscard]] bool should_end();
+    [[nodiscard]] const std::string& ended() const { return ended_; }
+    [[nodiscard]] double seconds() const;
+    [[nodiscard]] bus::Node& node() { return node_; }
+    [[nodiscard]] SceneLink& link() { return link_; }
+    [[nodiscard]] const ProgramOptions& options() const { return options_; }
+
+  private:
+    ProgramOptions options_;
+    Tool tool_;
+    const Driver& driver_;
+    std::optional<OperatorScript> script_;
+    std::chrono::steady_clock::time_point started_;
+    bus::Node node_;
+    SceneLink link_;
+    std::string ended_;
+};
+
+}  // namespace eti::devices

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/convert.hpp"
+#include "devices/app/program.hpp"
+#include "devices/haptics/haptic_loop.hpp"
+
+namespace eti::devices {
+namespace {
+
+constexpr std::int64_t period_ns = 1'000'000'000 / 240;
+
+/// Follows the tube at 240 Hz until there is a reason to end.
+class TubeTracker {
+  public:
+    TubeTracker(Program& program, Sensor& sensor)
+        : program_(program), sensor_(sensor), topic_(program.node(), bus::topics::tube_pose) {
+        message_.tool(static_cast<std::uint32_t>(Tool::tube));
+    }
+
+    void run() {
+        std::int64_t last = monotonic_ns(), next = last;
+        while (!program_.should_end()) {
+            sleep_until_ns(next);
+            const std::int64_t now = monotonic_ns();
+            if (now < next) {
+                continue;
+            }
+            cycle(now, static_cast<float>(now - last) * 1e-9f);
+            intervals_.record(now - last);
+            last = now;
+            next += period_ns * (1 + (now - next) / period_ns);
+        }
+    }
+
+    [[nodiscard]] nlohmann::ordered_json statistics() const {
+        return {{"device", program_.options().device},
+                {"session", program_.options().bus.session},
+                {"ended", program_.ended()},
+                {"duration_s", program_.seconds()},
+                {"cycles", intervals_.count()},
+                {"cycle_ms",
+                 {{"p50", 1e3 * intervals_.percentile(0.5)},
+                  {"p99", 1e3 * intervals_.percentile(0.99)},
+                  {"max", 1e3 * intervals_.longest()}}},
+                {"poses_published", published_},
+                {"states_received", program_.link().received()},
+                {"messages_refused", program_.link().refused()},
+                {"outages", program_.link().outages()}};
+    }
+
+  private:
+    void cycle(std::int64_t now, float elapsed) {
+        const SceneState* scene = nullptr;
+        (void)program_.link().newest().read(scene);
+        double time = 0.0;
+        if (scene->proxy_arrived != 0) {
+            Observation seen = scene->seen;
+            seen.time = time = time_.at(*scene, now);
+            sensor_.look(seen);
+        }
+        // A tracked tube has no motors.
+        const Reading reading = sensor_.exchange({}, elapsed);
+        message_.header(
+            bus::make_header(static_cast<std::uint64_t>(time * 1e9), static_cast<std::uint32_t>(published_)));
+        message_.pose(bus::to_msg(reading.motion.pose));
+        message_.buttons(reading.buttons);
+        published_ += topic_.publish(message_) ? 1 : 0;
+    }
+
+    Program& program_;
+    Sensor& sensor_;
+    bus::Publisher<msg::ToolPose> topic_;
+    msg::ToolPose message_;
+    SimulationTime time_;
+    CycleStatistics intervals_;
+    std::uint64_t published_ = 0;
+};
+
+int run(const ProgramOptions& options) {
+    Program program(options, Tool::tube);
+    const std::unique_ptr<Sensor> sensor = program.open_sensor();
+    nlohmann::ordered_json result = {{"device", options.device},
+                                     {"session", options.bus.session},
+                                     {"ended", program.ended()},
+                                     {"cycles", 0}};
+    if (sensor) {
+        TubeTracker tracker(program, *sensor);
+        tracker.run();
+        result = tracker.statistics();
+    }
+    spdlog::info("ended: {}; {} poses published", program.ended(), result.value("poses_published", 0));
+    if (options.json) {
+        std::cout << result.dump(2) << std::endl;
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace eti::devices
+
+int main(int argc, char** argv) {
+    using namespace eti::devices;
+    set_up_process("eti-tracker");
+    ProgramOptions options;
+    options.bus.name = "eti-tracker";
+    CLI::App app("The tube's tracker: tells the server at 240 Hz where the tube is held.", "eti-tracker");
+    add_options(app, options, eti::Tool::tube);
+    if (const auto code = parse(app, argc, argv)) {
+        return *code;
+    }
+    try {
+        return run(options);
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

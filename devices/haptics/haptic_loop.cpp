@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/haptic_loop.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/bus/convert.hpp"
+
+namespace eti::devices {
+
+namespace {
+
+constexpr double step = 1.0 / 180.0;     // [s], of the simulation
+constexpr float first_interval = 1e-3f;  // [s]
+constexpr int loop_priority = 80;        // SCHED_FIFO: above the network's threads, below the kernel's
+constexpr int publisher_priority = 70;
+constexpr std::chrono::milliseconds publisher_patience{50};
+
+}  // namespace
+
+double SimulationTime::at(const SceneState& scene, std::int64_t now) {
+    const double age = static_cast<double>(now - scene.proxy_arrived) * 1e-9;
+    const double carried = std::clamp(age * static_cast<double>(scene.pace), 0.0, 2.0 * step);
+    const double time = scene.seen.time + carried;
+    last_ = scene.session == session_ ? std::max(last_, time) : time;
+    session_ = scene.session;
+    return last_;
+}
+
+HapticCycle::HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings)
+    : sensor_(sensor), scene_(scene), renderer_(settings), device_(sensor.exchange({}, 0.0f).motion) {}
+
+OutgoingPose HapticCycle::run(std::int64_t now) {
+    const float elapsed = last_ == 0 ? first_interval : static_cast<float>(now - last_) * 1e-9f;
+    if (last_ != 0) {
+        record_.intervals.record(now - last_);
+    }
+    last_ = now;
+
+    const SceneState* scene = nullptr;
+    (void)scene_.read(scene);
+    if (scene->proxy_arrived != 0) {
+        seen_ = scene->seen;
+        seen_.time = time_.at(*scene, now);
+        sensor_.look(seen_);
+    }
+    wrench_ = renderer_.cycle(device_, *scene, now, elapsed);
+    const Reading reading = sensor_.exchange(wrench_, elapsed);
+    device_ = reading.motion;
+
+    const float force = wrench_.force.norm();
+    record_.force_sum += static_cast<double>(force);
+    record_.force_max = std::max(record_.force_max, force);
+    record_.stale_cycles += renderer_.stale() ? 1 : 0;
+    record_.engaged_cycles += renderer_.engaged() ? 1 : 0;
+    return {reading.motion.pose, reading.buttons, static_cast<std::uint64_t>(seen_.time * 1e9)};
+}
+
+HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
+                       const RenderSettings& settings)
+    : sensor_(sensor), cycle_(sensor, scene, settings), topic_(node, bus::topics::laryngoscope_pose) {
+    publisher_ = std::thread([this] { publish(); });
+    std::binary_semaphore started{0};
+    loop_ = std::thread([this, &started] {
+        priority_refusal_ = become_real_time(loop_priority);
+        started.release();
+        run();
+    });
+    started.acquire();
+}
+
+HapticLoop::~HapticLoop() {
+    stop();
+}
+
+void HapticLoop::stop() {
+    ending_.store(true, std::memory_order_relaxed);
+    if (loop_.joinable()) {
+        loop_.join();
+        publisher_.join();
+        (void)sensor_.exchange({}, first_interval);
+    }
+}
+
+void HapticLoop::run() {
+    std::int64_t next = monotonic_ns();
+    while (!ending_.load(std::memory_order_relaxed)) {
+        sleep_until_ns(next);
+        const std::int64_t now = monotonic_ns();
+        if (now < next) {
+            continue;  // a signal woke it early
+        }
+        outgoing_.write(cycle_.run(now));
+        posted_.release();
+        force_.store(cycle_.wrench().force.norm(), std::memory_order_relaxed);
+        // Cycles that were missed are not made up for: the device has moved on.
+        next += period_ns * (1 + (now - next) / period_ns);
+    }
+}
+
+void HapticLoop::publish() {
+    (void)become_real_time(publisher_priority);
+    msg::ToolPose message;
+    message.tool(static_cast<std::uint32_t>(Tool::laryngoscope));
+    const OutgoingPose* pose = nullptr;
+    while (!ending_.load(std::memory_order_relaxed)) {
+        if (!posted_.try_acquire_for(publisher_patience) || !outgoing_.read(pose)) {
+            continue;
+        }
+        message.header(bus::make_header(pose->simulation_ns, static_cast<std::uint32_t>(published_)));
+        message.pose(bus::to_msg(pose->pose));
+        message.buttons(pose->buttons);
+        published_ += topic_.publish(message) ? 1 : 0;
+    }
+}
+
+}  // namespace eti::devices

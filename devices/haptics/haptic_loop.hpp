@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <atomic>
+#include <semaphore>
+#include <string>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "devices/haptics/force_renderer.hpp"
+#include "devices/haptics/timing.hpp"
+#include "devices/haptics/triple_buffer.hpp"
+#include "devices/sensor/sensor.hpp"
+
+namespace eti::devices {
+
+/// A device's pose on its way to the bus.
+struct OutgoingPose {
+    RigidTransform pose;
+    std::uint32_t buttons = 0;
+    std::uint64_t simulation_ns = 0;
+};
+
+/// Simulation time as seen now, from the last message: carried on by the clock at the simulation's
+/// pace for at most two steps, and never back within a session.
+class SimulationTime {
+  public:
+    [[nodiscard]] double at(const SceneState& scene, std::int64_t now);
+
+  private:
+    double last_ = 0.0;
+    std::uint32_t session_ = 0;
+};
+
+/// What a cycle did; kept by the loop's thread, read when it has ended.
+struct HapticRecord {
+    CycleStatistics intervals;
+    double force_sum = 0.0;          // [N], over cycles
+    float force_max = 0.0f;          // [N]
+    std::uint64_t stale_cycles = 0;  // with less than all force for want of messages
+    std::uint64_t engaged_cycles = 0;
+};
+
+/// One cycle of the 1 kHz loop: read what is newest, let the hand look, render the force, exchange it
+/// for the device's pose, leave the pose for the bus. Needs no thread and reads no clock.
+class HapticCycle {
+  public:
+    HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings);
+
+    /// `now` [ns, CLOCK_MONOTONIC], at least as late as in the last call. Returns the pose to publish.
+    OutgoingPose run(std::int64_t now);
+
+    [[nodiscard]] const Wrench& wrench() const { return wrench_; }
+    [[nodiscard]] const HapticRecord& record() const { return record_; }
+    [[nodiscard]] const ForceRenderer& renderer() const { return renderer_; }
+
+  private:
+    Sensor& sensor_;
+    TripleBuffer<SceneState>& scene_;
+    ForceRenderer renderer_;
+    SimulationTime time_;
+    Observation seen_;
+    Motion device_;
+    Wrench wrench_;
+    std::int64_t last_ = 0;
+    HapticRecord record_;
+};
+
+/// Runs the cycle at 1 kHz on a thread of its own, and the publishing of poses on another.
+///
+/// A DDS write takes locks and a system call and may take milliseconds on a loaded machine, so it has
+/// no place in the loop; the loop leaves the pose in a triple buffer and posts a semaphore, which
+/// never waits. The second thread, of lower priority, wakes on it, so a pose is as fresh on the bus as
+/// if the loop had sent it, and when publishing is held up, poses are skipped and not queued.
+class HapticLoop {
+  public:
+    static constexpr std::int64_t period_ns = 1'000'000;
+
+    HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
+               const RenderSettings& settings);
+    ~HapticLoop();
+    HapticLoop(const HapticLoop&) = delete;
+    HapticLoop& operator=(const HapticLoop&) = delete;
+
+    void stop();  ///< ends both threads; the last wrench given to the device is zero
+
+    /// [N], that the hand feels now.
+    [[nodiscard]] float force() const { return force_.load(std::memory_order_relaxed); }
+    /// After stop().
+    [[nodiscard]] const HapticCycle& cycle() const { return cycle_; }
+    [[nodiscard]] std::uint64_t published() const { return published_; }
+    /// Empty when the loop has a real-time priority, else why not.
+    [[nodiscard]] const std::string& priority_refusal() const { return priority_refusal_; }
+
+  private:
+    void run();
+    void publish();
+
+    Sensor& sensor_;
+    HapticCycle cycle_;
+    bus::Publisher<msg::ToolPose> topic_;
+    TripleBuffer<OutgoingPose> outgoing_;
+    std::counting_semaphore<> posted_{0};
+    std::atomic<bool> ending_{false};
+    std::atomic<float> force_{0.0f};
+    std::string priority_refusal_;
+    std::uint64_t published_ = 0;
+    std::thread publisher_, loop_;
+};
+
+}  // namespace eti::devices

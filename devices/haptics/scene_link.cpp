@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/scene_link.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/convert.hpp"
+#include "devices/haptics/timing.hpp"
+
+namespace eti::devices {
+
+namespace {
+
+using bus::from_msg;
+
+constexpr std::chrono::milliseconds poll_interval{2};
+// Another session has begun when simulation time falls back by more than late messages account for.
+constexpr std::uint64_t session_gap_ns = 500'000'000;
+constexpr std::int64_t silence_ns = 500'000'000;  // worth a message to the person at the terminal
+constexpr std::int64_t pace_window_ns = 250'000'000;
+constexpr float fastest_pace = 4.0f;
+constexpr float most_force = 1000.0f;  // [N]; more is a fault of the sender
+
+bool is_motion(const msg::ProxyState& m) {
+    return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) && bus::is_finite(m.velocity()) &&
+           bus::is_finite(m.angular_velocity()) &&
+           std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
+               return std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
+           });
+}
+
+bool is_tissue(const msg::TissueContacts& m) {
+    return from_msg(m.force()).norm() < most_force && from_msg(m.torque()).norm() < most_force &&
+           std::ranges::all_of(m.contacts(), [](const msg::TissueContactPoint& c) {
+               return bus::is_finite(c.position()) && bus::is_finite(c.rest()) && std::isfinite(c.radius()) &&
+                      c.tissue() < tissue_count;
+           });
+}
+
+Blade blade_of(const msg::SceneDescription& scope, float length) {
+    for (const Blade blade : {Blade::miller_0, Blade::miller_1}) {
+        if (!scope.names().empty() && scope.names().front() == std::string(name_of(blade)).c_str()) {
+            return blade;
+        }
+    }
+    const auto off = [&](Blade blade) { return std::abs(make_laryngoscope(blade).blade_length - length); };
+    return off(Blade::miller_0) < off(Blade::miller_1) ? Blade::miller_0 : Blade::miller_1;
+}
+
+}  // namespace
+
+SceneLink::SceneLink(bus::Node& node, bool with_tissue)
+    : proxy_topic_(node, bus::topics::proxy),
+      live_topic_(node, bus::topics::live_metrics),
+      scene_topic_(node, bus::topics::scene),
+      status_topic_(node, bus::topics::session_status) {
+    if (with_tissue) {
+        tissue_topic_.emplace(node, bus::topics::tissue_contacts);
+    }
+    thread_ = std::thread([this] { run(); });
+}
+
+SceneLink::~SceneLink() {
+    ending_.store(true, std::memory_order_relaxed);
+    thread_.join();
+}
+
+std::optional<Surroundings> SceneLink::surroundings() const {
+    const std::lock_guard lock(mutex_);
+    const bool known =
+        seen_landmarks_ && surroundings_.blade_length > 0.0f && surroundings_.grip_to_tip > 0.0f;
+    return known ? std::optional(surroundings_) : std::nullopt;
+}
+
+void SceneLink::run() {
+    while (!ending_.load(std::memory_order_relaxed)) {
+        // The server sends TissueContacts right after ProxyState: once the second is here, both are.
+        (void)(tissue_topic_ ? tissue_topic_->wait(poll_interval) : proxy_topic_.wait(poll_interval));
+        bool changed = take_proxy();
+        changed = take_tissue() || changed;
+        changed = take_live() || changed;
+        take_scene();
+        take_status();
+        if (changed) {
+            newest_.write(state_);
+        }
+        watch_silence(monotonic_ns());
+    }
+}
+
+bool SceneLink::take_proxy() {
+    if (!proxy_topic_.take_latest(proxy_)) {
+        return false;
+    }
+    if (!is_motion(proxy_)) {
+        refused_.fetch_add(1, std::memory_order_relaxed);
+        return false;
+    }
+    const std::int64_t now = monotonic_ns();
+    const std::uint64_t simulation_ns = proxy_.header().simulation_time_ns();
+    if (simulation_ns + session_gap_ns < simulation_ns_) {
+        ++state_.session;
+        pace_arrived_ = 0;
+    }
+    simulation_ns_ = simulation_ns;
+    measure_pace(simulation_ns, now);
+    state_.proxy.proxy = {from_msg(proxy_.proxy()), from_msg(proxy_.velocity()),
+                          from_msg(proxy_.angular_velocity())};
+    state_.proxy.device = from_msg(proxy_.device());
+    state_.proxy.contacts = std::min(proxy_.contacts().size(), ProxyReport::most_contacts);
+    for (std::size_t i = 0; i < state_.proxy.contacts; ++i) {
+        state_.proxy.normals[i] = from_msg(proxy_.contacts()[i].normal()).normalized();
+    }
+    state_.proxy_arrived = now;
+    state_.seen.time = static_cast<double>(simulation_ns) * 1e-9;
+    state_.seen.proxy = state_.proxy.proxy.pose;
+    received_.fetch_add(1, std::memory_order_relaxed);
+    return true;
+}
+
+void SceneLink::measure_pace(std::uint64_t simulation_ns, std::int64_t now) {
+    const std::int64_t passed = now - pace_arrived_;
+    if (pace_arrived_ != 0 && passed < pace_window_ns) {
+        return;
+    }
+    if (pace_arrived_ != 0 && simulation_ns >= pace_simulation_ns_ && passed < 4 * pace_window_ns) {
+        const auto simulated = static_cast<double>(simulation_ns - pace_simulation_ns_);
+        state_.pace = std::min(static_cast<float>(simulated / static_cast<double>(passed)), fastest_pace);
+    }
+    pace_simulation_ns_ = simulation_ns;
+    pace_arrived_ = now;
+}
+
+bool SceneLink::take_tissue() {
+    if (!tissue_topic_ || !tissue_topic_->take_latest(tissue_)) {
+        return false;
+    }
+    if (!is_tissue(tissue_)) {
+        refused_.fetch_add(1, std::memory_order_relaxed);
+        return false;
+    }
+    TissueReport& report = state_.tissue;
+    report.wrench = {from_msg(tissue_.force()), from_msg(tissue_.torque())};
+    report.count = std::min(tissue_.contacts().size(), TissueReport::most_points);
+    for (std::size_t i = 0; i < report.count; ++i) {
+        const msg::TissueContactPoint& c = tissue_.contacts()[i];
+        report.points[i] = {from_msg(c.position()), from_msg(c.rest()), c.radius(),
+                            static_cast<Tissue>(c.tissue())};
+    }
+    state_.tissue_arrived = monotonic_ns();
+    return true;
+}
+
+bool SceneLink::take_live() {
+    if (!live_topic_.take_latest(live_)) {
+        return false;
+    }
+    if (live_.landmarks().size() < landmark_count || !bus::is_finite(live_.tube_tip()) ||
+        !std::isfinite(live_.glottic_opening_percent()) || !std::isfinite(live_.tube_depth_past_glottis()) ||
+        !std::ranges::all_of(live_.landmarks(), [](const msg::Vec3& p) { return bus::is_finite(p); })) {
+        refused_.fetch_add(1, std::memory_order_relaxed);
+        return false;
+    }
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        state_.seen.landmarks[i] = from_msg(live_.landmarks()[i]);
+    }
+    state_.seen.glottic_opening_percent = live_.glottic_opening_percent();
+    state_.seen.tube_tip = from_msg(live_.tube_tip());
+    state_.seen.tube_depth_past_glottis = live_.tube_depth_past_glottis();
+    const std::lock_guard lock(mutex_);
+    surroundings_.seen = state_.seen;
+    surroundings_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
+    seen_landmarks_ = true;
+    return true;
+}
+
+void SceneLink::take_scene() {
+    while (scene_topic_.take(scene_)) {
+        const std::vector<float>& v = scene_.vertices();
+        const std::lock_guard lock(mutex_);
+        if (scene_.kind() == msg::OBJECT_TOOL && scene_.object() == "laryngoscope") {
+            float tip = 0.0f;
+            for (std::size_t i = 2; i < v.size(); i += 3) {
+                tip = std::max(tip, v[i]);
+            }
+            if (tip > 0.0f && tip < 1.0f) {
+                surroundings_.blade_length = tip;
+                state_.blade = make_laryngoscope(blade_of(scene_, tip)).capsules;
+            }
+        } else if (scene_.kind() == msg::OBJECT_TUBE && v.size() >= 2 && v[1] > 0.0f && v[1] < 1.0f) {
+            surroundings_.grip_to_tip = v[1];
+        }
+    }
+}
+
+void SceneLink::take_status() {
+    while (status_topic_.take(status_)) {
+        if (status_.phase() == msg::PHASE_FINISHED) {
+            finished_.store(true, std::memory_order_relaxed);
+        }
+    }
+}
+
+void SceneLink::watch_silence(std::int64_t now) {
+    if (state_.proxy_arrived == 0) {
+        return;
+    }
+    const bool silent = now - state_.proxy_arrived > silence_ns;
+    if (silent && !silent_ && !finished()) {
+        outages_.fetch_add(1, std::memory_order_relaxed);
+        spdlog::warn("the server has fallen silent ({}); forces are off until it is heard again",
+                     status_topic_.matched() == 0 ? "it is gone" : "it is there but sends nothing");
+    } else if (!silent && silent_) {
+        spdlog::info("the server is heard again");
+    }
+    silent_ = silent;
+}
+
+}  // namespace eti::devices

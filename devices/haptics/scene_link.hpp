@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "devices/haptics/scene_state.hpp"
+#include "devices/haptics/triple_buffer.hpp"
+
+namespace eti::devices {
+
+/// What a scripted hand needs before it can begin.
+struct Surroundings {
+    Observation seen;
+    float blade_length = 0.0f;  ///< [m]
+    float grip_to_tip = 0.0f;   ///< [m], of the tube
+};
+
+/// Follows the server over the bus on a thread of its own and leaves the newest scene in a triple
+/// buffer for the device's loop. Messages are checked here: what is not finite, or bears another number
+/// of landmarks, is dropped and counted.
+class SceneLink {
+  public:
+    /// `with_tissue`: read TissueContacts too.
+    SceneLink(bus::Node& node, bool with_tissue);
+    ~SceneLink();
+    SceneLink(const SceneLink&) = delete;
+    SceneLink& operator=(const SceneLink&) = delete;
+
+    /// For the one thread that runs the device's loop.
+    [[nodiscard]] TripleBuffer<SceneState>& newest() { return newest_; }
+
+    /// Known once the scene's tools and a first set of landmarks have come.
+    [[nodiscard]] std::optional<Surroundings> surroundings() const;
+    [[nodiscard]] bool finished() const { return finished_.load(std::memory_order_relaxed); }
+    [[nodiscard]] std::uint64_t received() const { return received_.load(std::memory_order_relaxed); }
+    [[nodiscard]] std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
+    [[nodiscard]] std::uint64_t outages() const { return outages_.load(std::memory_order_relaxed); }
+
+  private:
+    void run();
+    bool take_proxy();
+    bool take_tissue();
+    bool take_live();
+    void take_scene();
+    void take_status();
+    void watch_silence(std::int64_t now);
+    void measure_pace(std::uint64_t simulation_ns, std::int64_t now);
+
+    bus::Subscriber<msg::ProxyState> proxy_topic_;
+    std::optional<bus::Subscriber<msg::TissueContacts>> tissue_topic_;
+    bus::Subscriber<msg::LiveMetrics> live_topic_;
+    bus::Subscriber<msg::SceneDescription> scene_topic_;
+    bus::Subscriber<msg::SessionStatus> status_topic_;
+    msg::ProxyState proxy_;
+    msg::TissueContacts tissue_;
+    msg::LiveMetrics live_;
+    msg::SceneDescription scene_;
+    msg::SessionStatus status_;
+
+    SceneState state_;
+    std::uint64_t simulation_ns_ = 0;  // of the last ProxyState
+    // Where the measurement of the pace began.
+    std::uint64_t pace_simulation_ns_ = 0;
+    std::int64_t pace_arrived_ = 0;
+    bool silent_ = false;
+    TripleBuffer<SceneState> newest_;
+
+    mutable std::mutex mutex_;  // guards what follows, read at start-up only
+    Surroundings surroundings_;
+    bool seen_landmarks_ = false;
+
+    std::atomic<bool> ending_{false}, finished_{false};
+    std::atomic<std::uint64_t> received_{0}, refused_{0}, outages_{0};
+    std::thread thread_;
+};
+
+}  // namespace eti::devices

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "common/model/tissue.hpp"
+#include "common/model/tools.hpp"
+#include "common/operator/hand.hpp"
+#include "common/operator/operator.hpp"
+
+namespace eti::devices {
+
+/// The proxy as the server last reported it.
+struct ProxyReport {
+    static constexpr std::size_t most_contacts = 16;  ///< as in eti.idl
+    Motion proxy;                                     ///< velocities per simulation second
+    RigidTransform device;                            ///< the device's pose that the proxy answers to
+    std::array<Vec3f, most_contacts> normals{};       ///< from the shell to the proxy, unit
+    std::size_t contacts = 0;
+
+    [[nodiscard]] std::span<const Vec3f> contact_normals() const { return {normals.data(), contacts}; }
+};
+
+/// A particle near the blade.
+struct TissuePoint {
+    Vec3f position = Vec3f::Zero();  ///< [m], now
+    Vec3f rest = Vec3f::Zero();      ///< [m], without the blade
+    float radius = 0.0f;             ///< [m]
+    Tissue tissue = Tissue::soft;
+};
+
+/// What the tissue does to the blade, as last reported.
+struct TissueReport {
+    static constexpr std::size_t most_points = 96;  ///< as in eti.idl
+    Wrench wrench;                                  ///< on the blade, about the proxy's origin
+    std::array<TissuePoint, most_points> points{};
+    std::size_t count = 0;
+
+    [[nodiscard]] std::span<const TissuePoint> touching() const { return {points.data(), count}; }
+};
+
+/// The newest of everything that the 1 kHz loop may know about the scene. Times "arrived" are
+/// CLOCK_MONOTONIC [ns]; 0: nothing has arrived yet.
+struct SceneState {
+    ProxyReport proxy;
+    std::int64_t proxy_arrived = 0;
+    TissueReport tissue;
+    std::int64_t tissue_arrived = 0;
+    Observation seen;                ///< its time is that of the last ProxyState
+    float pace = 1.0f;               ///< simulation seconds per second, under 1 when the server is late
+    std::uint32_t session = 0;       ///< counts sessions: another one began when it changes
+    std::array<Capsule, 3> blade{};  ///< the laryngoscope's capsules, in its frame
+};
+static_assert(std::is_trivially_destructible_v<SceneState>, "copied into a triple buffer, never allocating");
+
+}  // namespace eti::devices

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/soft_force.hpp"
+
+#include <algorithm>
+
+namespace eti::devices {
+
+const std::array<float, tissue_count>& tissue_stiffness() {
+    static constexpr float per_pascal = 10e-3f * 30e-3f / 15e-3f;  // A / L [m]
+    static constexpr float soft = 8.0e3f * per_pascal;
+    static constexpr float larynx = 8.6e3f * per_pascal;
+    static constexpr std::array<float, tissue_count> table = {
+        /* soft */ soft,       /* tongue */ soft,  /* epiglottis */ soft,
+        /* larynx */ larynx,   /* trachea */ soft,
+        /* oesophagus */ soft, /* upper gum */ 0,  /* lower gum */ 0,
+        /* palate */ 0,        /* skull */ 0,
+        /* mandible */ 0,      /* spine */ 0};
+    return table;
+}
+
+bool touches(const TissuePoint& point, std::span<const Capsule> blade, const RigidTransform& pose) {
+    const Vec3f local = pose.rotation.conjugate() * (point.position - pose.translation);
+    return std::ranges::any_of(blade, [&](const Capsule& capsule) {
+        const Vec3f axis = capsule.b - capsule.a;
+        const float length = axis.squaredNorm();
+        const float along =
+            length > 0.0f ? std::clamp((local - capsule.a).dot(axis) / length, 0.0f, 1.0f) : 0.0f;
+        const float reach = capsule.radius + point.radius;
+        return (local - capsule.a - along * axis).squaredNorm() <= reach * reach;
+    });
+}
+
+Wrench displacement_wrench(std::span<const TissuePoint> points, std::span<const Capsule> blade,
+                           const RigidTransform& pose, const std::array<float, tissue_count>& stiffness) {
+    struct Sum {
+        Vec3f displacement = Vec3f::Zero();
+        Vec3f position = Vec3f::Zero();
+        int count = 0;
+    };
+    std::array<Sum, tissue_count> sums{};
+    for (const TissuePoint& point : points) {
+        const auto type = static_cast<std::size_t>(point.tissue);
+        if (stiffness[type] > 0.0f && touches(point, blade, pose)) {
+            sums[type].displacement += point.rest - point.position;
+            sums[type].position += point.position;
+            ++sums[type].count;
+        }
+    }
+    Wrench total;
+    int types = 0;
+    for (std::size_t type = 0; type < tissue_count; ++type) {
+        const Sum& sum = sums[type];
+        if (sum.count == 0) {
+            continue;
+        }
+        ++types;
+        const Vec3f force = stiffness[type] * sum.displacement / static_cast<float>(sum.count);
+        total.force += force;
+        total.torque += (sum.position / static_cast<float>(sum.count) - pose.translation).cross(force);
+    }
+    if (types > 0) {
+        total.force /= static_cast<float>(types);
+        total.torque /= static_cast<float>(types);
+    }
+    return total;
+}
+
+}  // namespace eti::devices

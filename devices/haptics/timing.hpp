@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace eti::devices {
+
+[[nodiscard]] std::int64_t monotonic_ns();
+
+/// Sleeps until `when` [ns, CLOCK_MONOTONIC]; a signal may end it early.
+void sleep_until_ns(std::int64_t when);
+
+/// Gives the calling thread a real-time priority. Returns an empty text, or why the kernel refused and
+/// what to do.
+[[nodiscard]] std::string become_real_time(int priority);
+
+/// Times between the starts of successive cycles, in bins of 1 us; recording allocates nothing.
+class CycleStatistics {
+  public:
+    void record(std::int64_t interval_ns);
+
+    [[nodiscard]] std::uint64_t count() const { return count_; }
+    /// [s], that a share `p` of the intervals does not exceed, to the bin; the largest bin counts all
+    /// beyond 20 ms, of which the maximum tells.
+    [[nodiscard]] double percentile(double p) const;
+    [[nodiscard]] double longest() const { return static_cast<double>(longest_) * 1e-9; }
+    /// Of the intervals, longer than `limit` [s].
+    [[nodiscard]] double share_over(double limit) const;
+
+  private:
+    std::array<std::uint32_t, 20'000> bins_{};
+    std::uint64_t count_ = 0;
+    std::int64_t longest_ = 0;
+};
+
+}  // namespace eti::devices

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/sensor/hand_sensor.hpp"
+
+#include <algorithm>
+
+namespace eti::devices {
+
+namespace {
+
+// Bounds on how fast the wanted pose moves, for jumps: the session began anew, or was not heard of for
+// a while. Tracks stay far below: hands reach about 1 m/s, scripts move at 0.1 m/s.
+constexpr float most_speed = 1.0f;  // [m/s]
+constexpr float most_turn = 6.0f;   // [rad/s]
+// A simulation time this far before the last one is another session's.
+constexpr double session_gap = 0.5;         // [s]
+constexpr float longest_step = 1e-3f;       // [s], of the simulated device
+constexpr float longest_catch_up = 20e-3f;  // [s], after a late cycle; beyond it the device stood still
+
+// One script holds both hands; each has its own tremor.
+std::uint64_t seed_of(const SensorSetup& setup) {
+    return setup.script->seed + (setup.tool == Tool::tube ? 1 : 0);
+}
+
+std::optional<TrackPlayer> player_of(const SensorSetup& setup) {
+    if (!setup.script) {
+        return std::nullopt;
+    }
+    const Track& track = setup.tool == Tool::tube ? setup.script->tube : setup.script->laryngoscope;
+    return TrackPlayer(track, setup.tool_length, setup.script->tremor, setup.script->reaction,
+                       seed_of(setup));
+}
+
+RigidTransform first_pose(std::optional<TrackPlayer>& player, const SensorSetup& setup) {
+    return player ? player->wanted(setup.start) : parked_pose(setup.tool);
+}
+
+}  // namespace
+
+RigidTransform parked_pose(Tool tool) {
+    return tool == Tool::tube ? RigidTransform{Quatf::Identity(), {-0.12f, -0.25f, 0.10f}}
+                              : RigidTransform{Quatf::Identity(), {0.0f, -0.25f, 0.15f}};
+}
+
+HandSensor::HandSensor(const SensorSetup& setup)
+    : at_start_(player_of(setup)),
+      player_(at_start_),
+      last_time_(setup.start.time),
+      goal_(first_pose(player_, setup)),
+      wanted_(goal_),
+      hand_(HandSettings{}, goal_) {}
+
+void HandSensor::look(const Observation& seen) {
+    if (!player_) {
+        return;
+    }
+    if (seen.time < last_time_ - session_gap) {
+        // Copies a track onto its equal: nothing is allocated.
+        *player_ = *at_start_;
+    }
+    last_time_ = seen.time;
+    goal_ = player_->wanted(seen);
+}
+
+void HandSensor::approach(float dt) {
+    const Vec3f way = goal_.translation - wanted_.translation;
+    const float reach = most_speed * dt;
+    wanted_.translation =
+        way.norm() <= reach ? goal_.translation : Vec3f(wanted_.translation + way.normalized() * reach);
+    const Vec3f turn = rotation_vector(goal_.rotation * wanted_.rotation.conjugate());
+    const float turn_reach = most_turn * dt;
+    if (turn.norm() <= turn_reach) {
+        wanted_.rotation = goal_.rotation;
+    } else {
+        wanted_.rotation = (quaternion_from(turn.normalized() * turn_reach) * wanted_.rotation).normalized();
+    }
+}
+
+Reading HandSensor::exchange(const Wrench& wrench, float elapsed) {
+    float left = std::clamp(elapsed, 0.0f, longest_catch_up);
+    while (left > 1e-6f) {
+        const float dt = std::min(left, longest_step);
+        approach(dt);
+        hand_.step(wanted_, wrench, dt);
+        left -= dt;
+    }
+    Reading reading{hand_.motion(), 0};
+    reading.motion.pose = hand_.reported();
+    return reading;
+}
+
+}  // namespace eti::devices
