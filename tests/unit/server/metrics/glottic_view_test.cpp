@@ -17,6 +17,13 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
+// Times mean something in an optimised build without sanitizers only.
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+constexpr bool optimised = true;
+#else
+constexpr bool optimised = false;
+#endif
+
 /// An ellipsoid of `around` x `along` quads with bumps.
 TriangleMesh ellipsoid(const Vec3f& centre, const Vec3f& radii, int around, int along, float bump) {
     TriangleMesh mesh;
@@ -293,7 +300,7 @@ TEST(GlotticView, IsFastEnoughForThirtyHertz) {
     RecordProperty("ms_per_look", std::to_string(best));
     std::printf("look %.3f ms over %zu triangles\n", best, triangles);
     // A tenth of one step of 5.6 ms per look, doubled for slower machines.
-    EXPECT_LT(best, 1.1);
+    EXPECT_LT(best, optimised ? 1.1 : 100.0);
 }
 
 }  // namespace

@@ -24,6 +24,13 @@ using test::tissue_of;
 
 constexpr float dt = 1.0f / 180.0f;
 
+// Times mean something in an optimised build without sanitizers only.
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+constexpr bool optimised = true;
+#else
+constexpr bool optimised = false;
+#endif
+
 RigidTransform at_height(float y, float x = 0.0f) {
     return {Quatf::Identity(), {x, y, -0.05f}};
 }
@@ -402,7 +409,7 @@ TEST(RigidLayer, StepFitsItsBudgetOnTenThousandTriangles) {
     RecordProperty("ms_per_refit", std::to_string(best_refit));
     std::printf("step %.3f ms, refit %.3f ms (10k triangles, in contact)\n", best, best_refit);
     // A fifth of the simulation step of 5.56 ms; the other four are the soft tissue's.
-    EXPECT_LT(best, 1.1);
+    EXPECT_LT(best, optimised ? 1.1 : 100.0);
 }
 
 }  // namespace
