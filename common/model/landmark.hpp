@@ -13,30 +13,31 @@ namespace eti {
 
 /// Named points of the patient, carried by the tissue they lie on. Order is the order on the bus.
 enum class Landmark : std::uint8_t {
-    upper_gum,           ///< midpoint of the upper alveolar crest; origin of the patient frame at rest
-    lower_gum,           ///< midpoint of the lower alveolar crest
-    upper_lip,           ///< lower edge of the upper lip, midline
-    lower_lip,           ///< upper edge of the lower lip, midline
-    mouth_opening,       ///< centre of the opening between the lips
+    upper_gum,      ///< midpoint of the upper alveolar crest; origin of the patient frame at rest
+    lower_gum,      ///< midpoint of the lower alveolar crest
+    upper_lip,      ///< lower edge of the upper lip, midline
+    lower_lip,      ///< upper edge of the lower lip, midline
+    mouth_opening,  ///< centre of the opening between the lips
     tongue_tip,
-    tongue_dorsum,       ///< highest point of the tongue's back, midline
-    vallecula,           ///< deepest point between tongue root and epiglottis
+    tongue_dorsum,  ///< highest point of the tongue's back, midline
+    vallecula,      ///< deepest point between tongue root and epiglottis
     epiglottis_tip,
-    epiglottis_base,     ///< where the epiglottis leaves the tongue root
-    glottis,             ///< centre of the glottic opening
-    glottis_anterior,    ///< anterior commissure
-    glottis_posterior,   ///< interarytenoid notch
-    trachea_mid,         ///< centre of the trachea half-way to the carina
+    epiglottis_base,    ///< where the epiglottis leaves the tongue root
+    glottis,            ///< centre of the glottic opening
+    glottis_anterior,   ///< anterior commissure
+    glottis_posterior,  ///< interarytenoid notch
+    trachea_mid,        ///< centre of the trachea half-way to the carina
     carina,
-    oesophagus_inlet,    ///< centre of the upper oesophageal opening
-    oesophagus_mid,      ///< centre of the oesophagus at the height of trachea_mid
+    oesophagus_inlet,  ///< centre of the upper oesophageal opening
+    oesophagus_mid,    ///< centre of the oesophagus at the height of trachea_mid
 };
 inline constexpr std::size_t landmark_count = 17;
 
 inline constexpr std::array<std::string_view, landmark_count> landmark_names = {
-    "upper_gum",     "lower_gum",      "upper_lip",       "lower_lip", "mouth_opening",    "tongue_tip",
-    "tongue_dorsum", "vallecula",      "epiglottis_tip",  "epiglottis_base", "glottis",    "glottis_anterior",
-    "glottis_posterior", "trachea_mid", "carina",         "oesophagus_inlet", "oesophagus_mid"};
+    "upper_gum",        "lower_gum",        "upper_lip",         "lower_lip",      "mouth_opening",
+    "tongue_tip",       "tongue_dorsum",    "vallecula",         "epiglottis_tip", "epiglottis_base",
+    "glottis",          "glottis_anterior", "glottis_posterior", "trachea_mid",    "carina",
+    "oesophagus_inlet", "oesophagus_mid"};
 
 /// Current landmark positions [m], patient frame, indexed by Landmark.
 using Landmarks = std::array<Vec3f, landmark_count>;
@@ -52,6 +53,13 @@ using Landmarks = std::array<Vec3f, landmark_count>;
         }
     }
     return std::nullopt;
+}
+
+/// All at the origin: what is known before anything has been seen. (Eigen leaves its vectors unset.)
+[[nodiscard]] inline Landmarks unseen_landmarks() {
+    Landmarks points;
+    points.fill(Vec3f::Zero());
+    return points;
 }
 
 /// Where an examiner's eye best looks from: on the line from the glottis through a point just

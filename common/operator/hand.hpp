@@ -24,32 +24,33 @@ struct Motion {
 
 /// The spring-damper between device and proxy, and the limits of the device.
 struct CouplingSettings {
-    float stiffness = 800.0f;             ///< [N/m]
-    float damping = 2.0f;                 ///< [N s/m]
-    float rotational_stiffness = 1.5f;    ///< [N m/rad]
-    float rotational_damping = 4e-3f;     ///< [N m s/rad]
-    float tissue_gain = 1.0f;             ///< share of the tissue's force that reaches the hand
-    float force_limit = 7.9f;             ///< [N], device range (Touch X: 7.9 N)
-    float torque_limit = 0.3f;            ///< [N m]
-    float force_rate_limit = 600.0f;      ///< [N/s]
+    float stiffness = 800.0f;           ///< [N/m]
+    float damping = 2.0f;               ///< [N s/m]
+    float rotational_stiffness = 1.5f;  ///< [N m/rad]
+    float rotational_damping = 4e-3f;   ///< [N m s/rad]
+    float tissue_gain = 1.0f;           ///< share of the tissue's force that reaches the hand
+    float force_limit = 7.9f;           ///< [N], device range (Touch X: 7.9 N)
+    float torque_limit = 0.3f;          ///< [N m]
+    float force_rate_limit = 600.0f;    ///< [N/s]
 };
 
 /// Wrench on the device from the proxy that the shell holds back (virtual coupling, Colgate 1995).
-[[nodiscard]] Wrench coupling_wrench(const Motion& device, const Motion& proxy, const CouplingSettings& settings);
+[[nodiscard]] Wrench coupling_wrench(const Motion& device, const Motion& proxy,
+                                     const CouplingSettings& settings);
 
 /// Shortens force and torque to the device's limits; a wrench that is not finite becomes zero.
 [[nodiscard]] Wrench limited(const Wrench& wrench, const CouplingSettings& settings);
 
 /// The moving part of a haptic device and the hand that holds it.
 struct HandSettings {
-    float mass = 0.15f;                   ///< [kg], device and laryngoscope as felt at the grip
-    float inertia = 1.5e-4f;              ///< [kg m^2], isotropic
-    float device_damping = 1.0f;          ///< [N s/m]
+    float mass = 0.15f;                       ///< [kg], device and laryngoscope as felt at the grip
+    float inertia = 1.5e-4f;                  ///< [kg m^2], isotropic
+    float device_damping = 1.0f;              ///< [N s/m]
     float device_rotational_damping = 1e-3f;  ///< [N m s/rad]
-    float friction = 0.05f;               ///< [N], Coulomb
-    float encoder_step = 0.03e-3f;        ///< [m], of the reported position
-    float hand_stiffness = 900.0f;        ///< [N/m], of a firm grip towards where the hand wants to be
-    float hand_damping = 18.0f;           ///< [N s/m]
+    float friction = 0.05f;                   ///< [N], Coulomb
+    float encoder_step = 0.03e-3f;            ///< [m], of the reported position
+    float hand_stiffness = 900.0f;            ///< [N/m], of a firm grip towards where the hand wants to be
+    float hand_damping = 18.0f;               ///< [N s/m]
     float hand_rotational_stiffness = 4.0f;   ///< [N m/rad]
     float hand_rotational_damping = 0.03f;    ///< [N m s/rad]
 };

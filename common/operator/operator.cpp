@@ -16,14 +16,24 @@ Landmark landmark(YamlMap& map, const std::string& key, Landmark fallback) {
     return static_cast<Landmark>(map.choice(key, static_cast<std::size_t>(fallback), landmark_names));
 }
 
-Stage read_stage(YamlMap& map) {
+Stage read_stage(YamlMap& map, bool first) {
     Stage s;
-    s.name = map.text("stage", "");
+    s.name = map.name("stage", "");
     if (s.name.empty()) {
         map.refuse("stage", "nothing", "a name for the stage");
     }
     s.keep = map.flag("keep", s.keep);
     s.follow = map.flag("follow", s.follow);
+    if (s.keep && first) {
+        map.refuse("keep", "'on' in a track's first stage",
+                   "a stage before it to keep to; give 'tip' and 'axis'");
+    }
+    for (const char* key : {"tip", "axis", "follow"}) {
+        if (s.keep && map.has(key)) {
+            map.refuse(key, "a value beside 'keep: on'",
+                       "one of the two; a kept pose has its tip and axis already");
+        }
+    }
     if (auto tip = map.map("tip")) {
         s.tip_at = landmark(*tip, "at", s.tip_at);
         s.tip_offset = tip->vector("offset_mm", offset_range);
@@ -32,11 +42,17 @@ Stage read_stage(YamlMap& map) {
     if (auto axis = map.map("axis")) {
         s.axis_from = landmark(*axis, "from", s.axis_from);
         s.axis_from_offset = axis->vector("from_offset_mm", offset_range);
+        s.axis_to_tip = !axis->has("to");
         s.axis_to = landmark(*axis, "to", s.axis_to);
         axis->finish();
     }
     s.lift = map.number("lift_mm", s.lift, {-60, 60, millimetre});
     s.advance = map.number("advance_mm", s.advance, {-200, 200, millimetre});
+    s.depth_at_lip = map.number("depth_at_lip_mm", s.depth_at_lip, {0, 200, millimetre});
+    s.depth_by_rule = map.flag("depth_by_rule", s.depth_by_rule);
+    if (s.depth_by_rule && map.has("depth_at_lip_mm")) {
+        map.refuse("depth_by_rule", "'on' beside 'depth_at_lip_mm'", "one of the two; remove the other");
+    }
     s.pitch = map.number("pitch_deg", s.pitch, {-60, 60, degree});
     s.yaw = map.number("yaw_deg", s.yaw, {-60, 60, degree});
     s.roll = map.number("roll_deg", s.roll, {-180, 180, degree});
@@ -61,7 +77,7 @@ Stage read_stage(YamlMap& map) {
 Track read_track(YamlMap& root, const std::string& key) {
     Track track;
     for (YamlMap& stage : root.list(key)) {
-        track.stages.push_back(read_stage(stage));
+        track.stages.push_back(read_stage(stage, track.stages.empty()));
     }
     return track;
 }
@@ -69,9 +85,13 @@ Track read_track(YamlMap& root, const std::string& key) {
 }  // namespace
 
 OperatorScript load_operator(const std::filesystem::path& file) {
-    YamlMap root = YamlMap::parse(read_text_file(file), file.string());
+    return parse_operator(read_text_file(file), file);
+}
+
+OperatorScript parse_operator(const std::string& text, const std::filesystem::path& file) {
+    YamlMap root = YamlMap::parse(text, file.string());
     OperatorScript script;
-    script.name = root.text("name", file.stem().string());
+    script.name = root.name("name", file.stem().string());
     script.description = root.text("description", "");
     script.tremor = root.number("tremor_mm", script.tremor, {0, 5, millimetre});
     script.reaction = root.number("reaction_s", script.reaction, {0, 5});
@@ -80,7 +100,8 @@ OperatorScript load_operator(const std::filesystem::path& file) {
     script.tube = read_track(root, "tube");
     root.finish();
     if (script.laryngoscope.stages.empty() && script.tube.stages.empty()) {
-        root.refuse("laryngoscope", "no stages for either hand", "at least one stage under 'laryngoscope' or 'tube'");
+        root.refuse("laryngoscope", "no stages for either hand",
+                    "at least one stage under 'laryngoscope' or 'tube'");
     }
     return script;
 }

@@ -15,12 +15,13 @@ namespace eti {
 
 /// What a scripted hand may look at: the same that a person sees and feels.
 struct Observation {
-    double time = 0.0;                       ///< [s], simulation time
-    Landmarks landmarks{};
+    double time = 0.0;  ///< [s], simulation time
+    Landmarks landmarks = unseen_landmarks();
     float glottic_opening_percent = 0.0f;
-    Vec3f tube_tip = Vec3f::Zero();          ///< [m]
-    float tube_depth_past_glottis = -1.0f;   ///< [m], negative before the cords
-    RigidTransform proxy;                    ///< laryngoscope
+    Vec3f tube_tip = Vec3f::Zero();         ///< [m]
+    float tube_depth_past_glottis = -1.0f;  ///< [m], negative before the cords
+    RigidTransform proxy;                   ///< laryngoscope
+    float tube_depth_rule = 0.0f;           ///< [m] at the lip, weight plus 6 cm; 0 while unknown
 };
 
 /// One stage of a track. A pose is built from landmarks, not from coordinates.
@@ -29,27 +30,31 @@ struct Stage {
     // Tip position: landmark plus offset along the current left, posterior, superior axes [m].
     Landmark tip_at = Landmark::mouth_opening;
     Vec3f tip_offset = Vec3f::Zero();
-    // Axis of blade or tube: from one landmark towards another.
+    // Axis of blade or tube: from a landmark to the tip, or towards another landmark.
     Landmark axis_from = Landmark::mouth_opening;
     Vec3f axis_from_offset = Vec3f::Zero();  ///< [m], as tip_offset
+    bool axis_to_tip = true;  ///< the axis runs from axis_from to the tip's target, else to axis_to
     Landmark axis_to = Landmark::vallecula;
-    bool follow = false;            ///< track the landmarks live instead of aiming once
-    bool keep = false;              ///< start from the previous stage's target and only add the below
-    float lift = 0.0f;              ///< [m], along the handle
-    float advance = 0.0f;           ///< [m], along the tool's axis; a tube may so be pushed past its landmark
-    float pitch = 0.0f;             ///< [rad], tip up (towards the handle), about `pivot`
-    float yaw = 0.0f;               ///< [rad]
-    float roll = 0.0f;              ///< [rad]
+    bool follow = false;   ///< track the landmarks live instead of aiming once
+    bool keep = false;     ///< start from the previous stage's target and only add the below
+    float lift = 0.0f;     ///< [m], along the handle
+    float advance = 0.0f;  ///< [m], along the tool's axis; a tube may so be pushed past its landmark
+    float depth_at_lip =
+        -1.0f;  ///< [m], slides the tool along its axis until so much lies past the mouth opening
+    bool depth_by_rule = false;  ///< the same with the rule's depth, once that is known
+    float pitch = 0.0f;          ///< [rad], tip up (towards the handle), about `pivot`
+    float yaw = 0.0f;            ///< [rad]
+    float roll = 0.0f;           ///< [rad]
     Landmark pivot = Landmark::upper_gum;
-    bool pivot_at_tip = true;       ///< turn about the tool's tip, else about `pivot`
-    float speed = 0.03f;            ///< [m/s] of the tip along its path
-    float hold = 0.0f;              ///< [s] after arriving
+    bool pivot_at_tip = true;  ///< turn about the tool's tip, else about `pivot`
+    float speed = 0.03f;       ///< [m/s] of the tip along its path
+    float hold = 0.0f;         ///< [s] after arriving
     // Go on when these hold (all of those set); `timeout` ends waiting in any case.
     float until_view_percent = -1.0f;
-    float until_tube_depth = -1.0f;        ///< [m] past the glottis
-    float until_time = -1.0f;              ///< [s] since the start of the run
-    float timeout = 10.0f;                 ///< [s]
-    bool abort_on_timeout = false;         ///< give up: the rest of the track is skipped up to the last stage
+    float until_tube_depth = -1.0f;  ///< [m] past the glottis
+    float until_time = -1.0f;        ///< [s] since the start of the run
+    float timeout = 10.0f;           ///< [s]
+    bool abort_on_timeout = false;   ///< give up: the rest of the track is skipped up to the last stage
 };
 
 struct Track {
@@ -62,11 +67,15 @@ struct OperatorScript {
     std::string description;
     Track laryngoscope;
     Track tube;
-    float tremor = 0.0f;             ///< [m], RMS of the hand's physiological tremor (8-12 Hz)
-    float reaction = 0.2f;           ///< [s], delay before a stage reacts to what is seen
+    float tremor = 0.0f;    ///< [m], RMS of the hand's physiological tremor (8-12 Hz)
+    float reaction = 0.2f;  ///< [s], delay before a stage reacts to what is seen
     std::uint64_t seed = 1;
 };
 
+/// Reads and validates a script. Throws InputError; nothing is half-configured.
 [[nodiscard]] OperatorScript load_operator(const std::filesystem::path& file);
+
+/// The same from text; `file` is only named in errors, and gives the name where the text has none.
+[[nodiscard]] OperatorScript parse_operator(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace eti

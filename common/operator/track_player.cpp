@@ -10,11 +10,13 @@ namespace eti {
 
 namespace {
 
-constexpr float way_in = 0.04f;              // [m], from the first resting pose to the first stage's target
-constexpr float angular_speed = 2.0f;        // [rad/s], of a careful wrist
+constexpr float way_in = 0.04f;        // [m], from the first resting pose to the first stage's target
+constexpr float angular_speed = 2.0f;  // [rad/s], of a careful wrist
 // A minimum-jerk move (Flash & Hogan 1985) peaks at 15/8 of its mean speed.
 constexpr float peak_over_mean = 1.875f;
-constexpr double follow_time = 0.1;          // [s], low pass on landmarks that a stage follows
+constexpr double follow_time = 0.1;  // [s], low pass on landmarks that a stage follows
+// A hand without a track holds its tool here, clear of the patient [m].
+const Vec3f parked(0.0f, -0.3f, 0.2f);
 
 float minimum_jerk(double t) {
     const double u = std::clamp(t, 0.0, 1.0);
@@ -22,8 +24,9 @@ float minimum_jerk(double t) {
 }
 
 Mat3f axes_from(const Vec3f& direction) {
-    const Vec3f z = direction.normalized();
     const Vec3f anterior(0.0f, -1.0f, 0.0f);
+    // Before the landmarks are known there is no direction: any will do, as long as it is one.
+    const Vec3f z = direction.squaredNorm() > 1e-12f ? Vec3f(direction.normalized()) : Vec3f(-anterior);
     Vec3f y = anterior - z * z.dot(anterior);
     if (y.squaredNorm() < 1e-6f) {
         y = z.unitOrthogonal();
@@ -38,8 +41,10 @@ Mat3f axes_from(const Vec3f& direction) {
 
 }  // namespace
 
-TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, float reaction, std::uint64_t seed)
+TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, float reaction,
+                         std::uint64_t seed)
     : track_(track), tool_length_(tool_length), reaction_(reaction) {
+    nominal_.translation = parked;
     // A sum of sines is a function of time alone, so the tremor does not depend on the rate of calls.
     Random random(seed);
     const float amplitude = tremor / std::sqrt(3.0f) * std::sqrt(2.0f / tremor_lines);
@@ -55,11 +60,13 @@ RigidTransform TrackPlayer::at_tip(const Mat3f& axes, const Vec3f& tip) const {
     return {Quatf(axes).normalized(), tip - tool_length_ * axes.col(2)};
 }
 
-RigidTransform TrackPlayer::target_of(const Stage& stage, const Landmarks& points, const RigidTransform& previous) const {
+RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& observation,
+                                      const Landmarks& points, const RigidTransform& previous) const {
     RigidTransform pose = previous;
     if (!stage.keep) {
         const Vec3f from = at(points, stage.axis_from) + stage.axis_from_offset;
-        pose = at_tip(axes_from(at(points, stage.axis_to) - from), at(points, stage.tip_at) + stage.tip_offset);
+        const Vec3f tip = at(points, stage.tip_at) + stage.tip_offset;
+        pose = at_tip(axes_from((stage.axis_to_tip ? tip : at(points, stage.axis_to)) - from), tip);
     }
     // Turns in the tool's own axes: about +x the tip moves to -y, so raising it is a negative turn.
     const Vec3f pivot = stage.pivot_at_tip ? pose * Vec3f(0, 0, tool_length_) : at(points, stage.pivot);
@@ -68,6 +75,12 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Landmarks& point
                      Eigen::AngleAxisf(stage.roll, pose.rotation * Vec3f::UnitZ()));
     pose = RigidTransform{turn, pivot - turn * pivot} * pose;
     pose.translation += pose.rotation * Vec3f(0.0f, stage.lift, stage.advance);
+    const float depth = stage.depth_by_rule ? observation.tube_depth_rule : stage.depth_at_lip;
+    if (depth > 0.0f) {
+        const Vec3f along = pose.rotation * Vec3f::UnitZ();
+        const float outside = along.dot(at(points, Landmark::mouth_opening) - pose.translation);
+        pose.translation += (outside - (tool_length_ - depth)) * along;
+    }
     return pose;
 }
 
@@ -75,28 +88,31 @@ void TrackPlayer::begin_stage(const Observation& observation) {
     const Stage& stage = track_.stages[stage_];
     from_ = nominal_;
     seen_ = observation.landmarks;
-    target_ = target_of(stage, seen_, target_);
+    target_ = target_of(stage, observation, seen_, target_);
+    // A turn about a landmark keeps that landmark's place in the tool still; all else leads the tip.
     const Vec3f tip(0, 0, tool_length_);
-    const float path = (target_ * tip - from_ * tip).norm();
+    led_ = stage.keep && !stage.pivot_at_tip ? target_.inverse() * at(seen_, stage.pivot) : tip;
     const float turn = rotation_vector(target_.rotation * from_.rotation.conjugate()).norm();
+    const float path = (target_ * led_ - from_ * led_).norm() + turn * (tip - led_).norm();
     started_ = observation.time;
-    duration_ = static_cast<double>(peak_over_mean) * std::max({path / stage.speed, turn / angular_speed, 1e-3f});
+    duration_ =
+        static_cast<double>(peak_over_mean) * std::max({path / stage.speed, turn / angular_speed, 1e-3f});
     met_since_ = -1.0;
     begun_ = true;
 }
 
 RigidTransform TrackPlayer::between(float share) const {
-    const Vec3f tip(0, 0, tool_length_);
     const Quatf rotation = from_.rotation.slerp(share, target_.rotation);
-    const Vec3f at_share = from_ * tip + share * (target_ * tip - from_ * tip);
-    return {rotation, at_share - rotation * tip};
+    const Vec3f at_share = from_ * led_ + share * (target_ * led_ - from_ * led_);
+    return {rotation, at_share - rotation * led_};
 }
 
 bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observation) {
-    const bool now = (stage.until_view_percent < 0.0f ||
-                      observation.glottic_opening_percent >= stage.until_view_percent) &&
-                     (stage.until_tube_depth < 0.0f || observation.tube_depth_past_glottis >= stage.until_tube_depth) &&
-                     (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
+    const bool now =
+        (stage.until_view_percent < 0.0f ||
+         observation.glottic_opening_percent >= stage.until_view_percent) &&
+        (stage.until_tube_depth < 0.0f || observation.tube_depth_past_glottis >= stage.until_tube_depth) &&
+        (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
     if (!now) {
         met_since_ = -1.0;
         return false;
@@ -113,7 +129,7 @@ void TrackPlayer::follow(const Stage& stage, const Observation& observation) {
     for (std::size_t i = 0; i < landmark_count; ++i) {
         seen_[i] += static_cast<float>(share) * (observation.landmarks[i] - seen_[i]);
     }
-    target_ = target_of(stage, seen_, target_);
+    target_ = target_of(stage, observation, seen_, target_);
 }
 
 RigidTransform TrackPlayer::wanted(const Observation& observation) {
@@ -121,7 +137,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         return nominal_;
     }
     if (!placed_) {
-        target_ = target_of(track_.stages.front(), observation.landmarks, {});
+        target_ = target_of(track_.stages.front(), observation, observation.landmarks, {});
         nominal_ = target_;
         nominal_.translation -= way_in * (target_.rotation * Vec3f::UnitZ());
         placed_ = true;
@@ -154,7 +170,8 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
     RigidTransform pose = nominal_;
     for (int k = 0; k < 3; ++k) {
         for (const Line& line : tremor_[static_cast<std::size_t>(k)]) {
-            pose.translation[k] += line.amplitude * static_cast<float>(std::sin(line.frequency * observation.time + line.phase));
+            pose.translation[k] +=
+                line.amplitude * static_cast<float>(std::sin(line.frequency * observation.time + line.phase));
         }
     }
     return pose;
@@ -165,7 +182,9 @@ void TrackPlayer::next_stage() {
     begun_ = false;
 }
 
-bool TrackPlayer::finished() const { return stage_ >= track_.stages.size(); }
+bool TrackPlayer::finished() const {
+    return stage_ >= track_.stages.size();
+}
 
 const std::string& TrackPlayer::stage_name() const {
     static const std::string none = "finished";

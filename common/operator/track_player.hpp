@@ -34,8 +34,8 @@ class TrackPlayer {
     static constexpr std::size_t tremor_lines = 6;
 
     [[nodiscard]] RigidTransform at_tip(const Mat3f& axes, const Vec3f& tip) const;
-    [[nodiscard]] RigidTransform target_of(const Stage& stage, const Landmarks& points,
-                                           const RigidTransform& previous) const;
+    [[nodiscard]] RigidTransform target_of(const Stage& stage, const Observation& observation,
+                                           const Landmarks& points, const RigidTransform& previous) const;
     [[nodiscard]] RigidTransform between(float share) const;
     [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
     void begin_stage(const Observation& observation);
@@ -48,12 +48,13 @@ class TrackPlayer {
     std::array<std::array<Line, tremor_lines>, 3> tremor_;
     std::size_t stage_ = 0;
     bool placed_ = false;
-    bool begun_ = false;             // the current stage has its target
+    bool begun_ = false;  // the current stage has its target
     bool gave_up_ = false;
-    Landmarks seen_{};               // as the stage aims at them
+    Landmarks seen_{};  // as the stage aims at them
     RigidTransform from_, target_, nominal_;
-    double started_ = 0.0, duration_ = 0.0;   // [s], of the current stage's motion
-    double met_since_ = -1.0;        // [s], when the until conditions began to hold
+    Vec3f led_ = Vec3f::Zero();  // [m], tool frame; the point that moves straight from from_ to target_
+    double started_ = 0.0, duration_ = 0.0;  // [s], of the current stage's motion
+    double met_since_ = -1.0;                // [s], when the until conditions began to hold
     double last_time_ = 0.0;
 };
 

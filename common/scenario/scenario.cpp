@@ -44,7 +44,8 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
         if (is_name && std::filesystem::is_regular_file(folder / (name_or_path + ".yaml"), error)) {
             return folder / (name_or_path + ".yaml");
         }
-        for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+        for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end;
+             i.increment(error)) {
             if (i->path().extension() == ".yaml") {
                 names.push_back(i->path().stem().string());
             }
@@ -53,14 +54,19 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
     std::sort(names.begin(), names.end());
     names.erase(std::unique(names.begin(), names.end()), names.end());
     throw InputError(fmt::format("'{}' is neither a file nor a name in {}; names there are: {}", name_or_path,
-                                 fmt::join(searched, ", "), names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+                                 fmt::join(searched, ", "),
+                                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 Scenario load_scenario(const std::filesystem::path& file) {
+    return parse_scenario(read_text_file(file), file);
+}
+
+Scenario parse_scenario(const std::string& text, const std::filesystem::path& file) {
     Scenario s;
-    s.text = read_text_file(file);
-    YamlMap root = YamlMap::parse(s.text, file.string());
-    s.name = root.text("name", file.stem().string());
+    s.text = text;
+    YamlMap root = YamlMap::parse(text, file.string());
+    s.name = root.name("name", file.stem().string());
     s.description = root.text("description", "");
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
@@ -97,6 +103,10 @@ Scenario load_scenario(const std::filesystem::path& file) {
         p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre});
         p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre});
         p.region = physics->number("region_mm", p.region, {4, 40, millimetre});
+        if (p.fine_spacing > p.spacing) {
+            physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
+                            fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
+        }
         physics->finish();
     }
     if (auto view = root.map("view")) {

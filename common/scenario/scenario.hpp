@@ -18,27 +18,28 @@ struct Scenario {
     std::string text;  ///< the file as read, for the session record
 
     struct Patient {
-        float weight = 3.5f;              ///< [kg], 0.5-4.5
-        float gestational_age = 40.0f;    ///< [weeks], 24-42
-        float tongue_scale = 1.0f;        ///< 0.8-1.4
-        float head_elevation = 0.0f;      ///< [rad], 0-30 deg
-        float jaw_opening = 0.0f;         ///< [rad], 0-35 deg
-        float tissue_stiffness = 8e3f;    ///< [Pa], Young's modulus of tongue and mucosa
+        float weight = 3.5f;            ///< [kg], 0.5-4.5
+        float gestational_age = 40.0f;  ///< [weeks], 24-42
+        float tongue_scale = 1.0f;      ///< 0.8-1.4
+        float head_elevation = 0.0f;    ///< [rad], 0-30 deg
+        float jaw_opening = 0.0f;       ///< [rad], 0-35 deg
+        float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     } patient;
 
     Blade blade = Blade::miller_1;
     Tube tube;
 
     struct Physics {
-        int substeps = 8;                 ///< per 1/180 s step; cost grows linearly, error of contact forces falls quadratically
-        float spacing = 2.0e-3f;          ///< [m], particles in the bulk; cost grows with its -3rd power
-        float fine_spacing = 1.0e-3f;     ///< [m], particles at epiglottis and larynx
-        float region = 10e-3f;            ///< [m], tissue farther than this from the airway moves with the bones
+        int substeps =
+            8;  ///< per 1/180 s step; cost grows linearly, error of contact forces falls quadratically
+        float spacing = 2.0e-3f;       ///< [m], particles in the bulk; cost grows with its -3rd power
+        float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx
+        float region = 10e-3f;         ///< [m], tissue farther than this from the airway moves with the bones
     } physics;
 
     bool saliva = false;
-    bool enhanced_view = false;           ///< the client shows the section view beside the scene
-    float time_limit = 30.0f;             ///< [s], per attempt
+    bool enhanced_view = false;  ///< the client shows the section view beside the scene
+    float time_limit = 30.0f;    ///< [s], per attempt
     std::uint64_t seed = 1;
 };
 
@@ -54,5 +55,8 @@ class InputError : public std::runtime_error {
 
 /// Reads and validates a scenario. Throws InputError; nothing is half-configured.
 [[nodiscard]] Scenario load_scenario(const std::filesystem::path& file);
+
+/// The same from text; `file` is only named in errors, and gives the name where the text has none.
+[[nodiscard]] Scenario parse_scenario(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace eti

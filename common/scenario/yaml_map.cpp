@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <unordered_set>
 
 #include "common/scenario/scenario.hpp"
 
@@ -19,10 +20,27 @@ namespace {
 
 constexpr std::uintmax_t largest_file = 1024 * 1024;
 constexpr int deepest = 12;
+constexpr int most_nodes = 10'000;
+constexpr std::size_t longest_text = 500;
+constexpr std::size_t longest_name = 60;  // the bus carries 64
 
 std::string place(const std::string& file, const YAML::Mark& mark) {
     return mark.is_null() ? file : fmt::format("{}:{}", file, mark.line + 1);
 }
+
+/// At most 60 bytes, never half a letter.
+std::string shortened(const std::string& value) {
+    std::size_t cut = 60;
+    if (value.size() <= cut) {
+        return value;
+    }
+    while ((static_cast<unsigned char>(value[cut]) >> 6) == 0x2) {
+        --cut;
+    }
+    return fmt::format("{}...", value.substr(0, cut));
+}
+
+std::string shown(const std::string& value) { return fmt::format("'{}'", shortened(value)); }
 
 /// Walks the events before any tree is built: refuses what could make a small file large.
 class Gate : public YAML::EventHandler {
@@ -32,43 +50,111 @@ class Gate : public YAML::EventHandler {
     void OnDocumentEnd() override {}
     void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { check(mark, anchor); }
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { refuse(mark); }
-    void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, const std::string&) override {
-        check(mark, anchor);
+    void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  const std::string&) override {
+        check(mark, anchor, tag);
     }
-    void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+    void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                          YAML::EmitterStyle::value) override {
-        enter(mark, anchor);
+        enter(mark, anchor, tag);
     }
     void OnSequenceEnd() override { --depth_; }
-    void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+    void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                     YAML::EmitterStyle::value) override {
-        enter(mark, anchor);
+        enter(mark, anchor, tag);
     }
     void OnMapEnd() override { --depth_; }
 
   private:
-    void check(const YAML::Mark& mark, YAML::anchor_t anchor) const {
+    // The parser tells plain values by the tag "?" and quoted ones by "!".
+    void check(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag = "?") {
         if (anchor != 0) {
             refuse(mark);
         }
+        if (!tag.empty() && tag != "?" && tag != "!") {
+            throw InputError(fmt::format("{}: found the tag {}, expected plain values; remove the tag",
+                                         place(file_, mark), shown(tag)));
+        }
+        if (++nodes_ > most_nodes) {
+            throw InputError(
+                fmt::format("{}: more than {} values, expected at most that; is this the right file?",
+                            place(file_, mark), most_nodes));
+        }
     }
-    void enter(const YAML::Mark& mark, YAML::anchor_t anchor) {
-        check(mark, anchor);
+    void enter(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag) {
+        check(mark, anchor, tag);
         if (++depth_ > deepest) {
-            throw InputError(fmt::format("{}: nested deeper than {} levels, expected at most that; flatten the file",
-                                         place(file_, mark), deepest));
+            throw InputError(
+                fmt::format("{}: nested deeper than {} levels, expected at most that; flatten the file",
+                            place(file_, mark), deepest));
         }
     }
     [[noreturn]] void refuse(const YAML::Mark& mark) const {
-        throw InputError(fmt::format("{}: found an anchor or alias ('&' or '*'), expected plain values; write the value out",
-                                     place(file_, mark)));
+        throw InputError(fmt::format(
+            "{}: found an anchor or alias ('&' or '*'), expected plain values; write the value out",
+            place(file_, mark)));
     }
     const std::string& file_;
     int depth_ = 0;
+    int nodes_ = 0;
 };
 
-std::string shown(const std::string& value) {
-    return value.size() > 60 ? "'" + value.substr(0, 60) + "...'" : "'" + value + "'";
+/// Refuses what is no UTF-8 text before the YAML parser sees it; says at which line.
+void check_text(const std::string& text, const std::string& file) {
+    int line = 1;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        line += byte == '\n';
+        // How many continuation bytes follow, from the leading byte's high bits.
+        const int more = byte < 0x80           ? 0
+                         : (byte >> 5) == 0x6  ? 1
+                         : (byte >> 4) == 0xe  ? 2
+                         : (byte >> 3) == 0x1e ? 3
+                                               : -1;
+        bool good =
+            more >= 0 && (byte >= 0x20 || byte == '\n' || byte == '\r' || byte == '\t') && byte != 0x7f;
+        for (int k = 0; good && k < more; ++k) {
+            ++i;
+            good = i < text.size() && (static_cast<unsigned char>(text[i]) >> 6) == 0x2;
+        }
+        if (!good) {
+            throw InputError(
+                fmt::format("{}:{}: found a byte 0x{:02x} that is no UTF-8 text, expected a text file; is "
+                            "this the right file?",
+                            file, line, byte));
+        }
+    }
+}
+
+/// Letters to insert, remove or replace to make one word the other (Levenshtein).
+std::size_t distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+        row[j] = j;
+    }
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0]++;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+        }
+    }
+    return row[b.size()];
+}
+
+/// "; did you mean 'x'?" where a known word is so near that a slip explains it, else nothing.
+std::string guess(const std::string& word, std::span<const std::string> known) {
+    const std::string* best = nullptr;
+    std::size_t least = 4;  // more than three letters apart is another word
+    for (const std::string& candidate : known) {
+        const std::size_t apart = word.size() < 64 ? distance(word, candidate) : least;
+        if (apart < least && 2 * apart < candidate.size()) {
+            least = apart;
+            best = &candidate;
+        }
+    }
+    return best ? fmt::format("; did you mean '{}'?", *best) : "";
 }
 
 }  // namespace
@@ -80,7 +166,8 @@ std::string read_text_file(const std::filesystem::path& file) {
     }
     const std::uintmax_t size = std::filesystem::file_size(file, error);
     if (error || size > largest_file) {
-        throw InputError(fmt::format("{}: {} bytes, expected at most {}; is this the right file?", file.string(), size, largest_file));
+        throw InputError(fmt::format("{}: {} bytes, expected at most {}; is this the right file?",
+                                     file.string(), size, largest_file));
     }
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;
@@ -94,24 +181,27 @@ std::string read_text_file(const std::filesystem::path& file) {
 YamlMap::YamlMap(YAML::Node node, std::string file, std::string path)
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {
     if (!node_.IsMap()) {
-        throw InputError(fmt::format("{}: {} is no mapping, expected 'key: value' lines", place(file_, node_.Mark()),
+        throw InputError(fmt::format("{}: {} is no mapping, expected 'key: value' lines",
+                                     place(file_, node_.Mark()),
                                      path_.empty() ? "the file" : "'" + path_ + "'"));
     }
-    std::vector<std::string> seen;
+    std::unordered_set<std::string> seen;
     for (const auto& entry : node_) {
         if (!entry.first.IsScalar()) {
-            throw InputError(fmt::format("{}: found a key that is no plain word", place(file_, entry.first.Mark())));
+            throw InputError(
+                fmt::format("{}: found a list or mapping as a key, expected a word; write 'key: value'",
+                            place(file_, entry.first.Mark())));
         }
         const std::string key = entry.first.Scalar();
-        if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
+        if (!seen.insert(key).second) {
             throw InputError(fmt::format("{}: key '{}{}' stands twice, expected once; remove one",
-                                         place(file_, entry.first.Mark()), path_, key));
+                                         place(file_, entry.first.Mark()), path_, shortened(key)));
         }
-        seen.push_back(key);
     }
 }
 
 YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
+    check_text(text, file);
     try {
         std::istringstream events(text);
         YAML::Parser parser(events);
@@ -119,19 +209,27 @@ YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
         if (!parser.HandleNextDocument(gate)) {
             throw InputError(fmt::format("{}: the file is empty, expected 'key: value' lines", file));
         }
+        if (parser.HandleNextDocument(gate)) {
+            throw InputError(
+                fmt::format("{}: found a second document ('---'), expected one; remove it", file));
+        }
         return YamlMap(YAML::Load(text), file, "");
     } catch (const YAML::Exception& error) {
-        throw InputError(fmt::format("{}: not valid YAML: {}", place(file, error.mark), error.msg));
+        throw InputError(
+            fmt::format("{}: not valid YAML: {}; mend the file there", place(file, error.mark), error.msg));
     }
 }
 
 void YamlMap::refuse(const std::string& key, const std::string& found, const std::string& expected) const {
     const YAML::Node value = node_[key];
     throw InputError(fmt::format("{}: key '{}{}': found {}, expected {}",
-                                 place(file_, value.IsDefined() ? value.Mark() : node_.Mark()), path_, key, found, expected));
+                                 place(file_, value.IsDefined() ? value.Mark() : node_.Mark()), path_, key,
+                                 found, expected));
 }
 
-bool YamlMap::has(std::string_view key) const { return node_[std::string(key)].IsDefined(); }
+bool YamlMap::has(std::string_view key) const {
+    return node_[std::string(key)].IsDefined();
+}
 
 std::optional<std::string> YamlMap::scalar(const std::string& key, const std::string& expected) {
     known_.push_back(key);
@@ -151,7 +249,11 @@ float YamlMap::in_range(const std::string& key, const std::string& typed, const 
     const auto [end, error] = std::from_chars(typed.data(), typed.data() + typed.size(), value);
     if (error != std::errc() || end != typed.data() + typed.size() || !std::isfinite(value) ||
         value < range.low || value > range.high) {
-        refuse(key, shown(typed), expected);
+        const bool number_first = error == std::errc() && end != typed.data() && std::isfinite(value);
+        refuse(key, shown(typed),
+               expected + (number_first && end != typed.data() + typed.size()
+                               ? "; write the number alone, its unit stands in the key"
+                               : ""));
     }
     return value * range.unit;
 }
@@ -204,10 +306,26 @@ bool YamlMap::flag(const std::string& key, bool fallback) {
 }
 
 std::string YamlMap::text(const std::string& key, const std::string& fallback) {
-    return scalar(key, "a text").value_or(fallback);
+    const std::string expected = fmt::format("a text of at most {} letters", longest_text);
+    std::string typed = scalar(key, expected).value_or(fallback);
+    if (typed.size() > longest_text) {
+        refuse(key, fmt::format("{} letters", typed.size()), expected);
+    }
+    return typed;
 }
 
-std::size_t YamlMap::choice(const std::string& key, std::size_t fallback, std::span<const std::string_view> names) {
+std::string YamlMap::name(const std::string& key, const std::string& fallback) {
+    const std::string expected = fmt::format("one line of 1 to {} letters", longest_name);
+    const auto typed = scalar(key, expected);
+    const std::string value = typed.value_or(fallback.substr(0, longest_name));
+    if (typed && (value.empty() || value.size() > longest_name || value.find('\n') != std::string::npos)) {
+        refuse(key, shown(value), expected);
+    }
+    return value;
+}
+
+std::size_t YamlMap::choice(const std::string& key, std::size_t fallback,
+                            std::span<const std::string_view> names) {
     const std::string expected = fmt::format("one of {}", fmt::join(names, ", "));
     const auto typed = scalar(key, expected);
     if (!typed) {
@@ -227,7 +345,8 @@ Vec3f YamlMap::vector(const std::string& key, const Range& range) {
     if (!value.IsDefined()) {
         return out;
     }
-    const std::string expected = fmt::format("a list [left, posterior, superior] of three numbers from {} to {}", range.low, range.high);
+    const std::string expected = fmt::format(
+        "a list [left, posterior, superior] of three numbers from {} to {}", range.low, range.high);
     if (!value.IsSequence() || value.size() != 3) {
         refuse(key, value.IsSequence() ? fmt::format("{} entries", value.size()) : "no list", expected);
     }
@@ -269,8 +388,9 @@ void YamlMap::finish() const {
     for (const auto& entry : node_) {
         const std::string key = entry.first.Scalar();
         if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-            throw InputError(fmt::format("{}: unknown key '{}{}', expected one of: {}", place(file_, entry.first.Mark()),
-                                         path_, shown(key).substr(1, shown(key).size() - 2), fmt::join(known_, ", ")));
+            throw InputError(fmt::format("{}: unknown key '{}{}', expected one of: {}{}",
+                                         place(file_, entry.first.Mark()), path_, shortened(key),
+                                         fmt::join(known_, ", "), guess(key, known_)));
         }
     }
 }

@@ -18,7 +18,7 @@ namespace eti {
 /// Allowed values of a number as typed, and what one typed unit is in SI.
 struct Range {
     float low, high;
-    float unit = 1.0f;   ///< SI value of one typed unit, e.g. 1e-3 for millimetres
+    float unit = 1.0f;  ///< SI value of one typed unit, e.g. 1e-3 for millimetres
 };
 
 /// Reads a whole file of at most 1 MiB. Throws InputError.
@@ -29,7 +29,8 @@ struct Range {
 /// expected and, where there is one, the remedy.
 class YamlMap {
   public:
-    /// Parses `text`. Anchors and aliases, duplicate keys, and nesting deeper than 12 are refused.
+    /// Parses `text`. Anchors and aliases, tags, duplicate keys, a second document, more than 10,000 values
+    /// and nesting deeper than 12 are refused: nothing a small file says can grow large.
     [[nodiscard]] static YamlMap parse(const std::string& text, const std::string& file);
 
     [[nodiscard]] bool has(std::string_view key) const;
@@ -37,16 +38,21 @@ class YamlMap {
     [[nodiscard]] int whole(const std::string& key, int fallback, int low, int high);
     [[nodiscard]] std::uint64_t seed(const std::string& key, std::uint64_t fallback);
     [[nodiscard]] bool flag(const std::string& key, bool fallback);
-    [[nodiscard]] std::string text(const std::string& key, const std::string& fallback);
+    [[nodiscard]] std::string text(const std::string& key,
+                                   const std::string& fallback);  ///< at most 500 letters
+    /// A text that also goes over the bus and into tables: one line of 1 to 60 letters.
+    [[nodiscard]] std::string name(const std::string& key, const std::string& fallback);
     /// Index of the value among `names`; `fallback` where the key is absent.
-    [[nodiscard]] std::size_t choice(const std::string& key, std::size_t fallback, std::span<const std::string_view> names);
-    [[nodiscard]] Vec3f vector(const std::string& key, const Range& range);   ///< SI; zero where absent
+    [[nodiscard]] std::size_t choice(const std::string& key, std::size_t fallback,
+                                     std::span<const std::string_view> names);
+    [[nodiscard]] Vec3f vector(const std::string& key, const Range& range);  ///< SI; zero where absent
     [[nodiscard]] std::optional<YamlMap> map(const std::string& key);
     [[nodiscard]] std::vector<YamlMap> list(const std::string& key);
     /// Refuses keys that were not asked for.
     void finish() const;
 
-    [[noreturn]] void refuse(const std::string& key, const std::string& found, const std::string& expected) const;
+    [[noreturn]] void refuse(const std::string& key, const std::string& found,
+                             const std::string& expected) const;
 
   private:
     YamlMap(YAML::Node node, std::string file, std::string path);

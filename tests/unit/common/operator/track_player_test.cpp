@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/operator/track_player.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/unit/common/operator/newborn_landmarks.hpp"
+
+namespace eti {
+namespace {
+
+constexpr float length = 0.1f;
+constexpr float reaction = 0.2f;
+constexpr double dt = 1e-3;
+
+class Playing : public testing::Test {
+  protected:
+    // A stage that brings the tip to the vallecula along the line from the upper gum.
+    static Stage stage_at(Landmark where) {
+        Stage stage;
+        stage.name = landmark_names[static_cast<std::size_t>(where)];
+        stage.tip_at = where;
+        stage.axis_from = Landmark::upper_gum;
+        return stage;
+    }
+
+    static Stage kept(const char* name) {
+        Stage stage;
+        stage.name = name;
+        stage.keep = true;
+        return stage;
+    }
+
+    void begin(std::vector<Stage> stages) {
+        player_.emplace(Track{std::move(stages)}, length, 0.0f, reaction, 1);
+        seen_.landmarks = newborn_landmarks(true);
+        seen_.time = 0;
+        pose_ = player_->wanted(seen_);
+    }
+
+    void step() {
+        seen_.time += dt;
+        pose_ = player_->wanted(seen_);
+    }
+
+    void play(double seconds) {
+        for (int i = 0; i < static_cast<int>(seconds / dt); ++i) {
+            step();
+        }
+    }
+
+    // Until the stage of this name begins; false when it does not within a minute.
+    [[nodiscard]] bool play_until(const std::string& stage) {
+        for (int i = 0; i < 60'000 && player_->stage_name() != stage; ++i) {
+            step();
+        }
+        return player_->stage_name() == stage;
+    }
+
+    [[nodiscard]] Vec3f tip() const { return pose_ * Vec3f(0, 0, length); }
+    [[nodiscard]] Vec3f handle() const { return pose_.rotation * Vec3f::UnitY(); }
+    [[nodiscard]] Vec3f along() const { return pose_.rotation * Vec3f::UnitZ(); }
+    [[nodiscard]] Vec3f landmark(Landmark which) const { return at(seen_.landmarks, which); }
+
+    std::optional<TrackPlayer> player_;
+    Observation seen_;
+    RigidTransform pose_;
+};
+
+// Single precision at 0.1 m, after a handful of products of rotations.
+constexpr float rounding = 1e-6f;
+
+TEST_F(Playing, PutsTheTipAtTheLandmarkAndTheAxisOnTheLine) {
+    Stage stage = stage_at(Landmark::vallecula);
+    stage.tip_offset = Vec3f(0.001f, 0.002f, 0.003f);
+    stage.axis_from_offset = Vec3f(0, -0.004f, -0.005f);
+    begin({stage});
+    play(5);
+    const Vec3f target = landmark(Landmark::vallecula) + stage.tip_offset;
+    const Vec3f line = (target - landmark(Landmark::upper_gum) - stage.axis_from_offset).normalized();
+    EXPECT_TRUE(player_->finished());
+    EXPECT_LT((tip() - target).norm(), rounding);
+    EXPECT_LT((along() - line).norm(), 1e-5f);
+    // The handle: perpendicular to the blade and, of all such directions, the most anterior.
+    EXPECT_NEAR(handle().dot(line), 0, 1e-5f);
+    const Vec3f anterior(0, -1, 0);
+    EXPECT_LT((handle() - (anterior - anterior.dot(line) * line).normalized()).norm(), 1e-5f);
+    EXPECT_NEAR(pose_.rotation.toRotationMatrix().determinant(), 1, 1e-5f);
+}
+
+TEST_F(Playing, AxisMayPointAtAnotherLandmark) {
+    Stage stage = stage_at(Landmark::mouth_opening);
+    stage.axis_to_tip = false;
+    stage.axis_to = Landmark::glottis;
+    begin({stage});
+    play(5);
+    EXPECT_LT((tip() - landmark(Landmark::mouth_opening)).norm(), rounding);
+    EXPECT_LT((along() - (landmark(Landmark::glottis) - landmark(Landmark::upper_gum)).normalized()).norm(),
+              1e-5f);
+}
+
+TEST_F(Playing, RestsFortyMillimetresOutBeforeTheRun) {
+    begin({stage_at(Landmark::vallecula)});
+    const Vec3f start = tip();
+    play(5);
+    EXPECT_LT((start + 0.04f * along() - tip()).norm(), rounding);
+}
+
+TEST_F(Playing, MovesWithMinimumJerkAndNoFasterThanAsked) {
+    Stage stage = stage_at(Landmark::vallecula);
+    stage.speed = 0.03f;
+    begin({stage});
+    const Vec3f start = tip();
+    const double duration = 1.875 * 0.04 / 0.03;  // Flash & Hogan 1985: peak = 15/8 of the mean
+    float fastest = 0;
+    Vec3f before = tip();
+    while (!player_->finished() && seen_.time < 10) {
+        step();
+        const double u = std::min(1.0, seen_.time / duration);
+        const auto share = static_cast<float>(u * u * u * (10 + u * (-15 + 6 * u)));
+        ASSERT_NEAR((tip() - start).norm(), 0.04f * share, 2 * rounding) << "at " << seen_.time << " s";
+        fastest = std::max(fastest, (tip() - before).norm() / static_cast<float>(dt));
+        before = tip();
+    }
+    EXPECT_NEAR(seen_.time, duration, 2 * dt);
+    // A speed from two positions over 1 ms carries twice their rounding, 1e-8 m each, over 1e-3 s.
+    EXPECT_NEAR(fastest, 0.03f, 1e-4f);
+}
+
+TEST_F(Playing, NeverJumpsFromStageToStage) {
+    Stage rocking = kept("rock");
+    rocking.pitch = 0.3f;
+    rocking.pivot_at_tip = false;
+    Stage raise = kept("lift");
+    raise.lift = 0.01f;
+    begin({stage_at(Landmark::mouth_opening), stage_at(Landmark::tongue_dorsum),
+           stage_at(Landmark::vallecula), rocking, raise, stage_at(Landmark::mouth_opening)});
+    RigidTransform before = pose_;
+    while (!player_->finished() && seen_.time < 60) {
+        step();
+        // 0.03 m/s of the tip, and at most 2 rad/s about it over the blade's length.
+        ASSERT_LT((pose_.translation - before.translation).norm(),
+                  (0.03f + 2.0f * length) * static_cast<float>(dt) * 1.01f);
+        ASSERT_LT((pose_.rotation * before.rotation.conjugate()).vec().norm(),
+                  static_cast<float>(dt) * 1.01f);
+        before = pose_;
+    }
+    EXPECT_TRUE(player_->finished());
+}
+
+TEST_F(Playing, LiftsAlongTheHandleAndAdvancesAlongTheTool) {
+    Stage move = kept("move");
+    move.lift = 0.008f;
+    move.advance = 0.005f;
+    begin({stage_at(Landmark::vallecula), move});
+    ASSERT_TRUE(play_until("move"));
+    const Vec3f start = tip();
+    play(5);
+    EXPECT_LT((tip() - start - 0.008f * handle() - 0.005f * along()).norm(), 2 * rounding);
+    EXPECT_LT(handle().y(), 0) << "lifting goes anteriorly";
+}
+
+TEST_F(Playing, TurnsAboutTheTipRaiseItAndYawItLeft) {
+    Stage pitched = kept("pitch");
+    pitched.pitch = 0.2f;
+    Stage yawed = kept("yaw");
+    yawed.yaw = 0.1f;
+    begin({stage_at(Landmark::vallecula), pitched, yawed});
+    ASSERT_TRUE(play_until("pitch"));
+    const Vec3f point = tip(), axis = along(), up = handle();
+    ASSERT_TRUE(play_until("yaw"));
+    EXPECT_LT((tip() - point).norm(), 2 * rounding);
+    EXPECT_LT((along() - (std::cos(0.2f) * axis + std::sin(0.2f) * up)).norm(), 1e-5f);
+    play(5);
+    EXPECT_LT((tip() - point).norm(), 2 * rounding);
+    EXPECT_NEAR(along().x(), std::sin(0.1f), 1e-5f);  // the patient's left is +x
+}
+
+TEST_F(Playing, RockingOnTheGumKeepsTheGumsPlaceOnTheBlade) {
+    Stage rocking = kept("rock");
+    rocking.pitch = 0.35f;
+    rocking.pivot_at_tip = false;
+    rocking.pivot = Landmark::upper_gum;
+    begin({stage_at(Landmark::vallecula), rocking});
+    ASSERT_TRUE(play_until("rock"));
+    const Vec3f gum = landmark(Landmark::upper_gum);
+    const Vec3f on_blade = pose_.inverse() * gum;
+    float turned = 0;
+    const Vec3f axis = along();
+    while (!player_->finished()) {
+        step();
+        ASSERT_LT((pose_ * on_blade - gum).norm(), 2 * rounding);
+        turned = std::acos(std::min(1.0f, along().dot(axis)));
+    }
+    EXPECT_NEAR(turned, 0.35f, 1e-4f);
+}
+
+TEST_F(Playing, AimsOnceUnlessToldToFollow) {
+    for (const bool follow : {false, true}) {
+        Stage stage = stage_at(Landmark::vallecula);
+        stage.follow = follow;
+        stage.hold = 5;
+        begin({stage});
+        play(2);
+        const Vec3f moved(0, -0.003f, 0.002f);
+        const Vec3f aimed = landmark(Landmark::vallecula);
+        seen_.landmarks[static_cast<std::size_t>(Landmark::vallecula)] += moved;
+        play(3);
+        // Following: a low pass of 0.1 s is past thirty time constants.
+        EXPECT_LT((tip() - aimed - (follow ? moved : Vec3f(Vec3f::Zero()))).norm(), 2 * rounding);
+    }
+}
+
+TEST_F(Playing, HoldsBeforeItGoesOn) {
+    Stage stage = stage_at(Landmark::vallecula);
+    stage.hold = 1.5f;
+    begin({stage});
+    while (!player_->finished() && seen_.time < 20) {
+        step();
+    }
+    EXPECT_NEAR(seen_.time, 1.875 * 0.04 / 0.03 + 1.5, 2 * dt);
+}
+
+TEST_F(Playing, ReactsOnlyToWhatLasts) {
+    Stage waiting = stage_at(Landmark::vallecula);
+    waiting.until_view_percent = 50;
+    waiting.timeout = 30;
+    begin({waiting, kept("go")});
+    play(4);
+    for (int glimpse = 0; glimpse < 10; ++glimpse) {
+        seen_.glottic_opening_percent = 80;
+        play(0.9 * static_cast<double>(reaction));
+        seen_.glottic_opening_percent = 10;
+        play(0.01);
+    }
+    EXPECT_NE(player_->stage_name(), "go") << "glimpses add up";
+    seen_.glottic_opening_percent = 50;
+    const double saw = seen_.time;
+    ASSERT_TRUE(play_until("go"));
+    EXPECT_NEAR(seen_.time - saw, static_cast<double>(reaction), 3 * dt);
+}
+
+TEST_F(Playing, WaitsForAllConditions) {
+    Stage waiting = stage_at(Landmark::vallecula);
+    waiting.until_view_percent = 50;
+    waiting.until_tube_depth = 0.02f;
+    waiting.until_time = 9;
+    waiting.timeout = 100;
+    begin({waiting, kept("go")});
+    play(4);
+    seen_.glottic_opening_percent = 60;
+    play(2);
+    seen_.tube_depth_past_glottis = 0.021f;
+    play(2);
+    EXPECT_NE(player_->stage_name(), "go");
+    ASSERT_TRUE(play_until("go"));
+    EXPECT_NEAR(seen_.time, 9 + static_cast<double>(reaction), 3 * dt);
+}
+
+TEST_F(Playing, TimeoutGoesOnOrGivesUp) {
+    for (const bool abort : {false, true}) {
+        Stage waiting = stage_at(Landmark::vallecula);
+        waiting.until_view_percent = 50;
+        waiting.timeout = 2;
+        waiting.abort_on_timeout = abort;
+        begin({waiting, kept("pass the tube"), kept("withdraw")});
+        ASSERT_TRUE(play_until(abort ? "withdraw" : "pass the tube"));
+        EXPECT_NEAR(seen_.time, 1.875 * 0.04 / 0.03 + 2, 3 * dt);
+        EXPECT_EQ(player_->gave_up(), abort);
+    }
+}
+
+TEST_F(Playing, PushesTheTubeToItsDepthAtTheLip) {
+    Stage stage = stage_at(Landmark::glottis);
+    stage.depth_at_lip = 0.085f;
+    begin({stage});
+    play(10);
+    EXPECT_NEAR(along().dot(tip() - landmark(Landmark::mouth_opening)), 0.085f, 2 * rounding);
+
+    stage.depth_at_lip = -1;
+    stage.depth_by_rule = true;
+    seen_.tube_depth_rule = 0.071f;
+    begin({stage});
+    play(10);
+    EXPECT_NEAR(along().dot(tip() - landmark(Landmark::mouth_opening)), 0.071f, 2 * rounding);
+
+    seen_.tube_depth_rule = 0;  // not known yet: the landmark it is
+    begin({stage});
+    play(10);
+    EXPECT_LT((tip() - landmark(Landmark::glottis)).norm(), rounding);
+}
+
+TEST_F(Playing, StaysFiniteBeforeLandmarksAreKnown) {
+    player_.emplace(Track{{stage_at(Landmark::vallecula), kept("go")}}, length, 1e-4f, reaction, 1);
+    for (int i = 0; i < 5000; ++i) {
+        step();
+        ASSERT_TRUE(pose_.translation.allFinite() && pose_.rotation.coeffs().allFinite());
+        ASSERT_NEAR(pose_.rotation.norm(), 1, 1e-5f);
+    }
+}
+
+TEST_F(Playing, HandWithoutATrackStaysClearOfThePatient) {
+    player_.emplace(Track{}, length, 0.0f, reaction, 1);
+    seen_.landmarks = newborn_landmarks(true);
+    step();
+    EXPECT_TRUE(player_->finished());
+    for (const Vec3f& point : seen_.landmarks) {
+        EXPECT_GT((pose_.translation - point).norm(), 0.2f);
+    }
+}
+
+}  // namespace
+}  // namespace eti
