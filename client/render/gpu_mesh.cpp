@@ -62,8 +62,17 @@ void GpuMesh::upload(std::span<const view::TubeVertex> vertices) {
     upload_bytes(vertices.data(), vertices.size_bytes());
 }
 
+void GpuMesh::draw(std::span<const Triangle> triangles) const {
+    glBindVertexArray(array_.name());
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chosen_.name());
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size_bytes()), triangles.data(),
+                 GL_STREAM_DRAW);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangles.size()), GL_UNSIGNED_INT, nullptr);
+}
+
 void GpuMesh::draw() const {
     glBindVertexArray(array_.name());
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 

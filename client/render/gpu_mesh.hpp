@@ -25,7 +25,10 @@ class GpuMesh {
 
     void upload(std::span<const view::LitVertex> vertices);
     void upload(std::span<const view::TubeVertex> vertices);
+    /// All triangles.
     void draw() const;
+    /// These triangles only.
+    void draw(std::span<const Triangle> triangles) const;
 
     /// Revision of what was last uploaded, kept for the caller.
     std::uint64_t revision = 0;
@@ -38,6 +41,7 @@ class GpuMesh {
     Buffer vertices_;
     Buffer colours_;
     Buffer indices_;
+    Buffer chosen_;
     GLsizei index_count_ = 0;
 };
 

@@ -24,7 +24,8 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
         const view::SurfaceModel& model = surface.model();
         std::vector<VertexColour> colours = surface_colours(model, scene.landmarks());
         GpuMesh mesh(model.mesh.triangles, colours);
-        surfaces_.push_back({name, model.tissue, is_bone(model.tissue), std::move(colours), std::move(mesh)});
+        surfaces_.push_back({name, model.tissue, is_bone(model.tissue), std::move(colours), std::move(mesh),
+                             TriangleBlocks(model.mesh.triangles, model.mesh.vertices)});
     }
     std::stable_sort(surfaces_.begin(), surfaces_.end(),
                      [](const SurfaceMesh& a, const SurfaceMesh& b) { return layer(a) < layer(b); });
@@ -55,6 +56,7 @@ void SceneMeshes::sync(const view::SceneView& scene) {
         const auto& shape = scene.surfaces().at(surface.name);
         if (surface.mesh.revision != shape.revision()) {
             surface.mesh.upload(shape.vertices());
+            surface.blocks.update(shape.vertices());
             surface.mesh.revision = shape.revision();
         }
     }

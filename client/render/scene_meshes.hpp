@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/render/gpu_mesh.hpp"
+#include "client/render/triangle_blocks.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
@@ -19,6 +20,7 @@ struct SurfaceMesh {
     bool bone = false;  ///< hidden inside the body, unless that is cut open
     std::vector<VertexColour> colours;
     GpuMesh mesh;
+    TriangleBlocks blocks;
 };
 
 /// The scene's meshes, kept in step with a SceneView.
@@ -28,7 +30,7 @@ class SceneMeshes {
     void sync(const view::SceneView& scene);
 
     /// Outermost first, so that in a section the organs lie over the body around them.
-    [[nodiscard]] const std::vector<SurfaceMesh>& surfaces() const { return surfaces_; }
+    [[nodiscard]] std::vector<SurfaceMesh>& surfaces() { return surfaces_; }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
 

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "client/render/scene_renderer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -45,6 +46,26 @@ float band_width(Tissue tissue) {
     }
 }
 
+// The pixels that hold all of `vertices`, within the viewport.
+Viewport pixels_of(const std::vector<CutVertex>& vertices, const Eigen::Matrix4f& view_projection,
+                   const Viewport& viewport) {
+    Eigen::Vector2f low(2.0f, 2.0f), high(-2.0f, -2.0f);
+    for (const CutVertex& vertex : vertices) {
+        const Eigen::Vector4f clip = view_projection * vertex.position.homogeneous();
+        const Eigen::Vector2f place = clip.head<2>() / std::max(clip.w(), 1e-6f);
+        low = low.cwiseMin(place);
+        high = high.cwiseMax(place);
+    }
+    const auto pixel = [](float place, int side) {
+        return static_cast<int>(std::clamp(0.5f * (place + 1.0f), 0.0f, 1.0f) * static_cast<float>(side));
+    };
+    const int left = std::max(pixel(low.x(), viewport.width) - 1, 0);
+    const int bottom = std::max(pixel(low.y(), viewport.height) - 1, 0);
+    const int right = std::min(pixel(high.x(), viewport.width) + 2, viewport.width);
+    const int top = std::min(pixel(high.y(), viewport.height) + 2, viewport.height);
+    return {viewport.x + left, viewport.y + bottom, right - left, top - bottom};
+}
+
 std::string lit(std::string_view body) {
     return std::string(source::lighting) + std::string(body);
 }
@@ -56,6 +77,7 @@ struct SceneRenderer::Frame {
     Camera camera;
     Eigen::Matrix4f view_projection;
     Lighting lighting;
+    Eigen::Vector4f clip_plane;
     Viewport viewport;
     bool ids;
 };
@@ -117,7 +139,13 @@ void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport
     if (ids) {
         background.setZero();
     }
-    const Frame frame{scene, camera, camera.projection(aspect) * camera.view(), lighting, viewport, ids};
+    const Frame frame{scene,
+                      camera,
+                      camera.projection(aspect) * camera.view(),
+                      lighting,
+                      view == View::section ? keep_right_half : no_clipping,
+                      viewport,
+                      ids};
     if (view == View::overview && !ids) {
         draw_shadows(frame);
     }
@@ -168,7 +196,7 @@ void SceneRenderer::draw_shadows(const Frame& frame) {
               ShadowMap::clip_matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
     flat_.set("clip_plane", no_clipping);
     flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-    for (const SurfaceMesh& surface : meshes_.surfaces()) {
+    for (SurfaceMesh& surface : meshes_.surfaces()) {
         if (!surface.bone) {
             surface.mesh.draw();
         }
@@ -181,18 +209,19 @@ void SceneRenderer::draw_shadows(const Frame& frame) {
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
 }
 
-void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& lit_program, bool bones) {
+void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& lit_program) {
     ShaderProgram& program = frame.ids ? flat_ : lit_program;
     program.use();
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     program.set("view_projection", frame.view_projection);
     frame.lighting.apply(program, frame.camera.eye);
-    for (const SurfaceMesh& surface : meshes_.surfaces()) {
-        if (bones || !surface.bone) {
+    for (SurfaceMesh& surface : meshes_.surfaces()) {
+        if (!surface.bone) {
             if (frame.ids) {
                 program.set("flat_colour", flat(object_colour(surface.tissue)));
             }
-            surface.mesh.draw();
+            surface.mesh.draw(
+                surface.blocks.visible(frame.view_projection, frame.camera.eye, frame.clip_plane));
         }
     }
 }
@@ -207,7 +236,7 @@ void SceneRenderer::draw_overview(const Frame& frame) {
     shadow_map_.bind_texture();
     flat_.use();
     flat_.set("clip_plane", no_clipping);
-    draw_skin(frame, tissue_shadowed_, false);
+    draw_skin(frame, tissue_shadowed_);
     draw_tools(frame, 1.0f);
 }
 
@@ -216,7 +245,7 @@ void SceneRenderer::draw_laryngoscope(const Frame& frame) {
         program->use();
         program->set("clip_plane", no_clipping);
     }
-    draw_skin(frame, tissue_, false);
+    draw_skin(frame, tissue_);
     draw_tools(frame, 1.0f);
     if (!frame.ids) {
         glDisable(GL_DEPTH_TEST);
@@ -236,10 +265,11 @@ void SceneRenderer::draw_section(const Frame& frame) {
         program->use();
         program->set("clip_plane", keep_right_half);
     }
-    glEnable(GL_CLIP_DISTANCE0);
-    draw_skin(frame, tissue_, true);
-    glDisable(GL_CLIP_DISTANCE0);
+    // The cut faces first: they hide most of what lies behind them, all of the bones among it.
     draw_caps(frame);
+    glEnable(GL_CLIP_DISTANCE0);
+    draw_skin(frame, tissue_);
+    glDisable(GL_CLIP_DISTANCE0);
     draw_tools(frame, 1.0f);
     if (!frame.ids) {
         glDepthFunc(GL_GREATER);
@@ -248,61 +278,65 @@ void SceneRenderer::draw_section(const Frame& frame) {
     }
 }
 
-// A ray from the camera through the cut plane starts inside a closed surface when beyond the plane
-// it leaves that surface once more than it enters it; the stencil counts that.
 void SceneRenderer::draw_caps(const Frame& frame) {
-    const auto corner = [](float y, float z, const VertexColour& colour) {
-        return CutVertex{Vec3f(cut_plane_x, y, z), colour};
-    };
     glEnable(GL_STENCIL_TEST);
-    for (const SurfaceMesh& surface : meshes_.surfaces()) {
-        flat_.use();
-        flat_.set("view_projection", frame.view_projection);
-        flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-        glEnable(GL_CLIP_DISTANCE0);
-        glDisable(GL_CULL_FACE);
-        glDisable(GL_DEPTH_TEST);
-        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-        glDepthMask(GL_FALSE);
-        glStencilFunc(GL_ALWAYS, 0, 0xff);
-        glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
-        glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
-        surface.mesh.draw();
-        glDisable(GL_CLIP_DISTANCE0);
-        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-        glDepthMask(GL_TRUE);
-        glEnable(GL_DEPTH_TEST);
-        // Nothing lies between the camera and the plane but the tools, which come later.
-        glDepthFunc(GL_ALWAYS);
-        glStencilFunc(GL_NOTEQUAL, 0, 0xff);
-        glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-        cut_.use();
-        cut_.set("view_projection", frame.view_projection);
-        const auto& id = object_colour(surface.tissue);
-        const VertexColour colour =
-            frame.ids ? VertexColour{id[0], id[1], id[2], 255} : opaque(cut_colour(surface.tissue));
-        const float reach = cut_reach;
-        const std::array<CutVertex, 6> cap{corner(-reach, -reach, colour), corner(reach, -reach, colour),
-                                           corner(-reach, reach, colour),  corner(reach, -reach, colour),
-                                           corner(reach, reach, colour),   corner(-reach, reach, colour)};
-        if (frame.ids) {
-            // The cut program reads sRGB; ids are written as they are.
-            flat_.use();
-            flat_.set("flat_colour", flat(id));
-            cut_mesh_.draw(cap);
-        } else {
-            cut_.set("fibre", surface.bone ? 0.06f : 0.22f);
-            cut_mesh_.draw(cap);
-            cut_.set("fibre", 0.0f);
-            const auto& shape = frame.scene.surfaces().at(surface.name);
-            cut_mesh_.draw(section_band(shape.model().mesh.triangles, shape.vertices(), surface.colours,
-                                        cut_plane_x, band_width(surface.tissue)));
-        }
-        glDepthFunc(GL_LESS);
-        glClear(GL_STENCIL_BUFFER_BIT);
+    glStencilMask(0xff);
+    for (SurfaceMesh& surface : meshes_.surfaces()) {
+        draw_cap(frame, surface);
     }
+    glScissor(frame.viewport.x, frame.viewport.y, frame.viewport.width, frame.viewport.height);
     glDisable(GL_STENCIL_TEST);
     glEnable(GL_CULL_FACE);
+}
+
+// A ray from the camera through the cut plane starts inside a closed surface when beyond the plane
+// it leaves that surface once more than it enters it; the stencil counts that.
+void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
+    const auto& shape = frame.scene.surfaces().at(surface.name);
+    const auto band = section_band(shape.model().mesh.triangles, shape.vertices(), surface.colours,
+                                   cut_plane_x, band_width(surface.tissue));
+    const Viewport rim = pixels_of(band, frame.view_projection, frame.viewport);
+    if (rim.width <= 0 || rim.height <= 0) {
+        return;
+    }
+    glScissor(rim.x, rim.y, rim.width, rim.height);
+    flat_.use();
+    flat_.set("view_projection", frame.view_projection);
+    flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    glEnable(GL_CLIP_DISTANCE0);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_DEPTH_TEST);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthMask(GL_FALSE);
+    glStencilFunc(GL_ALWAYS, 0, 0xff);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    surface.mesh.draw(surface.blocks.visible(frame.view_projection, frame.camera.eye, frame.clip_plane));
+    glDisable(GL_CLIP_DISTANCE0);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glEnable(GL_DEPTH_TEST);
+    // Nothing lies between the camera and the plane but the tools, which come later.
+    glDepthFunc(GL_ALWAYS);
+    glStencilFunc(GL_NOTEQUAL, 0, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    ShaderProgram& program = frame.ids ? flat_ : cut_;
+    program.use();
+    program.set("view_projection", frame.view_projection);
+    program.set("flat_colour", flat(object_colour(surface.tissue)));
+    program.set("fibre", surface.bone ? 0.06f : 0.22f);
+    const VertexColour colour = opaque(cut_colour(surface.tissue));
+    const auto corner = [&](float y, float z) { return CutVertex{Vec3f(cut_plane_x, y, z), colour}; };
+    const float reach = cut_reach;
+    cut_mesh_.draw(std::array<CutVertex, 6>{corner(-reach, -reach), corner(reach, -reach),
+                                            corner(-reach, reach), corner(reach, -reach),
+                                            corner(reach, reach), corner(-reach, reach)});
+    if (!frame.ids) {
+        program.set("fibre", 0.0f);
+        cut_mesh_.draw(band);
+    }
+    glDepthFunc(GL_LESS);
+    glClear(GL_STENCIL_BUFFER_BIT);
 }
 
 void SceneRenderer::draw_tools(const Frame& frame, float opacity) {

@@ -55,8 +55,9 @@ class SceneRenderer {
     void draw_overview(const Frame& frame);
     void draw_section(const Frame& frame);
     void draw_laryngoscope(const Frame& frame);
-    void draw_skin(const Frame& frame, ShaderProgram& lit, bool bones);
+    void draw_skin(const Frame& frame, ShaderProgram& lit_program);
     void draw_caps(const Frame& frame);
+    void draw_cap(const Frame& frame, SurfaceMesh& surface);
     void draw_tools(const Frame& frame, float opacity);
     void draw_shadows(const Frame& frame);
 

@@ -204,7 +204,11 @@ in vec3 world;
 in vec3 colour_at;
 out vec4 pixel;
 uniform float fibre;   // depth of the fibres' pattern, 0-1
-float lattice(vec2 p) { return fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453); }
+float lattice(vec2 p) {   // Hoskins' hash without sine
+    vec3 q = fract(p.xyx * 0.1031);
+    q += dot(q, q.yzx + 33.33);
+    return fract((q.x + q.y) * q.z);
+}
 float noise(vec2 p) {
     vec2 i = floor(p), f = fract(p);
     f = f * f * (3.0 - 2.0 * f);

@@ -6,7 +6,7 @@
 
 namespace eti::render {
 namespace {
-constexpr GLsizei size = 768;  // 0.4 mm a texel over a head
+constexpr GLsizei size = 512;  // 0.6 mm a texel over a head
 }
 
 ShadowMap::ShadowMap() {

@@ -37,11 +37,13 @@ bus::Options bus_options(const std::string& name) {
     return options;
 }
 
-// Publishes the synthetic scene on a real bus, simulation time going as fast as the clock.
+// Publishes the synthetic scene on a real bus, in steps of 30 ms of simulation time that begin when a
+// client listens. How fast it goes depends on the machine; what the tests expect does not.
 class SyntheticServer {
   public:
-    explicit SyntheticServer(double finish_after_s)
-        : finish_after_s_(finish_after_s), thread_([this] { run(); }) {}
+    /// Finishes after `seconds` of simulation time and `eyes` poses of the examiner's eye.
+    explicit SyntheticServer(double seconds, int eyes = 0)
+        : finish_after_s_(seconds), finish_after_eyes_(eyes), thread_([this] { run(); }) {}
     ~SyntheticServer() { stop(); }
 
     // Ends without saying so, as a killed server does.
@@ -51,6 +53,7 @@ class SyntheticServer {
             thread_.join();
         }
     }
+    [[nodiscard]] double time_s() const { return time_s_; }
     [[nodiscard]] int eyes() const { return eyes_; }
     [[nodiscard]] Vec3f eye() const { return last_eye_; }
 
@@ -68,19 +71,19 @@ class SyntheticServer {
         for (const auto& object : scene.objects) {
             objects.publish(object);
         }
-        const auto begin = std::chrono::steady_clock::now();
         while (!stopping_) {
-            const double time_s =
-                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-            const auto time_ns = static_cast<std::uint64_t>(1e9 * time_s);
-            const float lift = 0.002f * static_cast<float>(time_s);
+            if (fast.matched() + slow.matched() > 0) {
+                time_s_ = time_s_ + 0.03;
+            }
+            const auto time_ns = static_cast<std::uint64_t>(1e9 * time_s_);
+            const float lift = 0.002f * static_cast<float>(time_s_);
             fast.publish(synthetic::deformation(scene, time_ns, lift, 0.01f));
             slow.publish(synthetic::deformation(scene, time_ns, lift, 0.01f));
             proxy.publish(synthetic::proxy(scene, time_ns));
-            // The view is best after one second.
-            const auto percent = static_cast<float>(80.0 - 60.0 * std::abs(time_s - 1.0));
-            live.publish(synthetic::metrics(scene, time_ns, percent));
-            const bool finished = time_s > finish_after_s_;
+            // The view opens within a second and stays.
+            live.publish(
+                synthetic::metrics(scene, time_ns, static_cast<float>(80.0 * std::min(1.0, time_s_.load()))));
+            const bool finished = time_s_ > finish_after_s_ && eyes_ >= finish_after_eyes_;
             status.publish(synthetic::status(finished ? msg::PHASE_FINISHED : msg::PHASE_RUNNING));
             status.assert_liveliness();
             msg::EyePose pose;
@@ -94,8 +97,10 @@ class SyntheticServer {
     }
 
     double finish_after_s_;
+    int finish_after_eyes_;
     std::atomic<bool> stopping_{false};
     std::atomic<int> eyes_{0};
+    std::atomic<double> time_s_{0.0};
     Vec3f last_eye_ = Vec3f::Zero();
     std::thread thread_;
 };
@@ -151,27 +156,29 @@ TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
     EXPECT_EQ(pictures("section_final").size(), 1u);
     EXPECT_EQ(pictures("all_final").size(), 1u);
     ASSERT_EQ(pictures("laryngoscope_best").size(), 1u);
-    // Seen best at 1 s; states are 30 ms apart and the copy is taken within half a per cent (8 ms).
-    EXPECT_EQ(pictures("laryngoscope_best_000.9").size() + pictures("laryngoscope_best_001.0").size(), 1u);
-    EXPECT_GT(result_["best_glottic_opening_percent"].get<double>(), 75.0);
+    // The full view stands from 1 s on; a copy is taken once half a per cent more is seen.
+    EXPECT_GE(pictures("laryngoscope_best").front(), "laryngoscope_best_000.990s.png");
+    EXPECT_GE(result_["best_glottic_opening_percent"].get<double>(), 79.5);
     EXPECT_EQ(result_["messages_dropped"], 0);
     // Simulation time from the first picture to the end at 15 frames a second, held ones included, and
     // one second of the last picture.
     const int frames = video_frames();
     EXPECT_EQ(frames, result_["video"]["frames"].get<int>());
-    EXPECT_GT(frames, 15 + 15);
-    EXPECT_LE(frames, 15 + 15 * 4);
+    const double seconds = result_["simulation_time_s"].get<double>();
+    EXPECT_GT(seconds, 2.5);
+    EXPECT_GE(frames, 15 + result_["frames"].get<int>());
+    EXPECT_LE(frames, 15 + static_cast<int>(15 * seconds) + 1);
     const cv::Mat last = cv::imread((options_.offscreen / pictures("section_final").front()).string());
     EXPECT_EQ(last.cols, 320);
     EXPECT_EQ(last.rows, 240);
 }
 
 TEST_F(OffscreenTest, TraineePublishesTheExaminersEye) {
-    SyntheticServer server(1.5);
+    SyntheticServer server(1.0, 4);
     options_.video.clear();
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     server.stop();
-    EXPECT_GT(server.eyes(), 3);
+    EXPECT_GE(server.eyes(), 4);
     // Independent of where the eye is exactly: 0.3 m from the gum, outside, on the head's side.
     EXPECT_NEAR(server.eye().norm(), 0.3f, 0.03f);
     EXPECT_LT(server.eye().y(), 0.0f);
@@ -191,7 +198,9 @@ TEST_F(OffscreenTest, ObserverPublishesNothing) {
 TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
     auto server = std::make_unique<SyntheticServer>(1e9);
     std::thread killer([&] {
-        std::this_thread::sleep_for(2s);
+        while (server->time_s() < 1.5) {
+            std::this_thread::sleep_for(10ms);
+        }
         server->stop();
     });
     const int status = client::run_offscreen(options_, result_);
@@ -211,8 +220,10 @@ TEST_F(OffscreenTest, NoServerIsAnError) {
 
 TEST_F(OffscreenTest, StopsWhenAsked) {
     SyntheticServer server(1e9);
-    std::thread user([] {
-        std::this_thread::sleep_for(2s);
+    std::thread user([&] {
+        while (server.eyes() < 2) {
+            std::this_thread::sleep_for(10ms);
+        }
         client::ask_to_stop();
     });
     const int status = client::run_offscreen(options_, result_);
