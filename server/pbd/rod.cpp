@@ -54,7 +54,8 @@ Rod::Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& gr
       angle_before_(joints_.size(), Vec3d::Zero()),
       target_(segments_.size()),
       multiplier_(joints_.size(), Vec6d::Zero()),
-      motion_(segments_.size()),
+      motion_(segments_.size(), Vec6d::Zero()),
+      response_(segments_.size()),
       chain_(joints_.size()),
       radius_(0.5f * tube.outer_diameter),
       retardation_time_(double{settings.retardation_time}),
@@ -127,7 +128,6 @@ void Rod::predict(float dt, const Vec3f& gravity, const RigidTransform& grip) {
     }
     for (RodSegment& s : segments_) {
         if (s.inverse_mass > 0.0) {
-            s.velocity += dt_ * gravity_;
             s.position += dt_ * s.velocity;
             s.rotation = (exp_rotation(dt_ * s.angular_velocity) * s.rotation).normalized();
         }
@@ -137,7 +137,8 @@ void Rod::predict(float dt, const Vec3f& gravity, const RigidTransform& grip) {
         segments_[held_].rotation = to_double(grip.rotation);
     }
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-        target_[i] = {segments_[i].position, segments_[i].rotation};
+        const bool free = segments_[i].inverse_mass > 0.0;
+        target_[i] = {segments_[i].position + (free ? dt_ * dt_ : 0.0) * gravity_, segments_[i].rotation};
     }
 }
 
@@ -150,64 +151,125 @@ void Rod::load(std::size_t segment, float along, const Vec3f& force) {
     target.rotation = (exp_rotation(turn) * target.rotation).normalized();
 }
 
+void Rod::add_contacts(std::span<RodContact> contacts) {
+    for (Response& response : response_) {
+        response.touched = false;
+    }
+    for (const RodContact& contact : contacts) {
+        Response& response = response_[contact.segment];
+        if (!acts(contact) || segments_[contact.segment].inverse_mass == 0.0) {
+            continue;
+        }
+        if (!response.touched) {
+            response.touched = true;
+            response.contacts = {};
+        }
+        add_contact(contact, arm(contact.segment, contact.along, contact.offset),
+                    grip_stiffness(contact.segment), dt_, response.contacts);
+    }
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+        Response& response = response_[i];
+        if (!response.touched) {
+            continue;
+        }
+        const RodSegment& s = segments_[i];
+        Vec6d own;
+        own << Vec3d::Constant(1.0 / s.inverse_mass), Vec3d::Constant(1.0 / s.inverse_inertia);
+        Mat6d mass = response.contacts.mass;
+        mass.diagonal() += own;
+        response.inverse = mass.llt().solve(Mat6d::Identity());
+        motion_[i] = response.inverse * (own.cwiseProduct(motion_[i]) + response.contacts.impulse);
+    }
+}
+
+double Rod::grip_stiffness(std::size_t segment) const {
+    const double inverse = segments_[segment].inverse_mass;
+    return inverse > 0.0 ? 1.0 / (inverse * dt_ * dt_) : 0.0;
+}
+
+Vec6d Rod::answer(std::size_t segment, const Vec6d& impulse) const {
+    if (response_[segment].touched) {
+        return response_[segment].inverse * impulse;
+    }
+    Vec6d motion;
+    motion << segments_[segment].inverse_mass * impulse.head<3>(),
+        segments_[segment].inverse_inertia * impulse.tail<3>();
+    return motion;
+}
+
 void Rod::assemble() {
     const double inverse_dt2 = 1.0 / (dt_ * dt_);
     // Viscosity g = retardation time / dt turns the constraint angle + compliance * moment into
     // (1 + g) angle - g angle_before + ...; divided by 1 + g the system stays symmetric.
     const double gamma = retardation_time_ / dt_;
     const double softening = 1.0 / (1.0 + gamma);
-    for (std::size_t i = 0; i < segments_.size(); ++i) {
-        motion_[i].shift = target_[i].position - segments_[i].position;
-        motion_[i].turn = log_rotation(Quatd(target_[i].rotation * segments_[i].rotation.conjugate()));
-    }
     for (std::size_t j = 0; j < joints_.size(); ++j) {
-        const Motion& a = motion_[j];
-        const Motion& b = motion_[j + 1];
+        const RodSegment& a = segments_[j];
+        const RodSegment& b = segments_[j + 1];
         RodJointState& state = state_[j];
-        state = evaluate(joints_[j], segments_[j], segments_[j + 1]);
-        chain_.diagonal(j) = self_coupling(state, segments_[j], segments_[j + 1]);
-        chain_.diagonal(j).diagonal().head<3>().array() += joints_[j].stretch_compliance * inverse_dt2;
-        chain_.diagonal(j).diagonal().tail<3>() += softening * inverse_dt2 * joints_[j].bend_compliance;
-        multiplier_[j].head<3>() =
-            -(state.gap + a.shift + a.turn.cross(state.arm_a) - b.shift - b.turn.cross(state.arm_b));
-        multiplier_[j].tail<3>() =
-            gamma * softening * angle_before_[j] - state.angle - state.turn * (b.turn - a.turn);
+        state = evaluate(joints_[j], a, b);
+        Mat6d& diagonal = chain_.diagonal(j);
+        if (response_[j].touched) {
+            const Mat6d jacobian = rear_jacobian(state);
+            diagonal = jacobian * response_[j].inverse * jacobian.transpose();
+        } else {
+            diagonal = rear_coupling(state, a.inverse_mass, a.inverse_inertia);
+        }
+        if (response_[j + 1].touched) {
+            const Mat6d jacobian = front_jacobian(state);
+            diagonal += jacobian * response_[j + 1].inverse * jacobian.transpose();
+        } else {
+            diagonal += front_coupling(state, b.inverse_mass, b.inverse_inertia);
+        }
+        diagonal.diagonal().head<3>().array() += joints_[j].stretch_compliance * inverse_dt2;
+        diagonal.diagonal().tail<3>() += softening * inverse_dt2 * joints_[j].bend_compliance;
+        multiplier_[j] = -(rear_jacobian(state) * motion_[j] + front_jacobian(state) * motion_[j + 1]);
+        multiplier_[j].head<3>() -= state.gap;
+        multiplier_[j].tail<3>() += gamma * softening * angle_before_[j] - state.angle;
         if (j > 0) {
-            chain_.right(j - 1) = neighbour_coupling(state_[j - 1], state, segments_[j]);
+            chain_.right(j - 1) =
+                response_[j].touched
+                    ? Mat6d(front_jacobian(state_[j - 1]) * response_[j].inverse *
+                            rear_jacobian(state).transpose())
+                    : through_coupling(state_[j - 1], state, a.inverse_mass, a.inverse_inertia);
         }
     }
 }
 
-void Rod::solve() {
+void Rod::solve(std::span<RodContact> contacts) {
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+        motion_[i] << target_[i].position - segments_[i].position,
+            log_rotation(Quatd(target_[i].rotation * segments_[i].rotation.conjugate()));
+    }
+    add_contacts(contacts);
     assemble();
     chain_.factorize();
     chain_.solve(multiplier_);
     double widest = 0.0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-        Vec3d force = Vec3d::Zero();
-        Vec3d moment = Vec3d::Zero();
+        Vec6d impulse = Vec6d::Zero();
         if (i > 0) {
-            const Vec3d pull = multiplier_[i - 1].head<3>();
-            force -= pull;
-            moment += state_[i - 1].turn.transpose() * multiplier_[i - 1].tail<3>() -
-                      state_[i - 1].arm_b.cross(pull);
+            impulse += front_jacobian(state_[i - 1]).transpose() * multiplier_[i - 1];
         }
         if (i < joints_.size()) {
-            const Vec3d pull = multiplier_[i].head<3>();
-            force += pull;
-            moment += state_[i].arm_a.cross(pull) - state_[i].turn.transpose() * multiplier_[i].tail<3>();
+            impulse += rear_jacobian(state_[i]).transpose() * multiplier_[i];
         }
-        motion_[i].shift += segments_[i].inverse_mass * force;
-        motion_[i].turn += segments_[i].inverse_inertia * moment;
-        widest = std::max(widest, motion_[i].turn.squaredNorm());
+        motion_[i] += answer(i, impulse);
+        widest = std::max(widest, motion_[i].tail<3>().squaredNorm());
+    }
+    for (RodContact& contact : contacts) {
+        contact.force = acts(contact)
+                            ? contact_force(contact, arm(contact.segment, contact.along, contact.offset),
+                                            grip_stiffness(contact.segment), motion_[contact.segment])
+                            : Vec3f(Vec3f::Zero());
     }
     widest = std::sqrt(widest);
     const double scale = widest > largest_turn ? largest_turn / widest : 1.0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
         if (segments_[i].inverse_mass > 0.0) {
-            segments_[i].position += scale * motion_[i].shift;
+            segments_[i].position += scale * motion_[i].head<3>();
             segments_[i].rotation =
-                (exp_rotation(scale * motion_[i].turn) * segments_[i].rotation).normalized();
+                (exp_rotation(scale * motion_[i].tail<3>()) * segments_[i].rotation).normalized();
         }
     }
 }

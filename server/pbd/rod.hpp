@@ -7,6 +7,7 @@
 
 #include "common/model/tools.hpp"
 #include "server/pbd/rod_chain.hpp"
+#include "server/pbd/rod_contact.hpp"
 #include "server/pbd/rod_joint.hpp"
 
 namespace eti::pbd {
@@ -37,9 +38,10 @@ struct GripWrench {
 /// its transverse one about every axis: a slim segment's axial inertia would only make twist ring
 /// faster than the substep. Doubles throughout.
 ///
-/// A substep: predict, then passes of solve() with contacts in between, then finish. The last pass
-/// before finish should be solve() if the chain is to be intact, contacts if nothing may penetrate.
-/// Nothing allocates after construction.
+/// A substep: predict, then passes of solve() with the contacts found before each, then finish. With
+/// contacts it takes two passes: the first finds which of them hold, the second with what force. push() and
+/// displace() are for obstacles that have to be met one at a time; the next solve() closes what they tore
+/// open. Nothing allocates after construction.
 class Rod {
   public:
     Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& grip);
@@ -47,15 +49,18 @@ class Rod {
     /// At rest on its manufactured curve.
     void reset(const RigidTransform& grip);
 
-    /// Moves all segments by their velocities for `dt` [s], the held one to `grip`.
+    /// Moves all segments by their velocities for `dt` [s], the held one to `grip`. Gravity waits for
+    /// solve(): where forces balance, velocity alone is the better guess.
     void predict(float dt, const Vec3f& gravity, const RigidTransform& grip);
 
     /// Loads a point of a segment with a constant force [N] during this substep; takes effect in the
     /// next solve().
     void load(std::size_t segment, float along, const Vec3f& force);
 
-    /// One Newton step of the whole chain.
-    void solve();
+    /// One Newton step of the whole chain and its contacts, whose gaps, normals and slips are to be those
+    /// of the present pose, and whose forces it updates. Contacts with the held segment get the force
+    /// that their overlap asks for, and the hand does not give way.
+    void solve(std::span<RodContact> contacts = {});
 
     /// New velocities from the way travelled since predict.
     void finish();
@@ -106,15 +111,19 @@ class Rod {
         Vec3d position = Vec3d::Zero();
         Quatd rotation = Quatd::Identity();
     };
-    /// A segment's displacement [m] and rotation vector [rad].
-    struct Motion {
-        Vec3d shift = Vec3d::Zero();
-        Vec3d turn = Vec3d::Zero();
+    /// How a segment answers an impulse: by its inverse mass and inertia, or, where it has contacts, by
+    /// a full matrix.
+    struct Response {
+        bool touched = false;
+        RodContactSystem contacts;
+        Mat6d inverse = Mat6d::Zero();
     };
 
     void lay_out(const Tube& tube, const RodSettings& settings);
     void assemble();
-    void apply();
+    void add_contacts(std::span<RodContact> contacts);
+    [[nodiscard]] double grip_stiffness(std::size_t segment) const;
+    [[nodiscard]] Vec6d answer(std::size_t segment, const Vec6d& impulse) const;
     [[nodiscard]] Vec3d arm(std::size_t segment, float along, const Vec3f& offset) const;
 
     std::vector<RodSegment> segments_;
@@ -124,7 +133,8 @@ class Rod {
     std::vector<Vec3d> angle_before_;  ///< [rad], joints' angles at predict
     std::vector<Target> target_;
     std::vector<Vec6d> multiplier_;  ///< [N s^2, N m s^2], one per joint
-    std::vector<Motion> motion_;
+    std::vector<Vec6d> motion_;      ///< [m, rad], displacement and rotation of segments in this pass
+    std::vector<Response> response_;
     RodChain chain_;
     std::size_t held_ = 0;
     float radius_ = 0.0f;

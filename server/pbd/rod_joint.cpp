@@ -60,28 +60,45 @@ Mat3d cross_product(const Vec3d& r, const Vec3d& s) {
 
 }  // namespace
 
-Mat6d self_coupling(const RodJointState& joint, const RodSegment& a, const RodSegment& b) {
+Mat6d rear_jacobian(const RodJointState& joint) {
+    Mat6d j;
+    j << Mat3d::Identity(), -cross_matrix(joint.arm_a), Mat3d::Zero(), -joint.turn;
+    return j;
+}
+
+Mat6d front_jacobian(const RodJointState& joint) {
+    Mat6d j;
+    j << -Mat3d::Identity(), cross_matrix(joint.arm_b), Mat3d::Zero(), joint.turn;
+    return j;
+}
+
+namespace {
+
+Mat6d coupling(const Vec3d& arm, const Mat3d& turn, double w, double i) {
     Mat6d m;
-    m.topLeftCorner<3, 3>() = (a.inverse_mass + b.inverse_mass) * Mat3d::Identity() +
-                              a.inverse_inertia * cross_product(joint.arm_a, joint.arm_a) +
-                              b.inverse_inertia * cross_product(joint.arm_b, joint.arm_b);
-    m.topRightCorner<3, 3>() =
-        cross_matrix(a.inverse_inertia * joint.arm_a + b.inverse_inertia * joint.arm_b) *
-        joint.turn.transpose();
+    m.topLeftCorner<3, 3>() = w * Mat3d::Identity() + i * cross_product(arm, arm);
+    m.topRightCorner<3, 3>() = i * cross_matrix(arm) * turn.transpose();
     m.bottomLeftCorner<3, 3>() = m.topRightCorner<3, 3>().transpose();
-    m.bottomRightCorner<3, 3>() =
-        (a.inverse_inertia + b.inverse_inertia) * joint.turn * joint.turn.transpose();
+    m.bottomRightCorner<3, 3>() = i * turn * turn.transpose();
     return m;
 }
 
-Mat6d neighbour_coupling(const RodJointState& rear, const RodJointState& front, const RodSegment& between) {
-    const double w = between.inverse_mass;
-    const double i = between.inverse_inertia;
+}  // namespace
+
+Mat6d rear_coupling(const RodJointState& joint, double w, double i) {
+    return coupling(joint.arm_a, joint.turn, w, i);
+}
+
+Mat6d front_coupling(const RodJointState& joint, double w, double i) {
+    return coupling(joint.arm_b, joint.turn, w, i);
+}
+
+Mat6d through_coupling(const RodJointState& behind, const RodJointState& ahead, double w, double i) {
     Mat6d m;
-    m.topLeftCorner<3, 3>() = -w * Mat3d::Identity() - i * cross_product(rear.arm_b, front.arm_a);
-    m.topRightCorner<3, 3>() = -i * cross_matrix(rear.arm_b) * front.turn.transpose();
-    m.bottomLeftCorner<3, 3>() = i * rear.turn * cross_matrix(front.arm_a);
-    m.bottomRightCorner<3, 3>() = -i * rear.turn * front.turn.transpose();
+    m.topLeftCorner<3, 3>() = -w * Mat3d::Identity() - i * cross_product(behind.arm_b, ahead.arm_a);
+    m.topRightCorner<3, 3>() = -i * cross_matrix(behind.arm_b) * ahead.turn.transpose();
+    m.bottomLeftCorner<3, 3>() = i * behind.turn * cross_matrix(ahead.arm_a);
+    m.bottomRightCorner<3, 3>() = -i * behind.turn * ahead.turn.transpose();
     return m;
 }
 

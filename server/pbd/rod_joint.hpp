@@ -63,11 +63,16 @@ struct RodJointState {
 /// moment stays proportional to the angle at large bends.
 [[nodiscard]] RodJointState evaluate(const RodJoint& joint, const RodSegment& a, const RodSegment& b);
 
-/// J W J^T of one joint with itself.
-[[nodiscard]] Mat6d self_coupling(const RodJointState& joint, const RodSegment& a, const RodSegment& b);
+/// A segment's part in a joint: how the six constraint values change with its displacement and
+/// rotation, as the rear (a) and as the front (b) of the joint.
+[[nodiscard]] Mat6d rear_jacobian(const RodJointState& joint);
+[[nodiscard]] Mat6d front_jacobian(const RodJointState& joint);
 
-/// J_rear W J_front^T of two joints through the segment between them.
-[[nodiscard]] Mat6d neighbour_coupling(const RodJointState& rear, const RodJointState& front,
-                                       const RodSegment& between);
+/// J W J^T for a segment with inverse mass w [1/kg] and inverse inertia i [1/(kg m^2)], multiplied out:
+/// as the rear of a joint, as its front, and as front of one joint and rear of the next.
+[[nodiscard]] Mat6d rear_coupling(const RodJointState& joint, double w, double i);
+[[nodiscard]] Mat6d front_coupling(const RodJointState& joint, double w, double i);
+[[nodiscard]] Mat6d through_coupling(const RodJointState& behind, const RodJointState& ahead, double w,
+                                     double i);
 
 }  // namespace eti::pbd

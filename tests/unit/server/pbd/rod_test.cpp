@@ -75,10 +75,6 @@ TEST(RodJoint, DerivativesMatchDifferences) {
         EXPECT_LT(((plus.gap - minus.gap) / 2e-6 - gap_rate).norm(), 1e-8);
         EXPECT_LT(((plus.angle - minus.angle) / 2e-6 - at.turn * (w_b - w_a)).norm(), 1e-7);
         // Couplings are products of these derivatives.
-        a.inverse_mass = 2.0;
-        a.inverse_inertia = 3.0;
-        b.inverse_mass = 5.0;
-        b.inverse_inertia = 7.0;
         Eigen::Matrix<double, 6, 12> j = Eigen::Matrix<double, 6, 12>::Zero();
         j.block<3, 3>(0, 0) = Mat3f::Identity().cast<double>();
         j.block<3, 3>(0, 3) = -pbd::cross_matrix(at.arm_a);
@@ -88,7 +84,14 @@ TEST(RodJoint, DerivativesMatchDifferences) {
         j.block<3, 3>(3, 9) = at.turn;
         Eigen::Matrix<double, 12, 1> w;
         w << 2, 2, 2, 3, 3, 3, 5, 5, 5, 7, 7, 7;
-        EXPECT_LT((self_coupling(at, a, b) - j * w.asDiagonal() * j.transpose()).norm(), 1e-10);
+        const pbd::Mat6d self = rear_coupling(at, 2.0, 3.0) + front_coupling(at, 5.0, 7.0);
+        EXPECT_LT((self - j * w.asDiagonal() * j.transpose()).norm(), 1e-10);
+        EXPECT_LT((rear_jacobian(at) - j.leftCols<6>()).norm(), 1e-15);
+        EXPECT_LT((front_jacobian(at) - j.rightCols<6>()).norm(), 1e-15);
+        const pbd::RodJointState next = evaluate(joint, b, a);
+        const pbd::Mat6d through =
+            front_jacobian(at) * w.tail<6>().asDiagonal() * rear_jacobian(next).transpose();
+        EXPECT_LT((through_coupling(at, next, 5.0, 7.0) - through).norm(), 1e-10);
     }
 }
 
