@@ -191,6 +191,10 @@ class Session {
             warned_behind_ = behind;
             spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind, 100.0 * clock.load());
         }
+        // The demo reads its progress from this line.
+        if (!options_.fast && scene_->snapshot().step % scene::steps_per_second == 0) {
+            spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", time(), behind);
+        }
         if (!output_) {
             return;
         }
