@@ -194,14 +194,10 @@ class Session:
         table = subprocess.run(review, stdout=subprocess.PIPE, text=True, check=True)
         return json.loads(as_json.stdout), table.stdout
 
-    def products(self):
-        """Pictures and videos made, by kind."""
-        found = {"picture": [], "video": []}
-        for file in sorted(self.folder.glob("*/*")):
-            kind = {".png": "picture", ".mp4": "video", ".avi": "video"}.get(file.suffix)
-            if kind and file.stat().st_size > 0:
-                found[kind].append(file)
-        return found
+    def products(self, suffix):
+        """Files of a kind that the clients made, oldest first."""
+        found = [file for role in ("trainee", "observer") for file in (self.folder / role).glob(f"*{suffix}")]
+        return sorted((file for file in found if file.stat().st_size > 0), key=lambda file: file.stat().st_mtime)
 
 
 def prepare_folder(folder):
@@ -228,15 +224,17 @@ def show(session):
         session.say(f"The session file cannot be read: {error}. Remedy: eti-review check --repair {session.record}")
         return False
     print(table)
-    products = session.products()
     print(f"Session file  {session.record}")
-    for kind, files in products.items():
-        for file in files:
-            print(f"{kind.capitalize():<13} {file}")
+    pictures, videos = session.products(".png"), session.products(".mp4")
+    for folder in sorted({picture.parent for picture in pictures}):
+        print(f"Pictures      {folder} ({sum(picture.parent == folder for picture in pictures)})")
+    for video in videos:
+        print(f"Video         {video}")
+    print(f"Logs          {session.folder / 'logs'}")
+    for kind, files in (("picture", pictures), ("video", videos)):
         if not files:
             session.say(f"No {kind} was made; see {session.programs['trainee'].log}.")
-    print(f"Logs          {session.folder / 'logs'}")
-    return bool(summary.get("success")) and all(products.values())
+    return bool(summary.get("success")) and bool(pictures) and bool(videos)
 
 
 def main():

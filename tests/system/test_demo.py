@@ -32,7 +32,7 @@ class Demo(support.Case):
         folder = Path(next(line.split()[-1] for line in done.stdout.splitlines() if line.startswith("Session file")))
         RESULT.write_text(json.dumps({"folder": str(folder.parent), "stdout": done.stdout, "stderr": done.stderr}))
         self.assertIn("trachea", done.stdout)
-        for kind in ("Picture", "Video"):
+        for kind in ("Pictures", "Video"):
             self.assertIn(kind, done.stdout)
         for role in ("server", "haptics", "tracker", "trainee", "observer"):
             self.assertIn(f"{role} ended.", done.stderr)
