@@ -132,7 +132,14 @@ class Operator(support.Case):
 
 
 class CommandLine(support.Case):
-    PROGRAMS = ("eti-server", "eti-haptics", "eti-tracker", "eti-client", "eti-review")
+    # Each program with what it cannot do without.
+    PROGRAMS = {
+        "eti-server": (),
+        "eti-haptics": ("--device", "simulated"),
+        "eti-tracker": ("--device", "scripted"),
+        "eti-client": ("--offscreen", "/proc/no-pictures"),
+        "eti-review": ("summary", "absent.eti.h5"),
+    }
 
     def test_help_and_version_succeed(self):
         for program in self.PROGRAMS:
@@ -143,14 +150,20 @@ class CommandLine(support.Case):
                     self.assertRegex(done.stdout, re.compile(expected, re.MULTILINE))
 
     def test_unknown_option_is_refused(self):
-        for program in self.PROGRAMS:
+        for program, needed in self.PROGRAMS.items():
             with self.subTest(program):
-                self.assert_refused(support.run(program, "--no-such-option"), "no-such-option")
+                self.assert_refused(support.run(program, *needed, "--no-such-option"), "no-such-option")
 
     def test_domain_out_of_range_is_refused(self):
-        for program in ("eti-server", "eti-haptics", "eti-tracker", "eti-client"):
+        for program, needed in self.PROGRAMS.items():
+            if program != "eti-review":
+                with self.subTest(program):
+                    self.assert_refused(support.run(program, *needed, "--domain", 300), "domain", "300", "232")
+
+    def test_unknown_device_names_those_there_are(self):
+        for program, there_is in (("eti-haptics", "simulated"), ("eti-tracker", "scripted")):
             with self.subTest(program):
-                self.assert_refused(support.run(program, "--domain", 300), "domain")
+                self.assert_refused(support.run(program, "--device", "abacus"), "abacus", there_is)
 
 
 class Storage(support.Case):
