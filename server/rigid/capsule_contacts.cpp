@@ -239,14 +239,16 @@ void append_contacts(const Capsule& capsule, std::uint32_t capsule_index, std::u
         return;
     }
     try_candidate({capsule.b, closest_on_triangle(capsule.b, v[0], v[1], v[2])});
+    const float reach = capsule.radius + margin;
     for (int edge = 0; edge < 3; ++edge) {
-        if (!edge_can_touch(mesh, triangle, edge)) {
-            continue;
-        }
         const std::size_t i = static_cast<std::size_t>(edge);
         const std::size_t j = (i + 1) % 3;
         const auto [s, t] = closest_on_segments(capsule.a, capsule.b, v[i], v[j]);
         const Vec3f core = capsule.a + s * (capsule.b - capsule.a);
+        if ((core - v[i] - t * (v[j] - v[i])).squaredNorm() > reach * reach ||
+            !edge_can_touch(mesh, triangle, edge)) {
+            continue;
+        }
         ClosestPoint closest{v[i] + t * (v[j] - v[i]), Feature::edge, edge};
         if (t == 0.0f || t == 1.0f) {
             closest = {v[t == 0.0f ? i : j], Feature::vertex, static_cast<int>(t == 0.0f ? i : j)};

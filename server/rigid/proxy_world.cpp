@@ -92,7 +92,20 @@ void RigidLayer::World::build_tool(const Laryngoscope& scope) {
     world.addRigidBody(blade.get(), btBroadphaseProxy::KinematicFilter, 0);
 }
 
+void RigidLayer::World::bound_triangles() {
+    middles.resize(triangles.size());
+    extents.resize(triangles.size());
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const Triangle& t = triangles[i];
+        middles[i] = (vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3.0f;
+        extents[i] = std::sqrt(std::max({(vertices[t[0]] - middles[i]).squaredNorm(),
+                                         (vertices[t[1]] - middles[i]).squaredNorm(),
+                                         (vertices[t[2]] - middles[i]).squaredNorm()}));
+    }
+}
+
 void RigidLayer::World::build_shell() {
+    bound_triangles();
     static_assert(sizeof(Triangle) == 3 * sizeof(int) && sizeof(Vec3f) == 3 * sizeof(btScalar));
     shell_mesh = std::make_unique<btTriangleIndexVertexArray>(
         static_cast<int>(triangles.size()), reinterpret_cast<int*>(triangles.data()),
@@ -130,42 +143,73 @@ void RigidLayer::World::place(const RigidTransform& pose) {
     result = {};
     result.pose = pose;
     result.last_free = pose;
+    embedded = false;
     gather_contacts();
     result.penetration = depth() / to_cm;
+}
+
+// The box around a long oblique capsule holds many times the triangles near it; boxes around short
+// pieces do not. Sorted, so that the order does not depend on the tree.
+void RigidLayer::World::find_triangles(const Capsule& capsule, float margin) {
+    constexpr float piece_length = 2.0f;  // [cm]
+    const Vec3f axis = capsule.b - capsule.a;
+    struct Collector : btTriangleCallback {
+        Collector(const World& in, const Capsule& around, float up_to)
+            : world(in), capsule(around), reach(up_to) {}
+        void processTriangle(btVector3*, int, int index) override {
+            const std::size_t i = static_cast<std::size_t>(index);
+            const Vec3f line = capsule.b - capsule.a;
+            const Vec3f offset = world.middles[i] - capsule.a;
+            const float share =
+                std::clamp(line.dot(offset) / std::max(line.squaredNorm(), 1e-12f), 0.0f, 1.0f);
+            const float limit = reach + world.extents[i];
+            if ((offset - share * line).squaredNorm() <= limit * limit) {
+                found.push_back(static_cast<std::uint32_t>(index));
+            }
+        }
+        const World& world;
+        const Capsule& capsule;
+        float reach;
+        std::vector<std::uint32_t> found;
+    } collector(*this, capsule, capsule.radius + margin);
+    collector.found.swap(nearby);
+    collector.found.clear();
+
+    const int pieces = std::max(1, static_cast<int>(std::ceil(axis.norm() / piece_length)));
+    const Vec3f room = Vec3f::Constant(capsule.radius + margin);
+    for (int i = 0; i < pieces; ++i) {
+        const Vec3f from = capsule.a + static_cast<float>(i) / static_cast<float>(pieces) * axis;
+        const Vec3f to = capsule.a + static_cast<float>(i + 1) / static_cast<float>(pieces) * axis;
+        const Vec3f low = from.cwiseMin(to) - room;
+        const Vec3f high = from.cwiseMax(to) + room;
+        shell_shape->processAllTriangles(&collector, to_bullet(low), to_bullet(high));
+    }
+    collector.found.swap(nearby);
+    std::sort(nearby.begin(), nearby.end());
+    nearby.erase(std::unique(nearby.begin(), nearby.end()), nearby.end());
 }
 
 void RigidLayer::World::gather_contacts() {
     const btTransform& pose = proxy->getWorldTransform();
     buffer.origin = pose.getOrigin();
-    buffer.capsules.clear();
     buffer.contacts.clear();
+    if (!shell_shape) {
+        return;
+    }
     const float margin = motion_share * smallest_radius;
     const MeshView mesh{vertices, triangles, topology};
-
-    struct Collector : btTriangleCallback {
-        Collector(const MeshView& view, float reach_of_contact, std::vector<CapsuleContact>& found)
-            : mesh(view), margin(reach_of_contact), contacts(found) {}
-        void processTriangle(btVector3*, int, int index) override {
-            append_contacts(capsule, number, static_cast<std::uint32_t>(index), mesh, margin, contacts);
-        }
-        MeshView mesh;
-        float margin;
-        std::vector<CapsuleContact>& contacts;
-        Capsule capsule;
-        std::uint32_t number = 0;
-    } collector(mesh, margin, buffer.contacts);
-
     for (std::uint32_t i = 0; i < capsules.size(); ++i) {
-        collector.capsule = {from_bullet(pose * to_bullet(capsules[i].a)),
-                             from_bullet(pose * to_bullet(capsules[i].b)), capsules[i].radius};
-        collector.number = i;
-        buffer.capsules.push_back(collector.capsule);
-        if (shell_shape) {
-            const Vec3f room = Vec3f::Constant(capsules[i].radius + margin);
-            const Vec3f low = collector.capsule.a.cwiseMin(collector.capsule.b) - room;
-            const Vec3f high = collector.capsule.a.cwiseMax(collector.capsule.b) + room;
-            shell_shape->processAllTriangles(&collector, to_bullet(low), to_bullet(high));
+        const Capsule capsule{from_bullet(pose * to_bullet(capsules[i].a)),
+                              from_bullet(pose * to_bullet(capsules[i].b)), capsules[i].radius};
+        find_triangles(capsule, margin);
+        for (const std::uint32_t triangle : nearby) {
+            append_contacts(capsule, i, triangle, mesh, margin, buffer.contacts);
         }
+    }
+    if (embedded) {
+        std::erase_if(buffer.contacts, [this](const CapsuleContact& contact) {
+            return contact.distance < -depth_share * smallest_radius;
+        });
     }
     const std::size_t bound = static_cast<std::size_t>(settings.max_contacts);
     if (buffer.contacts.size() > bound) {
@@ -183,6 +227,15 @@ float RigidLayer::World::depth() const {
         deepest = std::max(deepest, -contact.distance);
     }
     return deepest;
+}
+
+std::array<float, 3> RigidLayer::World::nearest() const {
+    std::array<float, 3> distance;
+    distance.fill(motion_share * smallest_radius);
+    for (const CapsuleContact& contact : buffer.contacts) {
+        distance[contact.capsule] = std::min(distance[contact.capsule], contact.distance);
+    }
+    return distance;
 }
 
 float RigidLayer::World::farthest_move(const btTransform& before, const btTransform& after) const {

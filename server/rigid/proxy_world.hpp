@@ -38,13 +38,18 @@ struct RigidLayer::World {
 
     void build_tool(const Laryngoscope& scope);
     void build_shell();
+    void bound_triangles();
     void place(const RigidTransform& pose);
     void gather_contacts();
     void pull_towards(const RigidTransform& target, float dt);
     void advance(float dt);
     void record_contacts(float step_dt);
     [[nodiscard]] std::pair<btVector3, btVector3> bounds() const;
+    void find_triangles(const Capsule& capsule, float margin);
     [[nodiscard]] float depth() const;
+    [[nodiscard]] bool too_deep() const { return depth() > depth_share * smallest_radius; }
+    /// Smallest contact distance [cm] of each capsule; the margin where there is none.
+    [[nodiscard]] std::array<float, 3> nearest() const;
     [[nodiscard]] float farthest_move(const btTransform& before, const btTransform& after) const;
 
     Settings settings;
@@ -52,6 +57,8 @@ struct RigidLayer::World {
     float reach = 0.0f;               // [cm], farthest point of the tool from its origin
     float smallest_radius = 0.0f;     // [cm]
     std::vector<Vec3f> vertices;      // [cm]
+    std::vector<Vec3f> middles;       // [cm], of the triangles
+    std::vector<float> extents;       // [cm], farthest corner from the middle
     std::vector<Triangle> triangles;
     std::vector<Tissue> tissue;
     MeshTopology topology;
@@ -76,6 +83,8 @@ struct RigidLayer::World {
     Vec3f device_velocity = Vec3f::Zero();          // [m/s]
     Vec3f device_angular_velocity = Vec3f::Zero();  // [rad/s]
     ProxyResult result;
+    std::vector<std::uint32_t> nearby;      // triangles that a capsule may touch
+    bool embedded = false;                  // the step began too deep in the shell
     std::vector<std::uint32_t> merge_keys;  // capsule of each entry of result.contacts
 };
 

@@ -50,6 +50,17 @@ void check(const Laryngoscope& scope, const TriangleMesh& shell, std::span<const
             "substeps must be at least 1 and at most max_substeps");
 }
 
+// Distances to a surface change by no more than the motion, but for a core that comes out of the
+// solid: behind its triangles there was no contact.
+bool came_from_behind(const std::array<float, 3>& before, const std::array<float, 3>& after, float motion) {
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (before[i] - after[i] > motion) {
+            return true;
+        }
+    }
+    return false;
+}
+
 struct RayCollector : btTriangleRaycastCallback {
     RayCollector(const btVector3& from, const btVector3& to) : btTriangleRaycastCallback(from, to) {}
     btScalar reportHit(const btVector3& hit_normal, btScalar hit_fraction, int, int triangle_index) override {
@@ -81,6 +92,7 @@ void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         w.vertices[i] = to_cm * vertices[i];
     }
+    w.bound_triangles();
     const auto [low, high] = w.bounds();
     w.shell_shape->refitTree(low, high);
     w.world.updateSingleAabb(w.shell.get());
@@ -128,7 +140,14 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
     const float substep = dt / static_cast<float>(count);
     result.substeps = count;
 
+    // A shell that moved into the proxy, or a reset inside it, leaves contacts that no small motion
+    // can satisfy. They are left out until the proxy has come free, whichever way the coupling pulls it.
+    w.embedded = false;
     w.gather_contacts();
+    if (w.too_deep()) {
+        w.embedded = true;
+        w.gather_contacts();
+    }
     for (int i = 1; i <= count; ++i) {
         const float share = static_cast<float>(i) / static_cast<float>(count);
         RigidTransform target = end;
@@ -137,19 +156,24 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
                       start.translation + share * way};
         }
         const btTransform before = w.proxy->getWorldTransform();
-        const float depth_before = w.depth();
+        const std::array<float, 3> nearest = w.nearest();
         w.pull_towards(target, substep);
         w.advance(substep);
         w.record_contacts(dt);
         w.gather_contacts();
-        if (w.depth() > std::max(depth_share * w.smallest_radius, depth_before)) {
+        if (w.too_deep() &&
+            came_from_behind(nearest, w.nearest(), 1.05f * motion_share * w.smallest_radius)) {
+            w.embedded = true;
+            w.gather_contacts();
+        }
+        if (w.too_deep()) {
             w.proxy->setWorldTransform(before);
             w.proxy->setLinearVelocity({0, 0, 0});
             w.proxy->setAngularVelocity({0, 0, 0});
             w.gather_contacts();
             ++result.rolled_back;
         }
-        if (w.depth() <= w.settings.penetration_tolerance * to_cm) {
+        if (!w.embedded && w.depth() <= w.settings.penetration_tolerance * to_cm) {
             result.last_free = pose_of(w.proxy->getWorldTransform());
         }
     }
@@ -157,6 +181,7 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
     result.velocity = from_bullet(w.proxy->getLinearVelocity()) / to_cm;
     result.angular_velocity = from_bullet(w.proxy->getAngularVelocity());
     result.penetration = w.depth() / to_cm;
+    result.embedded = w.embedded;
     return result;
 }
 

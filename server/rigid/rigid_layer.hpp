@@ -32,8 +32,8 @@ struct Settings {
     int substeps = 6;            ///< per step at rest; fast motion takes more
     int max_substeps = 24;       ///< beyond it the proxy lags instead of moving farther per substep
     int solver_iterations = 40;  ///< per substep; error of the force split among contacts
-    float penetration_tolerance = 0.05e-3f;  ///< [m], a pose deeper than this counts as penetrating
-    int max_contacts = 128;                  ///< kept per substep, the nearest; the others are counted
+    float penetration_tolerance = 0.1e-3f;  ///< [m], a pose deeper than this counts as penetrating
+    int max_contacts = 128;                 ///< kept per substep, the nearest; the others are counted
 };
 
 struct Contact {
@@ -55,7 +55,8 @@ struct ProxyResult {
     std::vector<Contact> contacts;           ///< those that carried force
     std::uint32_t dropped_contacts = 0;      ///< beyond Settings::max_contacts, in this step
     int substeps = 0;                        ///< taken in this step
-    int rolled_back = 0;                     ///< substeps undone because they ended too deep in the shell
+    bool embedded = false;  ///< found deeper in the shell than it can push back; passes freely
+    int rolled_back = 0;    ///< substeps undone because they ended too deep in the shell
 };
 
 struct RayHit {
