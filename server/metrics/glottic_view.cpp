@@ -88,8 +88,12 @@ void GlotticViewer::block(SightLines& lines, const PosedFrames& frames, const sc
     }
 }
 
-GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& eye) {
+GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& from) {
     GlotticView view;
+    // Fingers hold the lips aside: the line of sight begins where it comes level with the upper gum.
+    const Vec3f onward = (at(snapshot.landmarks, Landmark::glottis) - from).normalized();
+    const Vec3f eye =
+        from + std::max(0.0f, onward.dot(at(snapshot.landmarks, Landmark::upper_gum) - from)) * onward;
     if (snapshot.frames.size() != rest_centres_.size()) {
         return view;
     }

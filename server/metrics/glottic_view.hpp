@@ -46,8 +46,9 @@ class GlotticViewer {
     GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope, const Settings& settings);
     GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope);
 
-    /// `eye` [m], patient frame. The snapshot must come from the same patient.
-    [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& eye);
+    /// `from` [m], patient frame: the eye. Lips do not hide: the assistant's fingers hold them aside, so
+    /// sight begins level with the upper gum. The snapshot must come from the same patient.
+    [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& from);
 
   private:
     void block(SightLines& lines, const PosedFrames& frames, const scene::Snapshot& snapshot);

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <numbers>
 
 #include "common/math/random.hpp"
@@ -17,12 +17,17 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
-// Times mean something in an optimised build without sanitizers only.
+// Times are the processor's, so that a busy machine does not change them; they mean something in an
+// optimised build without sanitizers only.
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 constexpr bool optimised = true;
 #else
 constexpr bool optimised = false;
 #endif
+
+double processor_ms() {
+    return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 /// An ellipsoid of `around` x `along` quads with bumps.
 TriangleMesh ellipsoid(const Vec3f& centre, const Vec3f& radii, int around, int along, float bump) {
@@ -109,6 +114,8 @@ struct Model {
     }
 
     void set_contour() {
+        snapshot.landmarks.fill(Vec3f::Zero());
+        snapshot.landmarks[static_cast<std::size_t>(Landmark::upper_gum)] = Vec3f(0, 0.01f, 0.35f);
         snapshot.glottis_contour.clear();
         for (int i = 0; i < 20; ++i) {
             const float u = 2 * pi * static_cast<float>(i) / 20;
@@ -220,6 +227,25 @@ TEST(GlotticView, AScreenOverHalfTheGlottisLeavesHalf) {
     EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
 }
 
+TEST(GlotticView, LipsBeforeTheGumDoNotHide) {
+    anatomy::Patient patient;
+    patient.frame_rest_centre = {Vec3f::Zero()};
+    anatomy::Surface screen;
+    screen.mesh.vertices = {{-1, -1, 0.2f}, {1, -1, 0.2f}, {0, 1, 0.2f}};
+    screen.mesh.triangles = {{0, 1, 2}};
+    screen.skin.assign(3, SkinWeights{{0, 0, 0, 0}, {1, 0, 0, 0}});
+    patient.surfaces = {screen};
+    scene::Snapshot snapshot = Model(8).snapshot;
+    snapshot.frames = {FramePose{}};
+    snapshot.proxy.translation = Vec3f(0, 0, 5);
+    Vec3f& gum = snapshot.landmarks[static_cast<std::size_t>(Landmark::upper_gum)];
+    GlotticViewer viewer(patient, make_laryngoscope(Blade::miller_1));
+    gum = Vec3f(0, 0.01f, 0.21f);  // the screen lies between gum and glottis
+    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
+    gum = Vec3f(0, 0.01f, 0.19f);  // between eye and gum
+    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+}
+
 TEST(GlotticView, TheTubeHidesOnlyWhereAsked) {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
@@ -290,11 +316,9 @@ TEST(GlotticView, IsFastEnoughForThirtyHertz) {
     double best = 1e9;
     float sum = 0.0f;
     for (int i = 0; i < 30; ++i) {
-        const auto start = std::chrono::steady_clock::now();
+        const double start = processor_ms();
         sum += viewer.look(model.snapshot, {0.0002f * static_cast<float>(i), 0.008f, 0.24f}).opening_percent;
-        best = std::min(
-            best,
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        best = std::min(best, processor_ms() - start);
     }
     EXPECT_GT(sum, 0.0f);
     RecordProperty("ms_per_look", std::to_string(best));
