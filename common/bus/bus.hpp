@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/topics.hpp"
@@ -27,6 +28,9 @@ class BusError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
+
+/// Options::name of the server, by which the others know it while it is still loading.
+inline constexpr std::string_view server_name = "eti-server";
 
 /// "host:pid" of this process, as SessionStatus names a server; at most 64 characters.
 [[nodiscard]] std::string process_name();

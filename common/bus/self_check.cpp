@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include <algorithm>
 #include <thread>
 
 #include "common/bus/participant.hpp"
@@ -32,6 +33,13 @@ void refuse_second_server(const Participant& self, Subscriber<msg::SessionStatus
             refuse(self.options, peer.process);
         }
     }
+}
+
+/// A server joins the bus before it builds its patient, and publishes SessionStatus only after.
+bool server_is_starting(const Participant& self) {
+    return std::ranges::any_of(self.peers(), [&](const Peer& peer) {
+        return peer.name == server_name && peer.session == self.options.session;
+    });
 }
 
 void look_for_server(const Participant& self, bool found, SelfCheck& check) {
@@ -93,7 +101,7 @@ SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait)
         if (is_server) {
             refuse_second_server(self, statuses);
         } else {
-            found = statuses.matched() > 0;
+            found = statuses.matched() > 0 || server_is_starting(self);
         }
     }
     if (!is_server) {

@@ -3,8 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <iostream>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <thread>
 
 #include "devices/app/program.hpp"
@@ -112,12 +112,12 @@ int main(int argc, char** argv) {
         "The haptic device: a 1 kHz loop that lets the hand feel the scene and tells the server where it is.",
         "eti-haptics");
     add_options(app, options, eti::Tool::laryngoscope);
-    const std::map<std::string, SoftForce> modes = {{"constraint", SoftForce::constraint},
-                                                    {"displacement", SoftForce::displacement}};
-    app.add_option("--soft-force", settings.soft_force,
+    std::string soft_force = "constraint";
+    app.add_option("--soft-force", soft_force,
                    "Force of soft tissue: 'constraint' (the simulation's contact forces) or 'displacement' "
                    "(mean displacement times stiffness, Xiao et al. 2020)")
-        ->transform(CLI::CheckedTransformer(modes));
+        ->capture_default_str()
+        ->check(CLI::IsMember({"constraint", "displacement"}));
     app.add_option(
            "--stale-ms", stale_ms,
            "Forces fade after this time without a message [ms]; more bridges a late server's gaps, at "
@@ -127,6 +127,7 @@ int main(int argc, char** argv) {
     if (const auto code = parse(app, argc, argv)) {
         return *code;
     }
+    settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
     settings.safety.stale_after = 1e-3f * stale_ms;
     try {
         return run(options, settings);

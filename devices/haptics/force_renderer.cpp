@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "devices/haptics/force_renderer.hpp"
 
+#include <algorithm>
+
 namespace eti::devices {
 
 namespace {
@@ -25,7 +27,10 @@ ForceRenderer::ForceRenderer(const RenderSettings& settings)
       engagement_(settings.safety) {}
 
 Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform& proxy) const {
-    const float gain = settings_.coupling.tissue_gain * tissue_freshness_.share();
+    // When the whole scene falls silent the fade of the sum below is enough; twice would be too steep.
+    const float all = freshness_.share();
+    const float share = all > 0.0f ? std::min(1.0f, tissue_freshness_.share() / all) : 0.0f;
+    const float gain = settings_.coupling.tissue_gain * share;
     return scaled(settings_.soft_force == SoftForce::constraint
                       ? scene.tissue.wrench
                       : displacement_wrench(scene.tissue.touching(), scene.blade, proxy, tissue_stiffness()),

@@ -55,6 +55,8 @@ OutgoingPose HapticCycle::run(std::int64_t now) {
     record_.force_max = std::max(record_.force_max, force);
     record_.stale_cycles += renderer_.stale() ? 1 : 0;
     record_.engaged_cycles += renderer_.engaged() ? 1 : 0;
+    record_.last_message = scene->proxy_arrived;
+    record_.last_force = force > 0.0f ? now : record_.last_force;
     return {reading.motion.pose, reading.buttons, static_cast<std::uint64_t>(seen_.time * 1e9)};
 }
 

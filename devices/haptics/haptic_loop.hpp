@@ -40,6 +40,8 @@ struct HapticRecord {
     float force_max = 0.0f;          // [N]
     std::uint64_t stale_cycles = 0;  // with less than all force for want of messages
     std::uint64_t engaged_cycles = 0;
+    std::int64_t last_message = 0;  // [ns], arrival of the newest ProxyState that a cycle saw
+    std::int64_t last_force = 0;    // [ns], newest cycle that gave the device any force
 };
 
 /// One cycle of the 1 kHz loop: read what is newest, let the hand look, render the force, exchange it

@@ -14,12 +14,21 @@
 
 namespace eti::devices {
 
+/// Eigen's vectors start with whatever was in memory.
+template <std::size_t count>
+[[nodiscard]] std::array<Vec3f, count> all_zero() {
+    std::array<Vec3f, count> out;
+    out.fill(Vec3f::Zero());
+    return out;
+}
+
 /// The proxy as the server last reported it.
 struct ProxyReport {
     static constexpr std::size_t most_contacts = 16;  ///< as in eti.idl
     Motion proxy;                                     ///< velocities per simulation second
     RigidTransform device;                            ///< the device's pose that the proxy answers to
-    std::array<Vec3f, most_contacts> normals{};       ///< from the shell to the proxy, unit
+    std::array<Vec3f, most_contacts> normals =
+        all_zero<most_contacts>();  ///< from the shell to the proxy, unit
     std::size_t contacts = 0;
 
     [[nodiscard]] std::span<const Vec3f> contact_normals() const { return {normals.data(), contacts}; }

@@ -91,6 +91,13 @@ TEST(SelfCheck, IsSoonDoneWhenAServerIsThere) {
     EXPECT_LT(Clock::now() - start, 5s);
 }
 
+// A server that still builds its patient publishes nothing yet.
+TEST(SelfCheck, SeesAServerThatIsStillLoading) {
+    Node server(options("eti-server"));
+    Node client(options("eti-client"));
+    EXPECT_THAT(self_check(client, false, 10s).warnings, Not(Contains(HasSubstr("no server"))));
+}
+
 TEST(NodeOptions, DomainOutOfRange) {
     for (const int domain : {-1, 233, 1'000'000}) {
         Options wanted = options("x");

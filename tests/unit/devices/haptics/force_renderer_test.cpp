@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/force_renderer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <limits>
+
+#include "common/math/random.hpp"
+
+namespace eti::devices {
+namespace {
+
+constexpr float dt = 1e-3f;
+constexpr std::int64_t ms = 1'000'000;
+
+Motion still(const Vec3f& at = Vec3f::Zero()) {
+    return {{Quatf::Identity(), at}, Vec3f::Zero(), Vec3f::Zero()};
+}
+
+/// A renderer whose force is engaged and ramped up on a still, free device.
+class Engaged : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        for (int i = 0; i < 600; ++i) {
+            ASSERT_LT(cycle().force.norm(), 1e-6f);
+        }
+    }
+
+    /// A millisecond passes; the server is heard unless `silent`.
+    Wrench cycle(bool silent = false) {
+        now_ += ms;
+        if (!silent) {
+            scene_.proxy_arrived = scene_.tissue_arrived = now_;
+        }
+        return renderer_.cycle(device_, scene_, now_, dt);
+    }
+
+    RenderSettings settings_;
+    ForceRenderer renderer_{settings_};
+    SceneState scene_;
+    Motion device_ = still();
+    std::int64_t now_ = 1'000 * ms;
+};
+
+TEST_F(Engaged, TheCouplingsSpringIsFelt) {
+    // 2 mm above the device, held there by a floor: 800 N/m * 2 mm = 1.6 N up.
+    scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
+    scene_.proxy.normals[0] = Vec3f::UnitY();
+    scene_.proxy.contacts = 1;
+    Wrench wrench;
+    for (int i = 0; i < 20; ++i) {
+        wrench = cycle();
+    }
+    EXPECT_LT((wrench.force - Vec3f(0, 1.6f, 0)).norm(), 1e-5f);
+}
+
+TEST_F(Engaged, TheTissuesForceIsFeltInNewtons) {
+    scene_.tissue.wrench = {{1.0f, 0.5f, 0}, {0, 0.02f, 0}};
+    Wrench wrench;
+    for (int i = 0; i < 20; ++i) {
+        wrench = cycle();
+    }
+    EXPECT_LT((wrench.force - Vec3f(1.0f, 0.5f, 0)).norm(), 1e-6f);
+    EXPECT_LT((wrench.torque - Vec3f(0, 0.02f, 0)).norm(), 1e-7f);
+}
+
+TEST_F(Engaged, OnlyTheModesOwnSoftForceCounts) {
+    settings_.soft_force = SoftForce::displacement;
+    ForceRenderer displacement(settings_);
+    scene_.blade[0] = {{0, 0, 0}, {0, 0, 0.1f}, 4e-3f};
+    scene_.tissue.points[0] = {{0, 0, 0.05f}, {0, 1e-3f, 0.05f}, 1e-3f, Tissue::tongue};
+    scene_.tissue.count = 1;
+    scene_.tissue.wrench.force = {3, 0, 0};
+    scene_.proxy_arrived = scene_.tissue_arrived = now_;
+    // A device that wakes up touching is not quiet; wake it up clear of the tissue.
+    SceneState clear = scene_;
+    clear.tissue = {};
+    for (int i = 0; i < 600; ++i) {
+        (void)displacement.cycle(device_, clear, now_, dt);
+    }
+    Wrench wrench;
+    for (int i = 0; i < 20; ++i) {
+        wrench = displacement.cycle(device_, scene_, now_, dt);
+    }
+    EXPECT_LT((wrench.force - Vec3f(0, 1e-3f * tissue_stiffness()[1], 0)).norm(), 1e-6f);
+}
+
+TEST_F(Engaged, NothingExceedsTheDevicesRangeOrRate) {
+    Random random(5);
+    Wrench last = cycle();
+    for (int i = 0; i < 3000; ++i) {
+        scene_.tissue.wrench.force = 40.0f * Vec3f(random.normal(), random.normal(), random.normal());
+        scene_.tissue.wrench.torque = 2.0f * Vec3f(random.normal(), random.normal(), random.normal());
+        const Wrench wrench = cycle();
+        const CouplingSettings& limits = settings_.coupling;
+        ASSERT_LE(wrench.force.norm(), limits.force_limit * 1.0001f);
+        ASSERT_LE(wrench.torque.norm(), limits.torque_limit * 1.0001f);
+        ASSERT_LE((wrench.force - last.force).norm(), limits.force_rate_limit * dt * 1.001f);
+        last = wrench;
+    }
+}
+
+TEST_F(Engaged, WhatIsNotFiniteGivesNothingAtOnceAndForGood) {
+    for (const float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        SetUp();
+        scene_.tissue.wrench.force = {2.0f, 0, 0};
+        for (int i = 0; i < 20; ++i) {
+            (void)cycle();
+        }
+        ASSERT_GT(cycle().force.norm(), 1.9f);
+        const auto before = renderer_.not_finite();
+        scene_.tissue.wrench.force.y() = bad;
+        EXPECT_EQ(cycle().force.norm(), 0.0f);
+        EXPECT_EQ(renderer_.not_finite(), before + 1);
+        scene_.tissue.wrench.force.y() = 0.0f;
+        for (int i = 0; i < 100; ++i) {
+            ASSERT_EQ(cycle().force.norm(), 0.0f) << "it came back without a quiet device";
+        }
+        scene_.tissue.wrench.force = Vec3f::Zero();
+    }
+}
+
+TEST_F(Engaged, SilenceFadesTheForceWithin40ms) {
+    scene_.tissue.wrench.force = {settings_.coupling.force_limit, 0, 0};
+    for (int i = 0; i < 50; ++i) {
+        (void)cycle();
+    }
+    Wrench last = cycle();
+    ASSERT_NEAR(last.force.norm(), settings_.coupling.force_limit, 1e-3f);
+    for (int silent_ms = 1; silent_ms <= 60; ++silent_ms) {
+        const Wrench wrench = cycle(true);
+        EXPECT_LE((wrench.force - last.force).norm(), settings_.coupling.force_rate_limit * dt) << silent_ms;
+        if (silent_ms < 20) {
+            EXPECT_GT(wrench.force.norm(), 7.8f) << silent_ms;
+        }
+        if (silent_ms >= 37) {
+            EXPECT_EQ(wrench.force.norm(), 0.0f) << silent_ms;
+        }
+        last = wrench;
+    }
+    // And comes back by the ramp: after 20 fresh cycles, 7.9 N over 0.5 s.
+    float force = 0.0f;
+    for (int i = 0; i < 120; ++i) {
+        force = cycle().force.norm();
+    }
+    EXPECT_NEAR(force, settings_.coupling.force_limit * 0.1f / settings_.safety.ramp_time, 0.05f);
+}
+
+TEST_F(Engaged, TissueThatFallsSilentAloneFadesAlone) {
+    scene_.tissue.wrench.force = {2.0f, 0, 0};
+    scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
+    scene_.proxy.normals[0] = Vec3f::UnitY();
+    scene_.proxy.contacts = 1;
+    Wrench wrench;
+    for (int i = 0; i < 60; ++i) {
+        now_ += ms;
+        scene_.proxy_arrived = now_;
+        wrench = renderer_.cycle(device_, scene_, now_, dt);
+    }
+    EXPECT_LT((wrench.force - Vec3f(0, 1.6f, 0)).norm(), 1e-4f);
+}
+
+TEST(ForceRenderer, WithoutAnySceneThereIsNoForce) {
+    ForceRenderer renderer({});
+    for (int i = 1; i < 1000; ++i) {
+        ASSERT_EQ(renderer.cycle(still({0.1f, 0, 0}), {}, i * ms, dt).force.norm(), 0.0f);
+    }
+}
+
+TEST(ForceRenderer, WakingUpInsideSomethingDoesNotKick) {
+    ForceRenderer renderer({});
+    SceneState scene;
+    scene.proxy.proxy.pose.translation = {0, 4e-3f, 0};
+    scene.proxy.normals[0] = Vec3f::UnitY();
+    scene.proxy.contacts = 1;
+    for (int i = 1; i < 2000; ++i) {
+        scene.proxy_arrived = i * ms;
+        ASSERT_EQ(renderer.cycle(still(), scene, i * ms, dt).force.norm(), 0.0f);
+    }
+}
+
+/// A server that latches the device's pose every 1/180 s and reports its proxy `latency` later, as the
+/// real one does for a proxy that nothing touches: at the latched pose, with the velocity between the
+/// last two. Latching, computing and sending jitter by up to 2 ms.
+struct FreeServer {
+    struct Sent {
+        std::int64_t arrives;
+        ProxyReport report;
+    };
+    std::int64_t latency, next = 0;
+    std::deque<Sent> on_the_way;
+    Vec3f last = Vec3f::Zero();
+    Random random{9};
+
+    void run(const RigidTransform& device, std::int64_t now, SceneState& scene) {
+        if (now >= next) {
+            next = now + 1'000'000'000 / 180;
+            ProxyReport report;
+            report.device = report.proxy.pose = device;
+            report.proxy.velocity = 180.0f * (device.translation - last);
+            last = device.translation;
+            on_the_way.push_back(
+                {now + latency + static_cast<std::int64_t>(random.uniform() * 2e6f), report});
+        }
+        while (!on_the_way.empty() && on_the_way.front().arrives <= now) {
+            scene.proxy = on_the_way.front().report;
+            scene.proxy_arrived = on_the_way.front().arrives;
+            on_the_way.pop_front();
+        }
+    }
+};
+
+class FreeHand : public ::testing::TestWithParam<int> {};
+
+// A hand that moves freely at 0.2 m/s feels less than 0.1 N, however late the server is within the
+// stale limit. The proxy as reported would drag it with 0.2 m/s * (latency + 5.6 ms) * 800 N/m.
+TEST_P(FreeHand, FeelsAlmostNothing) {
+    const std::int64_t latency = GetParam() * ms;
+    const RenderSettings settings;
+    ForceRenderer renderer(settings);
+    FreeServer server{.latency = latency, .on_the_way = {}};
+    SceneState scene;
+    const HandSettings hand;
+    float most = 0.0f, as_reported = 0.0f;
+    for (int i = 0; i < 3000; ++i) {
+        const std::int64_t now = 1'000 * ms + i * ms;
+        const float t = static_cast<float>(i) * dt;
+        Motion device = still(Vec3f(0.2f * t, 0.05f, 0.0f));
+        device.velocity = {0.2f, 0, 0};
+        device.pose.translation =
+            (device.pose.translation / hand.encoder_step).array().round() * hand.encoder_step;
+        server.run(device.pose, now, scene);
+        most = std::max(most, renderer.cycle(device, scene, now, dt).force.norm());
+        if (i > 1000) {
+            ASSERT_TRUE(renderer.engaged());
+            as_reported = std::max(
+                as_reported, coupling_wrench(device, scene.proxy.proxy, settings.coupling).force.norm());
+        }
+    }
+    EXPECT_LT(most, 0.1f);
+    EXPECT_GT(as_reported, 0.2f * (5e-3f + static_cast<float>(GetParam()) * 1e-3f) * 800.0f - 0.4f)
+        << "the server of this test does not lag, so the test shows nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(LatencyMs, FreeHand, ::testing::Values(1, 5, 12));
+
+}  // namespace
+}  // namespace eti::devices

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "devices/haptics/haptic_loop.hpp"
+#include "devices/sensor/hand_sensor.hpp"
+
+namespace {
+thread_local std::uint64_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size == 0 ? 1 : size)) {
+        return memory;
+    }
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+
+namespace eti::devices {
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+SensorSetup setup_with_script() {
+    SensorSetup setup;
+    setup.script.emplace();
+    Stage stage;
+    stage.name = "a name too long for a string's own buffer";
+    stage.tip_at = Landmark::mouth_opening;
+    stage.axis_from = Landmark::upper_gum;
+    stage.axis_to = Landmark::vallecula;
+    stage.speed = 0.2f;
+    setup.script->laryngoscope.stages = {stage, stage, stage};
+    setup.script->laryngoscope.stages[1].tip_at = Landmark::vallecula;
+    setup.script->tremor = 0.3e-3f;
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        setup.start.landmarks[i] =
+            Vec3f(0.0f, 0.004f * static_cast<float>(i), -0.003f * static_cast<float>(i * i));
+    }
+    return setup;
+}
+
+TEST(HapticCycle, AllocatesNothing) {
+    const SensorSetup setup = setup_with_script();
+    HandSensor sensor(setup);
+    auto scene = std::make_unique<TripleBuffer<SceneState>>();
+    HapticCycle cycle(sensor, *scene, {});
+    SceneState state;
+    state.seen = setup.start;
+    state.blade = make_laryngoscope(Blade::miller_1).capsules;
+    state.tissue.count = TissueReport::most_points;
+    const std::uint64_t before = allocations;
+    for (int i = 1; i <= 6000; ++i) {
+        if (i % 6 == 0) {
+            // Half-way another session begins and the script starts anew.
+            state.session = i < 3000 ? 0 : 1;
+            state.seen.time = 1e-3 * (i < 3000 ? i : i - 3000);
+            state.proxy_arrived = state.tissue_arrived = 1'000 * ms + i * ms;
+            scene->write(state);
+        }
+        (void)cycle.run(1'000 * ms + i * ms);
+    }
+    EXPECT_EQ(allocations, before);
+    const auto proof = std::make_unique<int>(1);
+    EXPECT_EQ(allocations, before + 1) << "allocations are not counted";
+}
+
+TEST(SimulationTime, IsCarriedOnAtTheSimulationsPaceWithinTwoSteps) {
+    SimulationTime time;
+    SceneState scene;
+    scene.seen.time = 3.0;
+    scene.proxy_arrived = 1'000 * ms;
+    scene.pace = 0.5f;
+    EXPECT_NEAR(time.at(scene, 1'004 * ms), 3.002, 1e-9);
+    EXPECT_NEAR(time.at(scene, 5'000 * ms), 3.0 + 2.0 / 180.0, 1e-9);
+    // The next message is about an earlier time than was guessed: time stands still, it does not go back.
+    scene.seen.time = 3.0 + 1.0 / 180.0;
+    scene.proxy_arrived = 5'000 * ms;
+    EXPECT_NEAR(time.at(scene, 5'001 * ms), 3.0 + 2.0 / 180.0, 1e-9);
+    // Another session starts at its own time.
+    scene.session = 1;
+    scene.seen.time = 0.0;
+    EXPECT_NEAR(time.at(scene, 5'002 * ms), 0.001, 1e-9);
+}
+
+}  // namespace
+}  // namespace eti::devices

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/safety.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace eti::devices {
+namespace {
+
+constexpr float dt = 1e-3f;
+const SafetySettings settings;
+
+TEST(Freshness, FallsToNothingWithin20msOfGoingStale) {
+    Freshness freshness(settings);
+    EXPECT_EQ(freshness.share(), 0.0f);
+    EXPECT_EQ(freshness.update(0.0f, dt), 1.0f);
+    int cycles = 0;
+    for (float age = 0.0f; freshness.share() > 0.0f; age += dt, ++cycles) {
+        const float share = freshness.update(age, dt);
+        if (age <= 0.0199f) {
+            EXPECT_EQ(share, 1.0f) << age;
+        }
+        ASSERT_LT(cycles, 100);
+    }
+    // 20 ms fresh and 15 ms of fade, within a cycle for each of the two borders.
+    EXPECT_GE(cycles, 34);
+    EXPECT_LE(cycles, 38);
+}
+
+TEST(Freshness, RecoversSlowlyFromAShortGap) {
+    Freshness freshness(settings);
+    (void)freshness.update(0.0f, dt);
+    for (int i = 0; i < 6; ++i) {
+        (void)freshness.update(0.025f, dt);
+    }
+    const float lowest = freshness.share();
+    EXPECT_NEAR(lowest, 1.0f - 6.0f * dt / settings.fade_time, 1e-5f);
+    EXPECT_NEAR(freshness.update(0.0f, dt), lowest + dt / settings.recovery_time, 1e-5f);
+}
+
+TEST(Freshness, NonsenseIsStale) {
+    for (const float age :
+         {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        Freshness freshness(settings);
+        EXPECT_EQ(freshness.update(age, dt), 0.0f);
+    }
+}
+
+TEST(Engagement, NeedsQuietCyclesInARowThenRampsOverItsTime) {
+    Engagement engagement(settings);
+    for (int i = 0; i < settings.quiet_cycles - 1; ++i) {
+        EXPECT_EQ(engagement.update(true, 0.1f, dt), 0.0f);
+    }
+    EXPECT_EQ(engagement.update(true, 5.0f, dt), 0.0f) << "one loud cycle starts the count anew";
+    for (int i = 0; i < settings.quiet_cycles; ++i) {
+        EXPECT_EQ(engagement.update(true, 0.1f, dt), 0.0f);
+    }
+    int cycles = 0;
+    float last = 0.0f;
+    while (engagement.share() < 1.0f && cycles < 2000) {
+        // Loud cycles no longer matter, and no cycle gives more than its part of the ramp.
+        const float share = engagement.update(true, 5.0f, dt);
+        EXPECT_LE(share - last, dt / settings.ramp_time + 1e-6f);
+        last = share;
+        ++cycles;
+    }
+    EXPECT_NEAR(static_cast<float>(cycles) * dt, settings.ramp_time, 2.0f * dt);
+}
+
+TEST(Engagement, ADeviceThatWakesUpInsideSomethingGetsNoForce) {
+    Engagement engagement(settings);
+    for (int i = 0; i < 5000; ++i) {
+        ASSERT_EQ(engagement.update(true, 3.0f, dt), 0.0f);
+    }
+}
+
+TEST(Engagement, AfterAnOutageItRampsAgainWithoutAskingForQuiet) {
+    Engagement engagement(settings);
+    for (int i = 0; i < 1000; ++i) {
+        (void)engagement.update(true, 0.0f, dt);
+    }
+    ASSERT_EQ(engagement.share(), 1.0f);
+    EXPECT_EQ(engagement.update(false, 3.0f, dt), 0.0f);
+    for (int i = 0; i < settings.quiet_cycles; ++i) {
+        EXPECT_EQ(engagement.update(true, 3.0f, dt), 0.0f);
+    }
+    EXPECT_NEAR(engagement.update(true, 3.0f, dt), dt / settings.ramp_time, 1e-6f);
+    engagement.disengage();
+    for (int i = 0; i < 1000; ++i) {
+        ASSERT_EQ(engagement.update(true, 3.0f, dt), 0.0f)
+            << "after a force that was not finite, quiet is asked for";
+    }
+}
+
+TEST(RateLimited, MovesAtMostTheRateInAnyDirection) {
+    const CouplingSettings coupling;
+    Wrench wanted;
+    wanted.force = {3.0f, -4.0f, 0.0f};
+    wanted.torque = {0.0f, 0.0f, 0.2f};
+    Wrench last;
+    int cycles = 0;
+    while ((wanted.force - last.force).norm() > 0.0f && cycles < 1000) {
+        const Wrench next = rate_limited(wanted, last, dt, coupling);
+        EXPECT_LE((next.force - last.force).norm(), coupling.force_rate_limit * dt * 1.0001f);
+        EXPECT_LE((next.torque - last.torque).norm(),
+                  coupling.force_rate_limit * dt * coupling.torque_limit / coupling.force_limit * 1.0001f);
+        last = next;
+        ++cycles;
+    }
+    // 5 N at 600 N/s: 8.3 cycles.
+    EXPECT_EQ(cycles, 9);
+    EXPECT_EQ(rate_limited(wanted, wanted, dt, coupling).force, wanted.force);
+}
+
+// Fading from all of the device's range by itself keeps the force-rate limit.
+TEST(Fade, KeepsTheRateLimit) {
+    const CouplingSettings coupling;
+    EXPECT_LE(coupling.force_limit / settings.fade_time, coupling.force_rate_limit);
+    EXPECT_LE(settings.fade_time, 0.020f);
+}
+
+}  // namespace
+}  // namespace eti::devices

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/scene_link.hpp"
+
+#include <limits>
+
+#include "bus_fixture.hpp"
+#include "devices/haptics/timing.hpp"
+
+namespace eti::devices {
+namespace {
+
+constexpr std::uint64_t step_ns = 1'000'000'000 / 180;
+
+/// What a server publishes, one piece at a time.
+struct Server {
+    bus::Node node{options("server")};
+    bus::Publisher<msg::ProxyState> proxy{node, bus::topics::proxy};
+    bus::Publisher<msg::TissueContacts> tissue{node, bus::topics::tissue_contacts};
+    bus::Publisher<msg::LiveMetrics> live{node, bus::topics::live_metrics};
+    bus::Publisher<msg::SceneDescription> scene{node, bus::topics::scene};
+    bus::Publisher<msg::SessionStatus> status{node, bus::topics::session_status};
+
+    void show_tools() {
+        msg::SceneDescription scope;
+        scope.object("laryngoscope");
+        scope.kind(msg::OBJECT_TOOL);
+        scope.vertices({0, 0, 0, 0, 0.1f, 0.02f, 0, 0, 0.076f});
+        scope.names({std::string(name_of(Blade::miller_0))});
+        ASSERT_TRUE(scene.publish(scope));
+        msg::SceneDescription tube;
+        tube.object("tube");
+        tube.kind(msg::OBJECT_TUBE);
+        tube.vertices({0.16f, 0.09f, 0.14f});
+        ASSERT_TRUE(scene.publish(tube));
+    }
+
+    static msg::LiveMetrics metrics() {
+        msg::LiveMetrics out;
+        out.header(bus::make_header(7 * step_ns, 1));
+        out.glottic_opening_percent(44.0f);
+        out.tube_depth_past_glottis(-0.02f);
+        out.tube_tip(bus::to_msg(Vec3f(0.1f, 0.2f, 0.3f)));
+        for (std::size_t i = 0; i < landmark_count; ++i) {
+            out.landmarks().push_back(bus::to_msg(Vec3f(static_cast<float>(i), 0, 0)));
+        }
+        return out;
+    }
+
+    static msg::ProxyState state(std::uint64_t step) {
+        msg::ProxyState out;
+        out.header(bus::make_header(step * step_ns, static_cast<std::uint32_t>(step)));
+        out.device(bus::to_msg(RigidTransform{}));
+        out.proxy(bus::to_msg(RigidTransform{Quatf::Identity(), {0, 0.001f * static_cast<float>(step), 0}}));
+        return out;
+    }
+};
+
+class LinkTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(eventually([&] {
+            return server_.proxy.matched() == 1 && server_.tissue.matched() == 1 &&
+                   server_.live.matched() == 1;
+        }));
+    }
+
+    const SceneState& newest() {
+        const SceneState* state = nullptr;
+        (void)link_.newest().read(state);
+        return *state;
+    }
+
+    Server server_;
+    bus::Node node_{options("device")};
+    SceneLink link_{node_, true};
+};
+
+TEST_F(LinkTest, GathersWhatAScriptNeeds) {
+    EXPECT_FALSE(link_.surroundings());
+    server_.show_tools();
+    EXPECT_FALSE(link_.surroundings()) << "no landmarks yet";
+    ASSERT_TRUE(eventually([&] {
+        server_.live.publish(Server::metrics());
+        return link_.surroundings().has_value();
+    }));
+    const Surroundings around = *link_.surroundings();
+    EXPECT_FLOAT_EQ(around.blade_length, 0.076f);
+    EXPECT_FLOAT_EQ(around.grip_to_tip, 0.09f);
+    EXPECT_FLOAT_EQ(around.seen.glottic_opening_percent, 44.0f);
+    EXPECT_FLOAT_EQ(around.seen.tube_depth_past_glottis, -0.02f);
+    EXPECT_EQ(around.seen.tube_tip, Vec3f(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(at(around.seen.landmarks, Landmark::carina), Vec3f(14, 0, 0));
+    EXPECT_NEAR(around.seen.time, 7.0 / 180.0, 1e-6);
+    ASSERT_TRUE(eventually([&] {
+        server_.proxy.publish(Server::state(8));
+        return newest().blade[2].b.z() > 0.0f;
+    }));
+    EXPECT_FLOAT_EQ(newest().blade[2].b.z(), make_laryngoscope(Blade::miller_0).capsules[2].b.z());
+}
+
+TEST_F(LinkTest, BringsProxyAndTissueIn) {
+    msg::ProxyState state = Server::state(5);
+    state.contacts().emplace_back();
+    state.contacts().back().normal(bus::to_msg(Vec3f(0, 0, 1)));
+    msg::TissueContacts tissue;
+    tissue.force(bus::to_msg(Vec3f(1, 2, 3)));
+    tissue.contacts().emplace_back();
+    tissue.contacts().back().tissue(static_cast<std::uint32_t>(Tissue::epiglottis));
+    tissue.contacts().back().radius(0.5e-3f);
+    const std::int64_t before = monotonic_ns();
+    ASSERT_TRUE(eventually([&] {
+        server_.proxy.publish(state);
+        server_.tissue.publish(tissue);
+        return newest().proxy_arrived > 0 && newest().tissue_arrived > 0;
+    }));
+    const SceneState& got = newest();
+    EXPECT_EQ(got.proxy.proxy.pose.translation, bus::from_msg(state.proxy()).translation);
+    ASSERT_EQ(got.proxy.contacts, 1u);
+    EXPECT_EQ(got.proxy.normals[0], Vec3f(0, 0, 1));
+    EXPECT_EQ(got.tissue.wrench.force, Vec3f(1, 2, 3));
+    ASSERT_EQ(got.tissue.count, 1u);
+    EXPECT_EQ(got.tissue.points[0].tissue, Tissue::epiglottis);
+    EXPECT_NEAR(got.seen.time, 5.0 / 180.0, 1e-6);
+    EXPECT_GT(got.proxy_arrived, before);
+    EXPECT_LE(got.proxy_arrived, monotonic_ns());
+}
+
+TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
+    const float bad = std::numeric_limits<float>::quiet_NaN();
+    msg::ProxyState pose = Server::state(1);
+    pose.proxy().position().x(bad);
+    msg::ProxyState turn = Server::state(1);
+    turn.device().orientation().w(0.0f);
+    msg::ProxyState speed = Server::state(1);
+    speed.velocity().y(std::numeric_limits<float>::infinity());
+    msg::ProxyState normal = Server::state(1);
+    normal.contacts().emplace_back();
+    std::uint64_t refused = 0;
+    for (const msg::ProxyState& message : {pose, turn, speed, normal}) {
+        ASSERT_TRUE(eventually([&] {
+            server_.proxy.publish(message);
+            return link_.refused() > refused;
+        }));
+        refused = link_.refused();
+    }
+    msg::TissueContacts force;
+    force.force(bus::to_msg(Vec3f(bad, 0, 0)));
+    msg::TissueContacts tissue;
+    tissue.contacts().emplace_back();
+    tissue.contacts().back().tissue(tissue_count);
+    for (const msg::TissueContacts& message : {force, tissue}) {
+        ASSERT_TRUE(eventually([&] {
+            server_.tissue.publish(message);
+            return link_.refused() > refused;
+        }));
+        refused = link_.refused();
+    }
+    msg::LiveMetrics fewer = Server::metrics();
+    fewer.landmarks().pop_back();
+    ASSERT_TRUE(eventually([&] {
+        server_.live.publish(fewer);
+        return link_.refused() > refused;
+    }));
+    EXPECT_EQ(newest().proxy_arrived, 0);
+    EXPECT_EQ(newest().tissue_arrived, 0);
+    EXPECT_EQ(link_.received(), 0u);
+}
+
+TEST_F(LinkTest, MeasuresTheSimulationsPaceAndSeesANewSession) {
+    // Half a second at 2 ms a step is 2.8 times faster than the clock; sleeping is not exact, so the
+    // pace is compared with what was really sent.
+    const std::int64_t start = monotonic_ns();
+    std::uint64_t step = 1000;
+    while (monotonic_ns() - start < 800'000'000) {
+        server_.proxy.publish(Server::state(++step));
+        std::this_thread::sleep_for(2ms);
+    }
+    const double pace =
+        static_cast<double>(step - 1000) / 180.0 / (static_cast<double>(monotonic_ns() - start) * 1e-9);
+    ASSERT_TRUE(eventually([&] { return newest().seen.time > 5.0; }));
+    EXPECT_NEAR(newest().pace, pace, 0.2 * pace);
+    const std::uint32_t session = newest().session;
+    ASSERT_TRUE(eventually([&] {
+        server_.proxy.publish(Server::state(1));
+        return newest().seen.time < 1.0;
+    }));
+    EXPECT_EQ(newest().session, session + 1);
+}
+
+TEST_F(LinkTest, HearsTheSessionsEnd) {
+    msg::SessionStatus status;
+    status.session("test");
+    status.phase(msg::PHASE_RUNNING);
+    ASSERT_TRUE(server_.status.publish(status));
+    std::this_thread::sleep_for(100ms);
+    EXPECT_FALSE(link_.finished());
+    status.phase(msg::PHASE_FINISHED);
+    ASSERT_TRUE(server_.status.publish(status));
+    EXPECT_TRUE(eventually([&] { return link_.finished(); }));
+}
+
+}  // namespace
+}  // namespace eti::devices
