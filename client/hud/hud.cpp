@@ -76,8 +76,9 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
             list.AddRect(corner, end, IM_COL32(20, 24, 26, 255), 0.0f, 0, 2.0f);
         }
         const ImVec2 size = ImGui::CalcTextSize(tile.title.data(), tile.title.data() + tile.title.size());
-        list.AddText(ImVec2(end.x - size.x - 8.0f, end.y - size.y - 6.0f), grey, tile.title.data(),
-                     tile.title.data() + tile.title.size());
+        const ImVec2 at(end.x - size.x - 8.0f, end.y - size.y - 6.0f);
+        list.AddRectFilled(ImVec2(at.x - 4.0f, at.y - 2.0f), ImVec2(end.x - 4.0f, end.y - 4.0f), shade, 3.0f);
+        list.AddText(at, grey, tile.title.data(), tile.title.data() + tile.title.size());
     }
     if (!tiles.empty()) {
         draw_numbers(list, readout, tiles.front());

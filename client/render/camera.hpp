@@ -28,9 +28,9 @@ struct Camera {
 /// Where the overview stands around the mouth. The baby lies on its back; azimuth turns about the
 /// vertical, 0 from the head's side, 90 deg from the patient's left.
 struct Orbit {
-    float azimuth = 58.0f * degree;
-    float elevation = 34.0f * degree;
-    float distance = 0.62f;
+    float azimuth = 84.0f * degree;
+    float elevation = 42.0f * degree;
+    float distance = 0.56f;
 };
 
 [[nodiscard]] Camera overview_camera(const Landmarks& rest, const Orbit& orbit);

@@ -25,10 +25,10 @@ Light blade_lamp(const RigidTransform& pose, float blade_length) {
     // 16 mm short of the tip, as on a Miller blade, in the channel beneath the blade.
     lamp.position = pose * Vec3f(0.0f, -4e-3f, blade_length - 16e-3f);
     lamp.direction = pose.rotation * Vec3f(0.0f, -0.30f, 0.954f);
-    lamp.colour = Vec3f(2.4f, 2.25f, 2.0f);
+    lamp.colour = Vec3f(1.45f, 1.38f, 1.25f);
     lamp.cos_outer = 0.1f;
     lamp.cos_inner = 0.85f;
-    lamp.reach = 0.022f;
+    lamp.reach = 0.030f;
     return lamp;
 }
 

@@ -89,6 +89,19 @@ float distance_to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
     return (p - a - share * along).norm();
 }
 
+// How much a point of the face belongs to the lips' red: 1 within 2 mm of a lip's edge, which runs to
+// either side over a half mouth of 16 mm and falls back by 8 mm there.
+float vermilion(const Vec3f& p, const Landmarks& rest) {
+    constexpr float half_width = 0.016f, setback = 0.008f;
+    const float side = p.x() / half_width;
+    float nearest = 1.0f;
+    for (const Landmark lip : {Landmark::upper_lip, Landmark::lower_lip}) {
+        const Vec3f edge = at(rest, lip) + Vec3f(p.x(), setback * side * side, 0.0f);
+        nearest = std::min(nearest, (p - edge).norm());
+    }
+    return (1.0f - smooth_step(2.0e-3f, 4.5e-3f, nearest)) * (1.0f - smooth_step(0.8f, 1.2f, std::abs(side)));
+}
+
 }  // namespace
 
 Vec3f tissue_colour(Tissue tissue) {
@@ -161,17 +174,16 @@ std::vector<VertexColour> surface_colours(const view::SurfaceModel& surface, con
     std::vector<VertexColour> result(count);
     for (std::size_t v = 0; v < count; ++v) {
         const float shares = std::max(corners[v], 1.0f);
+        const Vec3f& p = surface.mesh.vertices[v];
         Vec3f c = colour[v] / shares;
         float w = wet[v] / shares;
         if (softness[v] > 0.0f) {
             const float skin = smooth_step(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
-            // Redder half-way: the lips' vermilion.
-            const float lip = 4.0f * skin * (1.0f - skin);
+            const float lip = skin * vermilion(p, rest);
             c += skin * (skin_colour - c);
-            c += 0.6f * lip * (lip_colour - c);
-            w += skin * (skin_wetness - w);
+            c += 0.75f * lip * (lip_colour - c);
+            w += skin * (skin_wetness - w) + 0.3f * lip;
         }
-        const Vec3f& p = surface.mesh.vertices[v];
         if (larynx[v] > 0.0f) {
             const float cord = 1.0f - smooth_step(1.4e-3f, 2.6e-3f, distance_to_segment(p, front, back));
             c += cord * larynx[v] / shares * (cord_colour - c);

@@ -4,8 +4,13 @@
 
 #include <algorithm>
 
+#include "client/render/creased_mesh.hpp"
+#include "common/math/units.hpp"
+
 namespace eti::render {
 namespace {
+
+constexpr float crease_angle = 40.0f * degree;
 
 bool is_bone(Tissue tissue) {
     return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine;
@@ -22,7 +27,7 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
     surfaces_.clear();
     for (const auto& [name, surface] : scene.surfaces()) {
         const view::SurfaceModel& model = surface.model();
-        std::vector<VertexColour> colours = surface_colours(model, scene.landmarks());
+        std::vector<VertexColour> colours = surface_colours(model, scene.rest_landmarks());
         GpuMesh mesh(model.mesh.triangles, colours);
         surfaces_.push_back({name, model.tissue, is_bone(model.tissue), std::move(colours), std::move(mesh),
                              TriangleBlocks(model.mesh.triangles, model.mesh.vertices)});
@@ -31,15 +36,10 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
                      [](const SurfaceMesh& a, const SurfaceMesh& b) { return layer(a) < layer(b); });
     blade_.reset();
     if (scene.laryngoscope()) {
-        const TriangleMesh& mesh = scene.laryngoscope()->mesh;
-        std::vector<view::LitVertex> vertices(mesh.vertices.size());
-        for (std::size_t v = 0; v < vertices.size(); ++v) {
-            vertices[v].position = mesh.vertices[v];
-        }
-        view::recompute_normals(mesh.triangles, vertices);
-        const std::vector<VertexColour> steel(vertices.size(), VertexColour{198, 200, 205, 255});
+        const CreasedMesh mesh = creased(scene.laryngoscope()->mesh, crease_angle);
+        const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
         blade_.emplace(mesh.triangles, steel);
-        blade_->upload(vertices);
+        blade_->upload(mesh.vertices);
     }
     tube_.reset();
     scene_revision_ = scene.scene_revision();

@@ -121,20 +121,28 @@ void main() {
 inline constexpr std::string_view metal_fragment = R"(
 in vec4 colour_at;
 uniform float opacity;
+uniform mat4 model;
+float lattice(float x) { return fract(sin(x * 12.9898) * 43758.5453); }
 void main() {
     vec3 n = normalize(normal_at);
     vec3 v = normalize(eye - world);
+    // Brushed lengthwise: streaks half a millimetre wide across the tool.
+    float across = dot(model[0].xyz, world - model[3].xyz) * 2000.0;
+    float streak = mix(lattice(floor(across)), lattice(floor(across) + 1.0), smoothstep(0.0, 1.0, fract(across)));
     vec3 mirrored = reflect(-v, n);
     float ceiling = smoothstep(-0.5, 0.9, -mirrored.y);
-    vec3 steel = colour_at.rgb;
-    vec3 sum = steel * mix(0.6 * ambient_low, 2.2 * ambient_high, ceiling);
+    vec3 steel = colour_at.rgb * (0.90 + 0.16 * streak);
+    float rim = 1.0 - clamp(dot(n, v), 0.0, 1.0);
+    // What the lamps light around the steel, mirrored in it, more so at a grazing angle.
+    vec3 surroundings = (0.10 + 0.25 * rim * rim) * light_colour[0] + 0.06 * light_colour[1];
+    vec3 sum = steel * (mix(1.2 * ambient_low, 2.2 * ambient_high, ceiling) + surroundings);
     for (int i = 0; i < 2; ++i) {
         Arriving light = arriving(i);
-        float nl = max(dot(n, light.direction), 0.0);
+        float nl = dot(n, light.direction);
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
         float nh4 = nh * nh * nh * nh;
         float nh16 = nh4 * nh4 * nh4 * nh4;
-        sum += light.colour * steel * (0.25 * nl + 0.35 * nh4 * nl + 1.4 * nh16 * nh16 * nl);
+        sum += light.colour * steel * max(nl, 0.0) * (0.25 + 0.35 * nh4 + 1.4 * nh16 * nh16);
     }
     pixel = vec4(tone(sum), opacity);
 }
@@ -241,8 +249,8 @@ inline constexpr std::string_view vignette_fragment = R"(
 in vec2 corner;
 out vec4 pixel;
 void main() {
-    float light = 1.0 - smoothstep(0.70, 1.30, length(corner));
-    pixel = vec4(vec3(0.04 + 0.96 * light), 1.0);
+    float light = 1.0 - smoothstep(0.75, 1.45, length(corner));
+    pixel = vec4(vec3(0.08 + 0.92 * light), 1.0);
 }
 )";
 

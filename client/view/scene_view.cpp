@@ -117,6 +117,7 @@ void SceneView::keep(const std::string&, TubeModel&& object) {
 }
 
 void SceneView::keep(const std::string&, LandmarkModel&& object) {
+    rest_landmarks_ = object.rest;
     if (!live_landmarks_) {
         landmarks_ = object.rest;
     }

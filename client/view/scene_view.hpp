@@ -47,6 +47,8 @@ class SceneView {
     /// Newest landmarks; those of the rest posture until live ones come.
     [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
 
+    [[nodiscard]] const Landmarks& rest_landmarks() const { return rest_landmarks_; }
+
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
     /// Newest simulation time [ns] seen on any topic of the scene's state.
@@ -85,6 +87,7 @@ class SceneView {
     std::uint64_t tube_time_ns_ = 0;
     bool tube_moved_ = false;
     Landmarks landmarks_{};
+    Landmarks rest_landmarks_{};
     bool live_landmarks_ = false;
 
     std::optional<msg::LiveMetrics> metrics_;
