@@ -24,17 +24,18 @@ float minimum_jerk(double t) {
 }
 
 Mat3f axes_from(const Vec3f& direction) {
-    const Vec3f anterior(0.0f, -1.0f, 0.0f);
-    // Before the landmarks are known there is no direction: any will do, as long as it is one.
-    const Vec3f z = direction.squaredNorm() > 1e-12f ? Vec3f(direction.normalized()) : Vec3f(-anterior);
-    Vec3f y = anterior - z * z.dot(anterior);
-    if (y.squaredNorm() < 1e-6f) {
-        y = z.unitOrthogonal();
+    // +x to the patient's left as far as the axis allows: the handle then points anterior where the tool
+    // points inferior, and inferior where it points posterior, as it does in a hand.
+    const Vec3f left(1.0f, 0.0f, 0.0f);
+    const Vec3f z = direction.squaredNorm() > 1e-12f ? Vec3f(direction.normalized()) : Vec3f(Vec3f::UnitY());
+    Vec3f x = left - z * z.dot(left);
+    if (x.squaredNorm() < 1e-6f) {
+        x = z.unitOrthogonal();
     }
-    y.normalize();
+    x.normalize();
     Mat3f axes;
-    axes.col(0) = y.cross(z);
-    axes.col(1) = y;
+    axes.col(0) = x;
+    axes.col(1) = z.cross(x);
     axes.col(2) = z;
     return axes;
 }

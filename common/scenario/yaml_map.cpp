@@ -40,12 +40,14 @@ std::string shortened(const std::string& value) {
     return fmt::format("{}...", value.substr(0, cut));
 }
 
-std::string shown(const std::string& value) { return fmt::format("'{}'", shortened(value)); }
+std::string shown(const std::string& value) {
+    return fmt::format("'{}'", shortened(value));
+}
 
 /// Walks the events before any tree is built: refuses what could make a small file large.
 class Gate : public YAML::EventHandler {
   public:
-    explicit Gate(const std::string& file) : file_(file) {}
+    Gate(const std::string& text, const std::string& file) : text_(text), file_(file) {}
     void OnDocumentStart(const YAML::Mark&) override {}
     void OnDocumentEnd() override {}
     void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { check(mark, anchor); }
@@ -53,6 +55,9 @@ class Gate : public YAML::EventHandler {
     void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   const std::string&) override {
         check(mark, anchor, tag);
+        if (tag == "!") {
+            check_closed(mark);
+        }
     }
     void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                          YAML::EmitterStyle::value) override {
@@ -81,6 +86,25 @@ class Gate : public YAML::EventHandler {
                             place(file_, mark), most_nodes));
         }
     }
+    // The parser takes a quote that is never closed as closed by the file's end, and so would swallow the
+    // keys that follow.
+    void check_closed(const YAML::Mark& mark) const {
+        std::size_t i = static_cast<std::size_t>(mark.pos);
+        if (i >= text_.size() || (text_[i] != '"' && text_[i] != '\'')) {
+            return;
+        }
+        const char quote = text_[i++];
+        for (; i < text_.size(); ++i) {
+            // Escaped: \x in double quotes, '' in single ones.
+            if (quote == '"' ? text_[i] == '\\' : text_.compare(i, 2, "''") == 0) {
+                ++i;
+            } else if (text_[i] == quote) {
+                return;
+            }
+        }
+        throw InputError(fmt::format("{}: found a quote that is never closed; close it with {}",
+                                     place(file_, mark), quote));
+    }
     void enter(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag) {
         check(mark, anchor, tag);
         if (++depth_ > deepest) {
@@ -94,6 +118,7 @@ class Gate : public YAML::EventHandler {
             "{}: found an anchor or alias ('&' or '*'), expected plain values; write the value out",
             place(file_, mark)));
     }
+    const std::string& text_;
     const std::string& file_;
     int depth_ = 0;
     int nodes_ = 0;
@@ -101,6 +126,10 @@ class Gate : public YAML::EventHandler {
 
 /// Refuses what is no UTF-8 text before the YAML parser sees it; says at which line.
 void check_text(const std::string& text, const std::string& file) {
+    if (text.starts_with("\xef\xbb\xbf")) {
+        throw InputError(fmt::format(
+            "{}:1: found a byte order mark, expected plain UTF-8; save the file without it", file));
+    }
     int line = 1;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto byte = static_cast<unsigned char>(text[i]);
@@ -205,7 +234,7 @@ YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
     try {
         std::istringstream events(text);
         YAML::Parser parser(events);
-        Gate gate(file);
+        Gate gate(text, file);
         if (!parser.HandleNextDocument(gate)) {
             throw InputError(fmt::format("{}: the file is empty, expected 'key: value' lines", file));
         }

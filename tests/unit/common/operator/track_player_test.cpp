@@ -39,7 +39,7 @@ class Playing : public testing::Test {
 
     void begin(std::vector<Stage> stages) {
         player_.emplace(Track{std::move(stages)}, length, 0.0f, reaction, 1);
-        seen_.landmarks = newborn_landmarks(true);
+        seen_.landmarks = newborn_landmarks();
         seen_.time = 0;
         pose_ = player_->wanted(seen_);
     }
@@ -87,10 +87,13 @@ TEST_F(Playing, PutsTheTipAtTheLandmarkAndTheAxisOnTheLine) {
     EXPECT_TRUE(player_->finished());
     EXPECT_LT((tip() - target).norm(), rounding);
     EXPECT_LT((along() - line).norm(), 1e-5f);
-    // The handle: perpendicular to the blade and, of all such directions, the most anterior.
-    EXPECT_NEAR(handle().dot(line), 0, 1e-5f);
-    const Vec3f anterior(0, -1, 0);
-    EXPECT_LT((handle() - (anterior - anterior.dot(line) * line).normalized()).norm(), 1e-5f);
+    // The tool's own left is, of all directions across the axis, the one nearest the patient's left; the
+    // handle then points anterior.
+    const Vec3f left(1, 0, 0);
+    const Vec3f across = pose_.rotation * Vec3f::UnitX();
+    EXPECT_NEAR(across.dot(line), 0, 1e-5f);
+    EXPECT_LT((across - (left - left.dot(line) * line).normalized()).norm(), 1e-5f);
+    EXPECT_LT(handle().y(), -0.5f);
     EXPECT_NEAR(pose_.rotation.toRotationMatrix().determinant(), 1, 1e-5f);
 }
 
@@ -307,7 +310,7 @@ TEST_F(Playing, StaysFiniteBeforeLandmarksAreKnown) {
 
 TEST_F(Playing, HandWithoutATrackStaysClearOfThePatient) {
     player_.emplace(Track{}, length, 0.0f, reaction, 1);
-    seen_.landmarks = newborn_landmarks(true);
+    seen_.landmarks = newborn_landmarks();
     step();
     EXPECT_TRUE(player_->finished());
     for (const Vec3f& point : seen_.landmarks) {

@@ -21,7 +21,7 @@ std::vector<Vec3d> trembling(std::uint64_t seed, int calls_per_sample = 1) {
     track.stages.emplace_back();
     TrackPlayer player(track, 0.1f, rms, 0.2f, seed);
     Observation seen;
-    seen.landmarks = newborn_landmarks(true);
+    seen.landmarks = newborn_landmarks();
     std::vector<Vec3d> samples;
     constexpr double settled = 10.0;  // the only stage has long ended
     for (int i = 0; i < static_cast<int>((settled + seconds) * rate); ++i) {

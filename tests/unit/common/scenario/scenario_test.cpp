@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/scenario/scenario.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+
+#include "common/math/units.hpp"
+
+namespace eti {
+namespace {
+
+Scenario read(const std::string& text) {
+    return parse_scenario(text, "baby.yaml");
+}
+
+std::string refusal(const std::string& text) {
+    try {
+        (void)read(text);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+testing::AssertionResult refused(const std::string& text, std::initializer_list<const char*> words) {
+    const std::string message = refusal(text);
+    for (const char* word : words) {
+        if (message.find(word) == std::string::npos) {
+            return testing::AssertionFailure() << "no '" << word << "' in: '" << message << "'";
+        }
+    }
+    return testing::AssertionSuccess() << message;
+}
+
+TEST(Scenario, EveryKeyArrivesInItsUnit) {
+    const Scenario s = read(R"(
+name: baby
+description: tries every key
+patient: {weight_kg: 1.1, gestational_age_weeks: 28, tongue_scale: 1.15, head_elevation_deg: 25,
+          jaw_opening_deg: 20, tissue_stiffness_kpa: 9}
+laryngoscope: {blade: miller_0}
+tube: {inner_diameter_mm: 2.5, length_mm: 150, youngs_modulus_mpa: 12, grip_from_tip_mm: 90, curve_radius_mm: 130}
+physics: {substeps: 6, spacing_mm: 1.5, fine_spacing_mm: 0.75, region_mm: 12}
+saliva: on
+view: {enhanced: on}
+time_limit_s: 20
+seed: 42
+)");
+    EXPECT_EQ(s.name, "baby");
+    EXPECT_EQ(s.description, "tries every key");
+    EXPECT_FLOAT_EQ(s.patient.weight, 1.1f);
+    EXPECT_FLOAT_EQ(s.patient.gestational_age, 28);
+    EXPECT_FLOAT_EQ(s.patient.tongue_scale, 1.15f);
+    EXPECT_FLOAT_EQ(s.patient.head_elevation, 25 * degree);
+    EXPECT_FLOAT_EQ(s.patient.jaw_opening, 20 * degree);
+    EXPECT_FLOAT_EQ(s.patient.tissue_stiffness, 9e3f);
+    EXPECT_EQ(s.blade, Blade::miller_0);
+    EXPECT_FLOAT_EQ(s.tube.inner_diameter, 2.5e-3f);
+    EXPECT_FLOAT_EQ(s.tube.outer_diameter, 3.6e-3f) << "the outer diameter follows the inner";
+    EXPECT_FLOAT_EQ(s.tube.length, 0.15f);
+    EXPECT_FLOAT_EQ(s.tube.youngs_modulus, 12e6f);
+    EXPECT_FLOAT_EQ(s.tube.grip_from_tip, 0.09f);
+    EXPECT_FLOAT_EQ(s.tube.curve_radius, 0.13f);
+    EXPECT_EQ(s.physics.substeps, 6);
+    EXPECT_FLOAT_EQ(s.physics.spacing, 1.5e-3f);
+    EXPECT_FLOAT_EQ(s.physics.fine_spacing, 0.75e-3f);
+    EXPECT_FLOAT_EQ(s.physics.region, 12e-3f);
+    EXPECT_TRUE(s.saliva);
+    EXPECT_TRUE(s.enhanced_view);
+    EXPECT_FLOAT_EQ(s.time_limit, 20);
+    EXPECT_EQ(s.seed, 42u);
+}
+
+TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
+    const Scenario s = read("seed: 2\n"), defaults;
+    EXPECT_EQ(s.name, "baby");
+    EXPECT_EQ(s.text, "seed: 2\n");
+    EXPECT_EQ(s.patient.weight, defaults.patient.weight);
+    EXPECT_EQ(s.blade, defaults.blade);
+    EXPECT_EQ(s.physics.substeps, defaults.physics.substeps);
+    EXPECT_EQ(s.time_limit, defaults.time_limit);
+    EXPECT_EQ(s.saliva, defaults.saliva);
+}
+
+TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
+    EXPECT_TRUE(refused("seed: 1\npatient:\n  weight_kg: 35\n",
+                        {"baby.yaml:3", "'patient.weight_kg'", "'35'", "0.5 to 4.5"}));
+    EXPECT_TRUE(
+        refused("patient: {weight_kg: heavy}\n", {"baby.yaml:1", "weight_kg", "'heavy'", "a number"}));
+    EXPECT_TRUE(refused("patient: {weight_kg: 3.5 kg}\n", {"'3.5 kg'", "write the number alone"}));
+    EXPECT_TRUE(refused("\n\nwieght_kg: 3\n", {"baby.yaml:3", "unknown key 'wieght_kg'", "patient"}));
+    EXPECT_TRUE(refused("patient: {wieght_kg: 3}\n", {"did you mean 'weight_kg'?"}));
+    EXPECT_TRUE(refused("patient: 3\n", {"baby.yaml:1", "patient", "mapping"}));
+    EXPECT_TRUE(refused("patient: {weight_kg: [3]}\n", {"weight_kg", "a list"}));
+    EXPECT_TRUE(refused("patient: {weight_kg: }\n", {"weight_kg", "nothing"}));
+    EXPECT_TRUE(refused("patient: {weight_kg: 3, weight_kg: 4}\n", {"weight_kg", "twice"}));
+    EXPECT_TRUE(refused("saliva: maybe\n", {"saliva", "'maybe'", "on or off"}));
+    EXPECT_TRUE(refused("seed: -1\n", {"seed", "'-1'", "whole number"}));
+    EXPECT_TRUE(refused("seed: 1.5\n", {"seed", "'1.5'"}));
+    EXPECT_TRUE(refused("physics: {substeps: 0}\n", {"substeps", "1 to 64"}));
+    EXPECT_TRUE(refused("physics: {substeps: 4.0}\n", {"substeps", "whole number"}));
+    EXPECT_TRUE(
+        refused("laryngoscope: {blade: macintosh}\n", {"blade", "'macintosh'", "miller_0, miller_1"}));
+    EXPECT_TRUE(
+        refused("tube: {length_mm: 120, grip_from_tip_mm: 150}\n", {"grip_from_tip_mm", "150", "120"}));
+    EXPECT_TRUE(
+        refused("physics: {spacing_mm: 1, fine_spacing_mm: 1.5}\n", {"fine_spacing_mm", "spacing_mm"}));
+    EXPECT_TRUE(refused("name: \"two\\nlines\"\n", {"name", "one line"}));
+}
+
+TEST(Scenario, NumbersMustBeFiniteDecimals) {
+    for (const char* typed :
+         {".nan", ".inf", "-.inf", "1e400", "nan", "inf", "0x3", "3,5", "3 5", "''", "+", "1e"}) {
+        EXPECT_TRUE(refused(std::string("patient: {weight_kg: ") + typed + "}\n", {"weight_kg"})) << typed;
+    }
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 35e-1}\n").patient.weight, 3.5f);
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 4.5}\n").patient.weight, 4.5f)
+        << "the ends belong to the range";
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 0.5}\n").patient.weight, 0.5f);
+}
+
+TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
+    const auto load = [](const char* name) { return load_scenario(find_data_file(name, "scenarios")); };
+    const Scenario term = load("term"), premature = load("premature");
+    EXPECT_EQ(term.blade, Blade::miller_1);
+    EXPECT_FLOAT_EQ(term.tube.inner_diameter, 3.0e-3f);
+    EXPECT_FALSE(term.saliva);
+    EXPECT_EQ(premature.blade, Blade::miller_0);
+    EXPECT_FLOAT_EQ(premature.tube.inner_diameter, 2.5e-3f);
+    EXPECT_GT(premature.patient.tongue_scale, term.patient.tongue_scale);
+    EXPECT_LT(premature.patient.jaw_opening, term.patient.jaw_opening);
+    EXPECT_LT(premature.patient.weight, term.patient.weight);
+    EXPECT_TRUE(premature.saliva);
+    // The enhanced conditions differ in what is shown and in nothing else.
+    for (const auto& [plain, name] :
+         {std::pair{term, "term_enhanced"}, std::pair{premature, "premature_enhanced"}}) {
+        const Scenario enhanced = load(name);
+        EXPECT_FALSE(plain.enhanced_view);
+        EXPECT_TRUE(enhanced.enhanced_view);
+        EXPECT_EQ(enhanced.name, name);
+        EXPECT_EQ(enhanced.patient.weight, plain.patient.weight);
+        EXPECT_EQ(enhanced.patient.gestational_age, plain.patient.gestational_age);
+        EXPECT_EQ(enhanced.patient.tongue_scale, plain.patient.tongue_scale);
+        EXPECT_EQ(enhanced.patient.head_elevation, plain.patient.head_elevation);
+        EXPECT_EQ(enhanced.patient.jaw_opening, plain.patient.jaw_opening);
+        EXPECT_EQ(enhanced.patient.tissue_stiffness, plain.patient.tissue_stiffness);
+        EXPECT_EQ(enhanced.blade, plain.blade);
+        EXPECT_EQ(enhanced.tube.inner_diameter, plain.tube.inner_diameter);
+        EXPECT_EQ(enhanced.tube.length, plain.tube.length);
+        EXPECT_EQ(enhanced.tube.youngs_modulus, plain.tube.youngs_modulus);
+        EXPECT_EQ(enhanced.tube.grip_from_tip, plain.tube.grip_from_tip);
+        EXPECT_EQ(enhanced.tube.curve_radius, plain.tube.curve_radius);
+        EXPECT_EQ(enhanced.physics.substeps, plain.physics.substeps);
+        EXPECT_EQ(enhanced.physics.spacing, plain.physics.spacing);
+        EXPECT_EQ(enhanced.physics.fine_spacing, plain.physics.fine_spacing);
+        EXPECT_EQ(enhanced.physics.region, plain.physics.region);
+        EXPECT_EQ(enhanced.saliva, plain.saliva);
+        EXPECT_EQ(enhanced.time_limit, plain.time_limit);
+        EXPECT_EQ(enhanced.seed, plain.seed);
+    }
+}
+
+}  // namespace
+}  // namespace eti
