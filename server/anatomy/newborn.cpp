@@ -11,7 +11,8 @@ namespace {
 
 // Model coordinates: x left, y anterior, z superior; millimetres of the 3.5 kg term newborn.
 const Vec3f jaw_joint(0.0f, 2.0f, 13.0f);
-const Vec3f neck_joint(0.0f, -10.0f, -26.0f);
+// Between skull and atlas, where most of the nodding happens.
+const Vec3f neck_joint(0.0f, -12.0f, 2.0f);
 const Vec3f gum_crest(0.0f, 45.5f, -6.9f);
 // The mouth is sampled slightly open, so that the lips are apart; posture adds to this.
 constexpr float rest_jaw_deg = 4.0f;
@@ -283,8 +284,8 @@ Skeleton Newborn::skeleton() const {
 
 BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
     const Vec3f p = to_model(point);
-    // The neck bends between z = -62 and -18; the chin reaches lower but belongs to the head.
-    const float head = smoothstep(-62, -18, p.z() + 0.6f * std::max(p.y() - 10.0f, 0.0f));
+    // The upper neck bends; the chin reaches lower but belongs to the head.
+    const float head = smoothstep(-42, 0, p.z() + 0.8f * std::max(p.y() - 10.0f, 0.0f));
     float jaw = 0.0f;
     switch (tissue) {
         case Tissue::upper_gum:
@@ -308,6 +309,10 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
             const float half_width = (14.0f + (0.5f - 14.0f) * parted) * degree;
             jaw = smoothstep(-half_width, half_width, below) *
                   (1.0f - smoothstep(56 * degree, 82 * degree, turned)) * smoothstep(-4, 8, p.y());
+            // The mouth floor goes with the tongue that grows out of it.
+            const float floor = (1.0f - smoothstep(1.0f, 8.0f, tongue_field(p, parameters_.tongue_scale))) *
+                                (1.0f - smoothstep(-14, -9, p.z()));
+            jaw += floor * (0.95f * smoothstep(6, 34, p.y()) - jaw);
             break;
         }
     }
@@ -318,6 +323,10 @@ float Newborn::shell_offset(const Vec3f& point, const NewbornFields& fields) con
     const Vec3f p = to_model(point);
     const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate}) / scale_;
     float offset = 0.4f + 1.1f * smoothstep(0.0f, 2.0f, bony);
+    // Lips are lifted aside.
+    const float lips = smoothstep(45.5f, 49.0f, p.y()) * (1.0f - smoothstep(18.0f, 24.0f, std::fabs(p.x()))) *
+                       smoothstep(-26.0f, -20.0f, p.z()) * (1.0f - smoothstep(2.0f, 8.0f, p.z()));
+    offset += 5.0f * lips * smoothstep(0.5f, 2.0f, bony);
     // Cricoid and trachea are stiff rings; the cords between them part for a tube.
     const float laryngeal = 1.0f - smoothstep(0.0f, 1.5f, fields.larynx / scale_);
     const float cords = smoothstep(-43, -40, p.z()) * (1.0f - smoothstep(-35, -31, p.z()));

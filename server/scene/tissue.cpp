@@ -24,6 +24,11 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient) : patient_(patient) {
         shapes.particle_volume[i] = spacing * spacing * spacing;
         shapes.fitting_mass[i] = anatomy::tissue_density * shapes.particle_volume[i];
     }
+    // Where the tongue grows out of the mouth floor, links hold it, not the shell.
+    for (const auto& ends : patient.links.ends) {
+        p.channels[ends[0]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
+        p.channels[ends[1]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
+    }
     shapes.first = patient.clusters.first;
     shapes.member = patient.clusters.member;
     shapes.youngs_modulus = patient.clusters.youngs_modulus;
