@@ -12,6 +12,10 @@ Mat3d cross_matrix(const Vec3d& v) {
     return m;
 }
 
+Quatd unit_rotation(const Quatf& q) {
+    return q.cast<double>().normalized();
+}
+
 Vec3d log_rotation(const Quatd& q) {
     const double sign = q.w() < 0.0 ? -1.0 : 1.0;
     const double sine = q.vec().norm();

@@ -48,6 +48,9 @@ struct RodJointState {
 
 [[nodiscard]] Mat3d cross_matrix(const Vec3d& v);
 
+/// A rotation in double, normalised anew.
+[[nodiscard]] Quatd unit_rotation(const Quatf& q);
+
 /// Rotation vector [rad] of a unit quaternion, length in [0, pi].
 [[nodiscard]] Vec3d log_rotation(const Quatd& q);
 
