@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""What deploy/test.sh counts and how it ends, on a small project without compiled code."""
+
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+PROJECT = """
+cmake_minimum_required(VERSION 3.22)
+project(small LANGUAGES NONE)
+enable_testing()
+add_custom_target(unit_tests)
+function(case name label command)
+  add_test(NAME ${name} COMMAND sh -c "${command}")
+  set_tests_properties(${name} PROPERTIES LABELS ${label} SKIP_RETURN_CODE 4)
+endfunction()
+"""
+
+
+class TestScript(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        (self.root / "deploy").mkdir()
+        for name in ("setup.sh", "test.sh"):
+            shutil.copy(ROOT / "deploy" / name, self.root / "deploy")
+        shutil.copy(ROOT / "CMakePresets.json", self.root)
+
+    def run_tests(self, cases, *options):
+        (self.root / "CMakeLists.txt").write_text(PROJECT + cases)
+        return subprocess.run([self.root / "deploy/test.sh", "--no-install", *options], capture_output=True, text=True)
+
+    def assert_ends_with(self, done, line, code):
+        self.assertEqual(done.stdout, line + "\n", done.stderr)
+        self.assertEqual(done.returncode, code)
+
+    def test_passed_tests_are_counted_in_every_build(self):
+        done = self.run_tests('case(a unit "true")\ncase(b system "true")\n')
+        self.assert_ends_with(done, "4 passed, 0 failed", 0)  # both in release, the unit test in asan and tsan
+
+    def test_quick_counts_unit_tests_only(self):
+        done = self.run_tests('case(a unit "true")\ncase(b scripts "true")\ncase(c system "exit 1")\n', "--quick")
+        self.assert_ends_with(done, "2 passed, 0 failed", 0)
+
+    def test_failed_test_is_counted_and_named(self):
+        done = self.run_tests('case(good unit "true")\ncase(broken unit "exit 1")\n', "--quick")
+        self.assert_ends_with(done, "1 passed, 1 failed", 1)
+        self.assertIn("Failed: broken", done.stderr)
+
+    def test_skipped_test_is_named_and_not_counted(self):
+        done = self.run_tests('case(good unit "true")\ncase(idle unit "echo skipped: no display; exit 4")\n', "--quick")
+        self.assert_ends_with(done, "1 passed, 0 failed", 0)
+        self.assertIn("Skipped: idle: skipped: no display", done.stderr)
+
+    def test_missing_program_fails(self):
+        done = self.run_tests("add_test(NAME lost COMMAND no_such_program)\n"
+                              "set_tests_properties(lost PROPERTIES LABELS unit)\n", "--quick")
+        self.assert_ends_with(done, "0 passed, 1 failed", 1)
+
+    def test_tests_whose_fixture_failed_are_failures(self):
+        done = self.run_tests('case(first unit "exit 1")\ncase(second unit "true")\n'
+                              "set_tests_properties(first PROPERTIES FIXTURES_SETUP f)\n"
+                              "set_tests_properties(second PROPERTIES FIXTURES_REQUIRED f)\n", "--quick")
+        self.assert_ends_with(done, "0 passed, 2 failed", 1)
+
+    def test_no_tests_at_all_fail(self):
+        self.assertEqual(self.run_tests("", "--quick").returncode, 1)
+
+    def test_failed_build_is_a_failure(self):
+        done = self.run_tests('add_custom_target(broken ALL COMMAND false)\ncase(a unit "true")\n', "--quick")
+        self.assert_ends_with(done, "0 passed, 1 failed", 1)
+        self.assertIn("Building release failed", done.stderr)
+
+    def test_failed_configuring_is_a_failure(self):
+        done = self.run_tests("message(FATAL_ERROR impossible)\n", "--quick")
+        self.assert_ends_with(done, "0 passed, 1 failed", 1)
+        self.assertIn("impossible", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
