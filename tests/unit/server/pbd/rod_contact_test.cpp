@@ -125,7 +125,7 @@ TEST(RodContact, FrictionHoldsBelowItsAngleAndSlidesAbove) {
     settings.connector_mass = 0.0f;
     const float friction = 0.3f;
     const Vec3f across = Vec3f::UnitX();
-    for (const float angle : {0.2f, 0.5f}) {  // tan: 0.203, 0.546
+    for (const float angle : {0.2f, 0.28f, 0.36f, 0.5f}) {  // tan: 0.203, 0.288, 0.376, 0.546
         pbd::Rod rod(tube, settings, {});
         const Plane plane{.friction = friction};
         const Vec3f gravity = 9.81f * (std::sin(angle) * across - std::cos(angle) * Vec3f::UnitY());

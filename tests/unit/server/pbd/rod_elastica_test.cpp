@@ -101,8 +101,11 @@ TEST(RodStiffness, DoublingItHalvesSmallDeflections) {
 }
 
 // At rest the hand carries the rod's weight and its moment about the grip.
-TEST(RodGrip, WrenchIsTheWeightAtRest) {
+class RodGrip : public testing::TestWithParam<float> {};  // grip from the tip [m]
+
+TEST_P(RodGrip, WrenchIsTheWeightAtRest) {
     Tube tube;
+    tube.grip_from_tip = GetParam();
     const pbd::RodSettings settings = test::damped(32);
     const RigidTransform grip{Quatf(Eigen::AngleAxisf(0.7f, Vec3f(0.6f, 0.0f, 0.8f))),
                               Vec3f(0.1f, 0.2f, 0.3f)};
@@ -123,6 +126,9 @@ TEST(RodGrip, WrenchIsTheWeightAtRest) {
     }
     EXPECT_LT((wrench.torque.cast<double>() - torque).norm(), 1e-4 * mass * 9.81 * 0.1);
 }
+
+// In the middle, and where the held segment reaches farther ahead of the grip than behind it.
+INSTANTIATE_TEST_SUITE_P(Grips, RodGrip, testing::Values(0.10f, 0.1585f));
 
 // First bending mode of a cantilever: w = 1.8751^2 sqrt(E I / (m L^4)) (Euler-Bernoulli). Implicit
 // Euler lowers a frequency by about (w dt)^2 / 3 and takes w^2 dt / 2 of the amplitude per second; the
