@@ -2,29 +2,9 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
+#include "allocation_counter.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/sensor/hand_sensor.hpp"
-
-namespace {
-thread_local std::uint64_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* memory = std::malloc(size == 0 ? 1 : size)) {
-        return memory;
-    }
-    throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
 
 namespace eti::devices {
 namespace {
@@ -59,7 +39,7 @@ TEST(HapticCycle, AllocatesNothing) {
     state.seen = setup.start;
     state.blade = make_laryngoscope(Blade::miller_1).capsules;
     state.tissue.count = TissueReport::most_points;
-    const std::uint64_t before = allocations;
+    const std::uint64_t before = allocations();
     for (int i = 1; i <= 6000; ++i) {
         if (i % 6 == 0) {
             // Half-way another session begins and the script starts anew.
@@ -70,9 +50,9 @@ TEST(HapticCycle, AllocatesNothing) {
         }
         (void)cycle.run(1'000 * ms + i * ms);
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(allocations(), before);
     const auto proof = std::make_unique<int>(1);
-    EXPECT_EQ(allocations, before + 1) << "allocations are not counted";
+    EXPECT_EQ(allocations(), before + 1) << "allocations are not counted";
 }
 
 TEST(SimulationTime, IsCarriedOnAtTheSimulationsPaceWithinTwoSteps) {
