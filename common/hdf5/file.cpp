@@ -26,6 +26,7 @@ unsigned flags_of(Access access) {
         case Access::read:
             return H5F_ACC_RDONLY;
         case Access::read_beside_writer:
+        case Access::read_left_behind:
             return H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
         case Access::modify:
             return H5F_ACC_RDWR;
@@ -35,7 +36,8 @@ unsigned flags_of(Access access) {
     return H5F_ACC_RDONLY;
 }
 
-/// What a person can see without the library: missing, a folder, empty, no permission.
+}  // namespace
+
 void require_plain_file(const std::filesystem::path& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
@@ -53,8 +55,6 @@ void require_plain_file(const std::filesystem::path& path) {
         throw Error(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
     }
 }
-
-}  // namespace
 
 File::File(Handle id, const std::filesystem::path& path) : id_(std::move(id)), path_(path) {
     Handle root(H5Gopen2(id_.get(), "/", H5P_DEFAULT), H5Gclose);
@@ -89,6 +89,10 @@ File File::open(const std::filesystem::path& path, Access access) {
         throw Error(fmt::format("{}: not an HDF5 file", path.string()));
     }
     const Handle properties = access_properties();
+    if (access == Access::read_left_behind) {
+        // Else the library waits for up to a second on every damaged block, which nobody will mend.
+        H5Pset_metadata_read_attempts(properties.get(), 1);
+    }
     Handle id(H5Fopen(path.c_str(), flags_of(access), properties.get()), H5Fclose);
     if (!id) {
         throw Error(fmt::format("{}: cannot be opened: {}", path.string(), last_error()));

@@ -10,10 +10,14 @@ namespace eti::hdf5 {
 
 enum class Access {
     read,
-    read_beside_writer,  ///< also a file that a writer has open or left behind when it was killed
+    read_beside_writer,  ///< also a file that a writer has open: waits for what is just being written
+    read_left_behind,    ///< also a file that a writer left behind when it was killed
     modify,
     append_beside_readers  ///< single writer, multiple readers: what is on disk is consistent at any time
 };
+
+/// Throws Error for what a person can see without the library: missing, a folder, empty, no permission.
+void require_plain_file(const std::filesystem::path& path);
 
 /// An HDF5 file and its root group. Functions throw Error.
 class File {

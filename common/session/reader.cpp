@@ -20,9 +20,10 @@ using hdf5::Group;
 
 constexpr const char* time_axis = "/time_ns";
 
-hdf5::File open_session(const std::filesystem::path& path) {
+hdf5::File open_session(const std::filesystem::path& path, bool live) {
     try {
-        return hdf5::File::open(path, hdf5::Access::read_beside_writer);
+        return hdf5::File::open(path,
+                                live ? hdf5::Access::read_beside_writer : hdf5::Access::read_left_behind);
     } catch (const hdf5::Error& error) {
         throw hdf5::Error(fmt::format(
             "{}. If it is a session file, it is damaged or its recording ended before it had begun; try: "
@@ -42,21 +43,6 @@ void require_session(const Group& root, const std::filesystem::path& path) {
                         "recorded it",
                         path.string(), found, schema));
     }
-}
-
-std::string units_of(const Group& root, const std::string& path) {
-    // Attributes are read through a group; a data set has them too.
-    const hdf5::Handle data_set(H5Oopen(root.id(), path.c_str(), H5P_DEFAULT), H5Oclose);
-    const hdf5::Handle attribute(data_set ? H5Aopen(data_set.get(), "units", H5P_DEFAULT) : -1, H5Aclose);
-    const hdf5::Handle type(attribute ? H5Aget_type(attribute.get()) : -1, H5Tclose);
-    char* value = nullptr;
-    if (!type || H5Tis_variable_str(type.get()) <= 0 || H5Aread(attribute.get(), type.get(), &value) < 0 ||
-        value == nullptr) {
-        return {};
-    }
-    std::string text(value);
-    H5free_memory(value);
-    return text;
 }
 
 struct Found {
@@ -106,13 +92,13 @@ std::size_t Series::rows() const {
     return texts.empty() ? (row_size() == 0 ? 0 : values.size() / row_size()) : texts.size();
 }
 
-SessionReader::SessionReader(const std::filesystem::path& path) : path_(path), file_(open_session(path)) {
+SessionReader::SessionReader(const std::filesystem::path& path)
+    : live_(being_written(path)), file_(open_session(path, live_)) {
     require_session(file_.root(), path);
     const Group meta = file_.root().open("meta");
     info_ = read_info(meta);
     finished_ = meta.integer("finished") != 0;
     lost_ = meta.integer("lost_records");
-    live_ = being_written(path);
 }
 
 double SessionReader::duration() const {
@@ -198,7 +184,7 @@ std::vector<Series> SessionReader::series(const std::string& group) const {
     }
     std::vector<Series> all;
     for (const Found& f : found) {
-        Series series{f.path, units_of(root, f.path), f.row_shape, {}, {}};
+        Series series{f.path, text_of(root, f.path, "units"), f.row_shape, {}, {}};
         if (f.kind == H5T_STRING) {
             const hdf5::Handle type = hdf5::fixed_text_type(f.bytes);
             const auto bytes = read_rows_as(root, f.path, type.get(), f.row_shape, rows);

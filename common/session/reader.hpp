@@ -31,6 +31,7 @@ struct Series {
 class SessionReader {
   public:
     explicit SessionReader(const std::filesystem::path& path);
+    [[nodiscard]] const hdf5::Group& root() const { return file_.root(); }
 
     [[nodiscard]] const SessionInfo& info() const { return info_; }
     [[nodiscard]] bool finished() const { return finished_; }  ///< closed in order
@@ -52,11 +53,10 @@ class SessionReader {
     [[nodiscard]] std::vector<Series> series(const std::string& group) const;
 
   private:
-    std::filesystem::path path_;
+    bool live_ = false;
     hdf5::File file_;
     SessionInfo info_;
     bool finished_ = false;
-    bool live_ = false;
     std::uint64_t lost_ = 0;
 };
 

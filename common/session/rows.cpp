@@ -53,6 +53,18 @@ bool read(const Opened& opened, hid_t type, std::size_t first, std::size_t rows,
                0;
 }
 
+/// Whether the chunk that begins at row `first` is there. The library reads a missing one as zeros; our
+/// writer writes every chunk.
+bool has_chunk(const Opened& opened, std::size_t first) {
+    std::vector<hsize_t> offset(opened.extent.size(), 0);
+    offset[0] = first;
+    unsigned mask = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t size = 0;
+    return H5Dget_chunk_info_by_coord(opened.data_set.get(), offset.data(), &mask, &address, &size) >= 0 &&
+           address != HADDR_UNDEF;
+}
+
 std::size_t row_bytes(const Opened& opened) {
     std::size_t bytes = H5Tget_size(opened.type.get());
     for (std::size_t i = 1; i < opened.extent.size(); ++i) {
@@ -83,7 +95,8 @@ std::size_t readable_rows(const hdf5::Group& root, const std::string& path) {
     const std::size_t step = chunk_rows(opened);
     std::vector<std::byte> buffer(std::min(step, rows) * row_bytes(opened));
     for (std::size_t first = 0; first < rows; first += step) {
-        if (!read(opened, opened.type.get(), first, std::min(step, rows - first), buffer.data())) {
+        if (!has_chunk(opened, first) ||
+            !read(opened, opened.type.get(), first, std::min(step, rows - first), buffer.data())) {
             return first;
         }
     }
@@ -119,6 +132,22 @@ std::vector<double> read_as_doubles(const hdf5::Group& root, const std::string& 
             fmt::format("{}: the values cannot be read: {}", root.at(path), hdf5::last_error()));
     }
     return values;
+}
+
+std::string text_of(const hdf5::Group& root, const std::string& path, const char* attribute_name) {
+    // Attributes are read through a group; a data set has them too.
+    const hdf5::Handle data_set(H5Oopen(root.id(), path.c_str(), H5P_DEFAULT), H5Oclose);
+    const hdf5::Handle attribute(data_set ? H5Aopen(data_set.get(), attribute_name, H5P_DEFAULT) : -1,
+                                 H5Aclose);
+    const hdf5::Handle type(attribute ? H5Aget_type(attribute.get()) : -1, H5Tclose);
+    char* value = nullptr;
+    if (!type || H5Tis_variable_str(type.get()) <= 0 || H5Aread(attribute.get(), type.get(), &value) < 0 ||
+        value == nullptr) {
+        return {};
+    }
+    std::string text(value);
+    H5free_memory(value);
+    return text;
 }
 
 }  // namespace eti::session

@@ -27,6 +27,10 @@ namespace eti::session {
 [[nodiscard]] std::vector<double> read_as_doubles(const hdf5::Group& root, const std::string& path,
                                                   std::size_t rows);
 
+/// A text attribute of a data set; empty where there is none.
+[[nodiscard]] std::string text_of(const hdf5::Group& root, const std::string& path,
+                                  const char* attribute_name);
+
 /// Reads the records of a list in layout.hpp, as many as all its data sets have.
 template <class Record, class Visit>
 [[nodiscard]] std::vector<Record> read_records(const hdf5::Group& root, const Visit& visit) {

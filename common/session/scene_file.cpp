@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/hdf5/packing.hpp"
+#include "common/session/layout.hpp"
 
 namespace eti::session {
 
@@ -74,6 +75,18 @@ SurfaceRecord read_surface(const Group& group, std::size_t frames) {
 }
 
 }  // namespace
+
+void write_head(const Group& root, const SessionInfo& info, const SceneRecord& scene,
+                std::uint64_t lost_records) {
+    root.set_text("kind", file_kind);
+    root.set_integer("schema", schema);
+    const Group meta = root.create("meta");
+    meta.set_integer("schema", schema);
+    meta.set_integer("finished", 0);
+    meta.set_integer("lost_records", lost_records);
+    write_info(meta, info);
+    write_scene(root.create("scene"), scene);
+}
 
 void write_info(const Group& meta, const SessionInfo& info) {
     for (const TextField& field : text_fields) {

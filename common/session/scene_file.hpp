@@ -2,10 +2,16 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <cstdint>
+
 #include "common/hdf5/group.hpp"
 #include "common/session/record.hpp"
 
 namespace eti::session {
+
+/// What a session file begins with: kind, layout, `meta` (not yet finished) and `scene`.
+void write_head(const hdf5::Group& root, const SessionInfo& info, const SceneRecord& scene,
+                std::uint64_t lost_records);
 
 /// The groups `meta` and `scene` of a session file. All throw hdf5::Error.
 void write_info(const hdf5::Group& meta, const SessionInfo& info);

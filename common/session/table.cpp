@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "common/session/layout.hpp"
+
 namespace eti::session {
 
 namespace {
@@ -42,8 +44,13 @@ void Table::create_column(const hdf5::Group& root, const std::string& path, hid_
 }
 
 void Table::open(const hdf5::Group& root) {
+    // Without a chunk cache rows go to disk when they are written, not at the next flush. A full disk
+    // then shows before the data set's new length is on disk: a flush goes on after a failure, and would
+    // leave a length that counts rows which were never written.
+    const hdf5::Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+    H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
     for (Column& column : columns_) {
-        column.data_set = {H5Dopen2(root.id(), column.path.c_str(), H5P_DEFAULT), H5Dclose};
+        column.data_set = {H5Dopen2(root.id(), column.path.c_str(), access.get()), H5Dclose};
         if (!column.data_set) {
             throw hdf5::Error(fmt::format("{}: the data set cannot be opened: {}", root.at(column.path),
                                           hdf5::last_error()));
@@ -94,6 +101,7 @@ bool Table::write(std::size_t rows) {
         }
         const hid_t data_set = column.data_set.get();
         if (H5Dset_extent(data_set, extent.data()) < 0) {
+            error_ = hdf5::last_error();
             return false;
         }
         const hdf5::Handle file_space(H5Dget_space(data_set), H5Sclose);
@@ -103,6 +111,7 @@ bool Table::write(std::size_t rows) {
                                 nullptr) < 0 ||
             H5Dwrite(data_set, column.type.get(), memory_space.get(), file_space.get(), H5P_DEFAULT,
                      column.pending.data()) < 0) {
+            error_ = hdf5::last_error();
             return false;
         }
         column.pending.erase(column.pending.begin(),
@@ -117,6 +126,16 @@ bool Table::write(std::size_t rows) {
 void Table::abandon() {
     for (Column& column : columns_) {
         column.data_set.abandon();
+    }
+}
+
+void link_time_axis(const hdf5::Group& root) {
+    for (const std::string_view group : step_groups) {
+        const std::string link = std::string(group) + "/time_ns";
+        if (group != step_groups[0] && H5Lcreate_hard(root.id(), "inputs/time_ns", root.id(), link.c_str(),
+                                                      H5P_DEFAULT, H5P_DEFAULT) < 0) {
+            throw hdf5::Error(fmt::format("{}: cannot be linked: {}", root.at(link), hdf5::last_error()));
+        }
     }
 }
 

@@ -34,9 +34,11 @@ class Table {
     /// Whether a row has waited in memory for longer than `limit`.
     [[nodiscard]] bool overdue(std::chrono::steady_clock::duration limit) const;
 
-    /// Writes full chunks, or everything. False on failure; hdf5::last_error() tells why.
+    /// Writes full chunks, or everything. False on failure; error() tells why.
     [[nodiscard]] bool write_full_chunks();
     [[nodiscard]] bool write_all();
+
+    [[nodiscard]] const std::string& error() const { return error_; }
 
     /// Lets go of data sets that can no longer be written, without touching them again.
     void abandon();
@@ -59,7 +61,11 @@ class Table {
     std::size_t written_ = 0;
     std::size_t pending_ = 0;
     std::chrono::steady_clock::time_point pending_since_{};
+    std::string error_;
 };
+
+/// Shows the steps' time axis in each group of step series. Throws hdf5::Error.
+void link_time_axis(const hdf5::Group& root);
 
 /// The visitor that creates a table's columns from a list in layout.hpp.
 template <class Record>

@@ -12,6 +12,7 @@
 #include <csignal>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "common/hdf5/file.hpp"
@@ -59,7 +60,7 @@ struct SessionWriter::Impl {
     void create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene);
     void run();
     void drain();
-    [[nodiscard]] bool write(bool everything);
+    [[nodiscard]] std::optional<std::string> write(bool everything);
     void finish();
     void fail(const std::string& reason);
     void warn_of_losses();
@@ -128,27 +129,14 @@ void SessionWriter::Impl::create(const SessionInfo& info, const SceneRecord& sce
 
 void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene) {
     const hdf5::Group& root = made.root();
-    root.set_text("kind", file_kind);
-    root.set_integer("schema", schema);
-    const hdf5::Group made_meta = root.create("meta");
-    made_meta.set_integer("schema", schema);
-    made_meta.set_integer("finished", 0);
-    made_meta.set_integer("lost_records", 0);
-    write_info(made_meta, info);
-    write_scene(root.create("scene"), scene);
+    write_head(root, info, scene, 0);
     step_columns(tube_nodes, creating<StepRecord>(step_table, root));
     command_columns(creating<CommandRecord>(command_table, root));
     moved_frame_columns(creating<MovedFrame>(frame_table, root));
     moved_frames_columns(creating<MovedFrames>(deformation_table, root));
     event_columns(creating<EventRecord>(event_table, root));
     summary_columns(creating<SummaryRecord>(summary_table, root));
-    for (const std::string_view group : step_groups) {
-        const std::string link = std::string(group) + "/time_ns";
-        if (group != step_groups[0] && H5Lcreate_hard(root.id(), "inputs/time_ns", root.id(), link.c_str(),
-                                                      H5P_DEFAULT, H5P_DEFAULT) < 0) {
-            throw hdf5::Error(fmt::format("{}: cannot be linked: {}", root.at(link), hdf5::last_error()));
-        }
-    }
+    link_time_axis(root);
     made.close();
 
     // From here on in single-writer mode, in which nothing but rows may be added.
@@ -177,8 +165,8 @@ void SessionWriter::Impl::run() {
             continue;
         }
         warn_of_losses();
-        if (!write(last)) {
-            fail(hdf5::last_error());
+        if (const auto why = write(last)) {
+            fail(*why);
         }
     }
     finish();
@@ -215,19 +203,16 @@ void SessionWriter::Impl::drain() {
     take(summaries, [this](const SummaryRecord& r) { summary_columns(appending(summary_table, r)); });
 }
 
-/// Writes full chunks and what has waited long enough, or everything. False on failure.
-bool SessionWriter::Impl::write(bool everything) {
+/// Writes full chunks and what has waited long enough, or everything. Nothing on success, else why not.
+std::optional<std::string> SessionWriter::Impl::write(bool everything) {
     bool any = false;
-    const auto write_table = [&](Table& table) {
-        if (everything || table.overdue(longest_unwritten)) {
-            any = any || table.has_pending();
-            return table.write_all();
-        }
-        any = any || table.has_full_chunk();
-        return table.write_full_chunks();
+    const auto written = [&](Table& table, bool all) {
+        any = any || (all ? table.has_pending() : table.has_full_chunk());
+        return all ? table.write_all() : table.write_full_chunks();
     };
-    if (!write_table(frame_table)) {
-        return false;
+    const auto due = [&](const Table& table) { return everything || table.overdue(longest_unwritten); };
+    if (!written(frame_table, due(frame_table))) {
+        return frame_table.error();
     }
     // A row of the deformation follows the rows of frames that it points to.
     while (!moved_waiting.empty() &&
@@ -235,9 +220,18 @@ bool SessionWriter::Impl::write(bool everything) {
         moved_frames_columns(appending(deformation_table, moved_waiting.front()));
         moved_waiting.pop_front();
     }
-    any = any || deformation_table.has_pending();
-    return deformation_table.write_all() && write_table(step_table) && write_table(command_table) &&
-           write_table(event_table) && write_table(summary_table) && (!any || file.flush());
+    if (!written(deformation_table, true)) {
+        return deformation_table.error();
+    }
+    for (Table* table : {&step_table, &command_table, &event_table, &summary_table}) {
+        if (!written(*table, due(*table))) {
+            return table->error();
+        }
+    }
+    if (any && !file.flush()) {
+        return hdf5::last_error();
+    }
+    return std::nullopt;
 }
 
 void SessionWriter::Impl::warn_of_losses() {

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/review/export.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "common/session/reader.hpp"
+
+namespace eti::review {
+
+namespace {
+
+using session::Series;
+
+/// A CSV file that shows under its name only when it is complete.
+class CsvFile {
+  public:
+    explicit CsvFile(const std::filesystem::path& path)
+        : path_(path), unfinished_(path.string() + ".unfinished") {
+        if (std::filesystem::exists(path)) {
+            throw ExportError(fmt::format(
+                "{}: exists already and is not replaced; choose another folder with --out", path.string()));
+        }
+        file_.reset(std::fopen(unfinished_.c_str(), "wb"));
+        if (!file_) {
+            fail();
+        }
+    }
+    ~CsvFile() {
+        if (file_) {
+            file_.reset();
+            std::error_code ignored;
+            std::filesystem::remove(unfinished_, ignored);
+        }
+    }
+    CsvFile(const CsvFile&) = delete;
+    CsvFile& operator=(const CsvFile&) = delete;
+
+    fmt::memory_buffer& line() { return line_; }
+
+    void end_line() {
+        line_.push_back('\r');
+        line_.push_back('\n');
+        if (std::fwrite(line_.data(), 1, line_.size(), file_.get()) != line_.size()) {
+            fail();
+        }
+        line_.clear();
+    }
+
+    void close() {
+        if (std::fclose(file_.release()) != 0) {
+            fail();
+        }
+        std::error_code error;
+        std::filesystem::rename(unfinished_, path_, error);
+        if (error) {
+            throw ExportError(fmt::format("{}: {}", path_.string(), error.message()));
+        }
+    }
+
+  private:
+    [[noreturn]] void fail() {
+        const std::string reason = std::strerror(errno);
+        std::error_code ignored;
+        std::filesystem::remove(unfinished_, ignored);
+        throw ExportError(
+            fmt::format("{}: cannot be written: {}; make room or choose another folder with --out",
+                        path_.string(), reason));
+    }
+
+    struct Close {
+        void operator()(std::FILE* file) const { std::fclose(file); }
+    };
+    std::filesystem::path path_;
+    std::filesystem::path unfinished_;
+    std::unique_ptr<std::FILE, Close> file_;
+    fmt::memory_buffer line_;
+};
+
+void put_text(fmt::memory_buffer& line, const std::string& text) {
+    line.push_back('"');
+    for (const char c : text) {
+        if (c == '"') {
+            line.push_back('"');
+        }
+        line.push_back(c);
+    }
+    line.push_back('"');
+}
+
+void put_number(fmt::memory_buffer& line, double value) {
+    // 9 digits tell any two floats apart; what came from doubles keeps them too, beyond use.
+    fmt::format_to(std::back_inserter(line), "{:.9g}", value);
+}
+
+constexpr std::array<const char*, 7> pose_parts{"x", "y", "z", "qw", "qx", "qy", "qz"};
+
+/// Column names of a series: name, component, unit.
+std::vector<std::string> titles(const Series& series, const std::string& group) {
+    std::string name = series.path.substr(group.size() + 1);
+    std::replace(name.begin(), name.end(), '/', '_');
+    const std::size_t count = series.row_size();
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::string_view unit = series.units;
+        std::string part;
+        if (series.row_shape.size() == 1 && count == 7) {
+            part = fmt::format("_{}", pose_parts[i]);
+            unit = i < 3 ? "m" : "1";
+        } else if (series.row_shape.size() == 1 && count == 3) {
+            part = fmt::format("_{}", pose_parts[i]);
+        } else if (series.row_shape.size() == 2) {
+            part = fmt::format("_{}_{}", i / series.row_shape[1], pose_parts[i % series.row_shape[1] % 3]);
+        } else if (count > 1) {
+            part = fmt::format("_{}", i);
+        }
+        all.push_back(unit == "1" || unit.empty() ? name + part : fmt::format("{}{} [{}]", name, part, unit));
+    }
+    return all;
+}
+
+bool is_time(const Series& series) {
+    return series.path.ends_with("/time_ns");
+}
+
+/// False if stopped.
+bool write_table(const std::filesystem::path& path, const std::string& group,
+                 const std::vector<const Series*>& columns, const std::function<bool()>& stop) {
+    CsvFile csv(path);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (c > 0) {
+            csv.line().push_back(',');
+        }
+        if (is_time(*columns[c])) {
+            fmt::format_to(std::back_inserter(csv.line()), "time [s]");
+            continue;
+        }
+        const auto names = titles(*columns[c], group);
+        fmt::format_to(std::back_inserter(csv.line()), "{}", fmt::join(names, ","));
+    }
+    csv.end_line();
+    const std::size_t rows = columns.empty() ? 0 : columns[0]->rows();
+    for (std::size_t row = 0; row < rows; ++row) {
+        if (stop()) {
+            return false;
+        }
+        for (std::size_t c = 0; c < columns.size(); ++c) {
+            const Series& series = *columns[c];
+            const std::size_t size = series.row_size();
+            for (std::size_t i = 0; i < size; ++i) {
+                if (c + i > 0) {
+                    csv.line().push_back(',');
+                }
+                if (!series.texts.empty()) {
+                    put_text(csv.line(), series.texts[row]);
+                } else if (is_time(series)) {
+                    fmt::format_to(std::back_inserter(csv.line()), "{:.9f}", series.values[row] * 1e-9);
+                } else {
+                    put_number(csv.line(), series.values[row * size + i]);
+                }
+            }
+        }
+        csv.end_line();
+    }
+    csv.close();
+    return true;
+}
+
+/// One row per frame that moved. False if stopped.
+bool write_deformation(const std::filesystem::path& path, const session::SessionReader& reader,
+                       const std::function<bool()>& stop) {
+    CsvFile csv(path);
+    fmt::format_to(std::back_inserter(csv.line()),
+                   "time [s],frame,centre_x [m],centre_y [m],centre_z [m],qw,qx,qy,qz");
+    csv.end_line();
+    for (const session::DeformationRecord& record : reader.deformations()) {
+        for (std::size_t i = 0; i < record.frame.size(); ++i) {
+            if (stop()) {
+                return false;
+            }
+            const FramePose& pose = record.pose[i];
+            fmt::format_to(
+                std::back_inserter(csv.line()), "{:.9f},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                static_cast<double>(record.time_ns) * 1e-9, record.frame[i], pose.centre.x(), pose.centre.y(),
+                pose.centre.z(), pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z());
+            csv.end_line();
+        }
+    }
+    csv.close();
+    return true;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> export_csv(const std::filesystem::path& session,
+                                              const std::filesystem::path& folder,
+                                              const std::function<void(const std::filesystem::path&)>& told,
+                                              const std::function<bool()>& stop) {
+    const session::SessionReader reader(session);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with --out",
+                                      folder.string(), error.message()));
+    }
+    std::vector<std::filesystem::path> written;
+    const auto table = [&](const std::string& group, const std::string& name, bool lines) {
+        const auto all = reader.series(group);
+        std::vector<const Series*> columns;
+        for (const Series& series : all) {
+            // Series of whole lines make a table of their own.
+            if (is_time(series) || (series.row_shape.size() > 1) == lines) {
+                columns.push_back(&series);
+            }
+        }
+        const std::filesystem::path path = folder / (name + ".csv");
+        told(path);
+        if (!write_table(path, group, columns, stop)) {
+            return false;
+        }
+        written.push_back(path);
+        return true;
+    };
+    const auto deformation = [&] {
+        const std::filesystem::path path = folder / "deformation.csv";
+        told(path);
+        if (!write_deformation(path, reader, stop)) {
+            return false;
+        }
+        written.push_back(path);
+        return true;
+    };
+    (void)(table("inputs", "inputs", false) && table("inputs/commands", "commands", false) &&
+           table("tools", "tools", false) && table("tools", "tube_nodes", true) &&
+           table("skeleton", "skeleton", false) && table("metrics", "metrics", false) && deformation() &&
+           table("events", "events", false) && table("summary", "summary", false));
+    return written;
+}
+
+}  // namespace eti::review

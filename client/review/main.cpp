@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <iostream>
+#include <string>
+
+#include "client/review/export.hpp"
+#include "client/review/summary.hpp"
+#include "common/session/check.hpp"
+#include "common/session/guard.hpp"
+
+namespace {
+
+using namespace eti;
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+constexpr int refused = 1;
+constexpr int misused = 2;
+constexpr int interrupted = 130;
+
+int summary(const std::filesystem::path& file, bool json) {
+    const review::Summary summary = review::summarise(file);
+    if (json) {
+        std::cout << to_json(summary).dump(2) << '\n';
+    } else {
+        std::cout << to_table(summary);
+    }
+    return 0;
+}
+
+int check(const std::filesystem::path& file, bool repair, bool json) {
+    std::vector<std::string> done;
+    if (repair) {
+        done = session::repair(file);
+    }
+    const session::CheckResult result = session::check(file);
+    if (json) {
+        nlohmann::ordered_json out;
+        out["file"] = file.string();
+        out["sound"] = result.sound();
+        out["repaired"] = done;
+        out["damage"] = result.damage;
+        out["remarks"] = result.remarks;
+        std::cout << out.dump(2) << '\n';
+        return result.sound() ? 0 : refused;
+    }
+    for (const std::string& text : done) {
+        std::cout << "repaired: " << text << '\n';
+    }
+    for (const std::string& text : result.remarks) {
+        std::cout << text << '\n';
+    }
+    for (const std::string& text : result.damage) {
+        std::cerr << file.string() << ": " << text << '\n';
+    }
+    if (!result.sound() && result.repairable && !repair) {
+        std::cerr << "Remedy: eti-review check --repair " << file.string() << '\n';
+    }
+    std::cout << file.string() << (result.sound() ? ": sound\n" : ": damaged\n");
+    return result.sound() ? 0 : refused;
+}
+
+int export_csv(const std::filesystem::path& file, const std::filesystem::path& folder, bool json) {
+    const bool on_terminal = ::isatty(STDERR_FILENO) != 0;
+    int count = 0;
+    const auto told = [&](const std::filesystem::path& path) {
+        if (on_terminal) {
+            std::cerr << fmt::format("\r\033[K[{}/9] {}", ++count, path.string()) << std::flush;
+        }
+    };
+    const auto written = review::export_csv(file, folder, told, [] { return stop_requested != 0; });
+    if (on_terminal) {
+        std::cerr << "\r\033[K";
+    }
+    nlohmann::ordered_json names = nlohmann::ordered_json::array();
+    for (const std::filesystem::path& path : written) {
+        names.push_back(path.string());
+        if (!json) {
+            std::cout << path.string() << '\n';
+        }
+    }
+    if (json) {
+        std::cout << nlohmann::ordered_json{{"file", file.string()}, {"written", names}}.dump(2) << '\n';
+    }
+    return stop_requested != 0 ? interrupted : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Looks at recorded sessions (*.eti.h5).", "eti-review");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.require_subcommand(1);
+    app.fallthrough();
+    bool json = false;
+    app.add_flag("--json", json, "Print the result as one JSON object");
+
+    std::filesystem::path file;
+    CLI::App* const summary_command =
+        app.add_subcommand("summary", "Print the performance parameters of the run and of each attempt");
+    summary_command->add_option("FILE", file, "Session file")->required();
+
+    CLI::App* const check_command =
+        app.add_subcommand("check", "Read everything and say whether the file is sound");
+    check_command->add_option("FILE", file, "Session file")->required();
+    bool repair = false;
+    check_command->add_flag(
+        "--repair", repair,
+        "Clear the mark that a killed recording leaves and cut off incomplete rows, so that any "
+        "HDF5 program opens the file");
+
+    CLI::App* const export_command = app.add_subcommand("export", "Write every series as CSV");
+    export_command->add_option("FILE", file, "Session file")->required();
+    std::filesystem::path folder;
+    export_command->add_option("--out", folder, "Folder to write into; made if missing")->required();
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : misused;
+    }
+    // The task below decides when to end; it inherits the handler.
+    std::signal(SIGINT, [](int) { stop_requested = 1; });
+
+    // Session files come from other people too, and the HDF5 library can crash on a damaged one.
+    const session::Guarded ended = session::run_guarded([&] {
+        try {
+            if (summary_command->parsed()) {
+                return summary(file, json);
+            }
+            if (check_command->parsed()) {
+                return check(file, repair, json);
+            }
+            return export_csv(file, folder, json);
+        } catch (const std::exception& error) {
+            std::cerr << "eti-review: " << error.what() << '\n';
+            return refused;
+        }
+    });
+    if (ended.broken) {
+        std::cerr << "eti-review: " << file.string() << ": damaged: reading it ended with " << *ended.broken
+                  << '\n';
+        return refused;
+    }
+    return ended.status;
+}

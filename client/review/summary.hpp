@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/session/reader.hpp"
+
+namespace eti::review {
+
+/// What became of a session, as its file tells.
+struct Summary {
+    std::filesystem::path file;
+    session::SessionInfo info;
+    double duration = 0.0;  ///< [s], simulation time
+    bool finished = false;  ///< recorded to its end
+    bool live = false;      ///< being recorded
+    std::uint64_t lost_records = 0;
+    bool has_run = false;        ///< whether the file holds a summary of the run
+    session::SummaryRecord run;  ///< success is false and the parameters are not-a-number if not
+    std::vector<session::SummaryRecord> attempts;
+};
+
+/// Throws hdf5::Error.
+[[nodiscard]] Summary summarise(const std::filesystem::path& file);
+
+/// One object; what is not a number becomes null.
+[[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
+
+/// For people to read: the twelve parameters of the paper first, then the others; a column for the run
+/// and one for each attempt.
+[[nodiscard]] std::string to_table(const Summary& summary);
+
+}  // namespace eti::review

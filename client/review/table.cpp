@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "client/review/summary.hpp"
+
+namespace eti::review {
+
+namespace {
+
+/// Attempts side by side that leave the table within 100 columns; more go into further tables.
+constexpr std::size_t attempts_abreast = 3;
+constexpr int value_width = 11;
+
+/// Counts and grades without decimals.
+std::string value_text(double value) {
+    if (!std::isfinite(value)) {
+        return "-";
+    }
+    return value == std::round(value) && std::abs(value) < 1e6 ? fmt::format("{:.0f}", value)
+                                                               : fmt::format("{:.2f}", value);
+}
+
+std::string column_title(const session::SummaryRecord& record) {
+    return record.attempt == 0 ? "run" : fmt::format("attempt {}", record.attempt);
+}
+
+void add_rows(std::string& out, std::span<const session::SummaryRecord* const> columns,
+              std::size_t label_width, bool in_paper) {
+    for (const ParameterField& field : parameter_fields) {
+        if (field.in_paper != in_paper) {
+            continue;
+        }
+        out += fmt::format("  {:<{}}  {:<5}", field.label, label_width, field.unit);
+        for (const session::SummaryRecord* record : columns) {
+            out += fmt::format("{:>{}}", value_text(record->parameters.*field.value), value_width);
+        }
+        out += '\n';
+    }
+}
+
+std::string one_table(std::span<const session::SummaryRecord* const> columns) {
+    std::size_t label_width = 0;
+    for (const ParameterField& field : parameter_fields) {
+        label_width = std::max(label_width, field.label.size());
+    }
+    std::string titles = std::string(label_width + 2 + 5, ' ');
+    for (const session::SummaryRecord* record : columns) {
+        titles += fmt::format("{:>{}}", column_title(*record), value_width);
+    }
+    std::string out = "  " + titles + "\n";
+    add_rows(out, columns, label_width, true);
+    out += "  Beyond the paper\n";
+    add_rows(out, columns, label_width, false);
+    return out;
+}
+
+}  // namespace
+
+std::string to_table(const Summary& summary) {
+    std::string out = fmt::format("Session       {}\n", summary.info.session);
+    out += fmt::format("Scenario      {}{}\n", summary.info.scenario,
+                       summary.info.operator_name.empty() ? "" : ", operator " + summary.info.operator_name);
+    out += fmt::format("Recorded      {}, {:.1f} s{}\n", summary.info.start_time, summary.duration,
+                       summary.live       ? ", still being recorded"
+                       : summary.finished ? ""
+                                          : ", cut off before its end");
+    if (summary.lost_records > 0) {
+        out += fmt::format("Lost          {} records, because the disk could not follow\n",
+                           summary.lost_records);
+    }
+    out += fmt::format("Outcome       {}: {}\n", summary.run.outcome.success ? "success" : "no success",
+                       summary.run.outcome.reason);
+    for (const session::SummaryRecord& attempt : summary.attempts) {
+        out += fmt::format("Attempt {:<5} {}: {}\n", attempt.attempt,
+                           attempt.outcome.success ? "success" : "no success", attempt.outcome.reason);
+    }
+    std::size_t first = 0;
+    do {
+        std::vector<const session::SummaryRecord*> columns;
+        if (first == 0) {
+            columns.push_back(&summary.run);
+        }
+        for (; first < summary.attempts.size() && columns.size() < attempts_abreast + 1; ++first) {
+            columns.push_back(&summary.attempts[first]);
+        }
+        out += '\n' + one_table(columns);
+    } while (first < summary.attempts.size());
+    return out;
+}
+
+}  // namespace eti::review

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/survey.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/session/layout.hpp"
+#include "common/session/rows.hpp"
+
+namespace eti::session {
+
+namespace {
+
+using hdf5::Group;
+
+/// Data sets of equal length.
+struct EqualLength {
+    const char* what;
+    std::vector<std::string> paths;
+};
+
+std::vector<EqualLength> tables() {
+    std::vector<EqualLength> all;
+    const auto add = [&](const char* what, const auto& visit) {
+        EqualLength table{what, {}};
+        visit([&](const std::string& path, const hdf5::Label&, auto, std::size_t) {
+            table.paths.push_back(path);
+        });
+        all.push_back(std::move(table));
+    };
+    add("steps", [](const auto& column) { step_columns(1, column); });
+    add("commands", [](const auto& column) { command_columns(column); });
+    add("moved frames", [](const auto& column) { moved_frame_columns(column); });
+    add("deformations", [](const auto& column) { moved_frames_columns(column); });
+    add("events", [](const auto& column) { event_columns(column); });
+    add("summaries", [](const auto& column) { summary_columns(column); });
+    return all;
+}
+
+}  // namespace
+
+bool TableState::equal() const {
+    return std::all_of(lengths.begin(), lengths.end(), [&](const Length& l) { return l.stated == common; });
+}
+
+bool TableState::readable() const {
+    return std::all_of(lengths.begin(), lengths.end(),
+                       [](const Length& l) { return l.stated == l.readable; });
+}
+
+std::vector<TableState> survey(const Group& root) {
+    std::vector<TableState> states;
+    for (const EqualLength& table : tables()) {
+        TableState state{table.what, {}, std::numeric_limits<std::size_t>::max()};
+        for (const std::string& path : table.paths) {
+            const bool parameter = path.starts_with("metrics/") || path.starts_with("summary/");
+            if (parameter && !root.has(path)) {
+                continue;  // newer than the file
+            }
+            state.lengths.push_back({path, stated_rows(root, path), readable_rows(root, path)});
+            state.common = std::min(state.common, state.lengths.back().readable);
+        }
+        states.push_back(std::move(state));
+    }
+    // A time of the deformation counts if all its frames are there.
+    const std::size_t frames = states[2].common;
+    std::size_t& times = states[3].common;
+    const auto first = read_as_doubles(root, "deformation/first_row", times);
+    const auto count = read_as_doubles(root, "deformation/row_count", times);
+    while (times > 0 && first[times - 1] + count[times - 1] > static_cast<double>(frames)) {
+        --times;
+    }
+    return states;
+}
+
+}  // namespace eti::session

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Session files, finished, killed, cut and damaged: what eti-review, h5dump and h5py make of them."""
+
+import csv
+import json
+import os
+import random
+import resource
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import support
+
+RECORD_SESSION = os.environ.get("ETI_RECORD_SESSION", support.BIN.parent / "tests/record_session")
+STEPS_PER_SECOND = 180
+KEPT_AFTER = 1.0      # [s]: a killed program loses at most the last second
+KILLS = int(os.environ.get("ETI_KILLS", 6))
+
+# What the writer makes up: value(step, channel) = 0.1 sin(0.01 step + channel), in float32. The argument
+# reaches 180 and is rounded twice to 24 bits, so it is off by 2 * 180 * 2**-24 = 2e-5, the value by 0.1 times
+# that, and by its own rounding.
+TOLERANCE = 3e-6
+
+
+def value(steps, channel):
+    return 0.1 * numpy.sin(0.01 * steps + channel)
+
+
+class SessionFile(support.Case):
+    def setUp(self):
+        super().setUp()
+        self.file = self.folder / "run.eti.h5"
+        self.log = self.folder / "log"
+
+    def start(self, steps, speed, **options):
+        return subprocess.Popen([RECORD_SESSION, self.file, self.log, str(steps), str(speed)], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, **options)
+
+    def record(self, steps=500, speed=0):
+        process = self.start(steps, speed)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0, said)
+
+    def review(self, command, *arguments):
+        done = support.run("eti-review", command, *arguments)
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        self.assertNotIn("terminate called", done.stderr)
+        return done
+
+    def repair(self):
+        done = self.review("check", self.file, "--repair")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def assert_h5dump_reads_everything(self):
+        # Without --header it reads and prints every value.
+        done = subprocess.run(["h5dump", self.file], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr[-1000:])
+        for name in ("laryngoscope_pose", "tube_nodes", "gum_force_n", "frame_rest_centre"):
+            self.assertIn(f'"{name}"', done.stdout)
+        self.assertEqual(done.stderr, "")
+
+    def assert_h5py_finds_the_numbers(self, at_least):
+        """Every step series has the same length, and holds what was made up for its steps."""
+        with h5py.File(self.file, "r") as file:
+            steps = file["inputs/step"][:]
+            self.assertGreaterEqual(len(steps), at_least)
+            numpy.testing.assert_array_equal(steps, numpy.arange(len(steps)))
+            for group in ("inputs", "tools", "skeleton", "metrics"):
+                for name, item in file[group].items():
+                    if isinstance(item, h5py.Dataset):
+                        self.assertEqual(len(item), len(steps), item.name)
+                        self.assertTrue(item.attrs["units"], item.name)
+                        self.assertTrue(item.attrs["description"], item.name)
+            for path, channel in (("inputs/laryngoscope_pose", 0), ("inputs/tube_grip_pose", 10),
+                                  ("tools/proxy_pose", 30), ("tools/shell_force", 40), ("tools/tissue_torque", 49)):
+                expected = numpy.stack([value(steps, channel + axis) for axis in range(3)], axis=1)
+                numpy.testing.assert_allclose(file[path][:, :3], expected, rtol=0, atol=TOLERANCE, err_msg=path)
+            nodes = file["tools/tube_nodes"][:]
+            numpy.testing.assert_allclose(nodes[:, 16, 2], value(steps, 60 + 3 * 16 + 2), rtol=0, atol=TOLERANCE)
+            numpy.testing.assert_allclose(file["skeleton/jaw_opening"][:], value(steps, 121), rtol=0, atol=TOLERANCE)
+            numpy.testing.assert_allclose(file["metrics/gum_force_n/max"][:], value(steps, 130), rtol=0, atol=TOLERANCE)
+            deformation = file["deformation"]
+            counts = deformation["row_count"][:].astype(int)
+            numpy.testing.assert_array_equal(deformation["first_row"][:], numpy.cumsum(counts) - counts)
+            self.assertLessEqual(counts.sum(), len(deformation["frame"]))
+            if len(counts) > 0:
+                numpy.testing.assert_array_equal(deformation["frame"][:counts[0]], numpy.arange(0, 200, 3))
+            return len(steps), len(counts)
+
+    def test_finished_file_is_read_by_h5dump_and_h5py(self):
+        self.record(500)
+        self.assert_h5dump_reads_everything()
+        self.assertEqual(self.assert_h5py_finds_the_numbers(500), (500, 42))
+        with h5py.File(self.file, "r") as file:
+            meta = file["meta"].attrs
+            self.assertEqual(meta["scenario"], "term")
+            self.assertIn("µ", meta["scenario_text"])
+            self.assertEqual(meta["seed"], 0xfedcba9876543210)
+            self.assertEqual(meta["finished"], 1)
+            self.assertEqual([text.decode() for text in file["summary/reason"]], ["made up"] * 2)
+        done = self.review("check", self.file)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def kill_at(self, delay, speed):
+        """Kills a recording; how many steps had been pushed a second before."""
+        self.file.unlink(missing_ok=True)
+        process = self.start(100000, speed)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        self.assertEqual(process.stdout.readline(), "recording\n")
+        time.sleep(delay)
+        killed = time.monotonic_ns()
+        process.kill()
+        process.wait()
+        pushed = numpy.fromfile(self.log, numpy.int64)
+        return int(((pushed > 0) & (pushed < killed - KEPT_AFTER * 1e9)).sum()), int((pushed > 0).sum())
+
+    def test_killed_file_is_read_by_h5dump_and_h5py_after_repair(self):
+        due, _ = self.kill_at(2.2, 1)
+        self.assertGreater(due, STEPS_PER_SECOND)
+        with self.assertRaises(OSError):
+            h5py.File(self.file, "r")
+        check = self.review("check", self.file)
+        self.assertEqual(check.returncode, 1)
+        self.assertIn("--repair", check.stderr)
+        self.repair()
+        self.assert_h5dump_reads_everything()
+        self.assert_h5py_finds_the_numbers(due)
+        self.assertEqual(self.review("check", self.file).returncode, 0)
+
+    def test_killed_file_is_summed_up_without_repair(self):
+        self.kill_at(1.5, 1)
+        before = self.file.read_bytes()
+        summary = json.loads(self.review("summary", self.file, "--json").stdout)
+        self.assertFalse(summary["finished"])
+        self.assertGreater(summary["duration_s"], 0.4)
+        self.assertEqual(self.file.read_bytes(), before, "reading changed the file")
+
+    def test_a_kill_at_any_moment_loses_at_most_a_second(self):
+        # Twenty times real time, so that most of the time something is being written.
+        chance = random.Random(1)
+        for _ in range(KILLS):
+            with self.subTest():
+                due, pushed = self.kill_at(chance.uniform(0.0, 2.5), 20)
+                self.repair()
+                rows, deformations = self.assert_h5py_finds_the_numbers(due)
+                self.assertGreaterEqual(12 * deformations, due - 12)
+                if KILLS > 6:
+                    print(f"pushed {pushed}, due {due}, read {rows}, deformations {deformations}, "
+                          f"{self.file.stat().st_size} bytes")
+
+    def test_repair_leaves_a_running_recording_alone(self):
+        process = self.start(100000, 1)
+        try:
+            process.stdout.readline()
+            time.sleep(1.0)
+            self.assert_refused(support.run("eti-review", "check", self.file, "--repair"), self.file, "running program")
+            self.assertEqual(self.review("check", self.file).returncode, 0)
+            self.assertIn("still being recorded", self.review("summary", self.file).stdout)
+        finally:
+            process.kill()
+            process.communicate()
+
+    def test_file_size_limit_ends_the_recording_and_not_the_program(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (700000, 700000))
+
+        process = self.start(3000, 20, preexec_fn=limit)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 3, said)
+        self.assertEqual(said.count("recording stopped"), 1, said)
+        self.assertIn("File too large", said)
+        self.assertIn("--repair", said)
+        self.repair()
+        self.assert_h5py_finds_the_numbers(90)
+        self.assert_h5dump_reads_everything()
+
+    def test_full_disk_ends_the_recording_and_not_the_program(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        kept = self.folder / "kept.eti.h5"
+        # The disk goes with its namespace, so what is on it is copied out by the same shell.
+        script = '"$1" "$2/run.eti.h5" "$3" 3000 20; status=$?; cp "$2/run.eti.h5" "$4"; exit $status'
+        done = subprocess.run([*support.on_file_system("size=768k", disk), "sh", "-c", script, "sh", RECORD_SESSION,
+                               disk, self.log, kept], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertEqual(done.stderr.count("recording stopped"), 1, done.stderr)
+        self.assertIn("No space left on device", done.stderr)
+        self.file = kept
+        self.repair()
+        self.assert_h5py_finds_the_numbers(90)
+
+    def test_disk_too_small_for_a_beginning_is_refused_and_left_clean(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        script = '"$1" "$2/run.eti.h5" "$3" 10 0; status=$?; ls "$2"; exit $status'
+        done = subprocess.run([*support.on_file_system("size=64k", disk), "sh", "-c", script, "sh", RECORD_SESSION,
+                               disk, self.log], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(str(disk / "run.eti.h5"), done.stderr)
+        self.assertIn("No space left on device", done.stderr)
+        self.assertEqual(done.stdout.strip(), "")
+
+    def test_truncated_files_are_read_up_to_the_cut_or_refused(self):
+        self.record(2000, 20)
+        whole = self.file.read_bytes()
+        repaired = []
+        for part in range(20):
+            size = len(whole) * part // 20
+            with self.subTest(size=size):
+                self.file.write_bytes(whole[:size])
+                for command in ("summary", "check"):
+                    done = self.review(command, self.file)
+                    if done.returncode != 0:
+                        self.assertIn(str(self.file), done.stderr)
+                self.assertEqual(self.review("check", self.file).returncode, 1, "a cut file is not sound")
+                if self.review("check", self.file, "--repair").returncode == 0:
+                    repaired.append(self.assert_h5py_finds_the_numbers(0)[0])
+                    self.assertEqual(self.review("check", self.file).returncode, 0)
+        # Rows are written in the order of time, so a longer rest holds no fewer of them.
+        self.assertEqual(repaired, sorted(repaired))
+        self.assertGreater(repaired[-1], 1000, "what 95 % of the file holds")
+
+    def test_flipped_bytes_are_survived(self):
+        self.record(300)
+        whole = bytearray(self.file.read_bytes())
+        chance = random.Random(7)
+        noticed = 0
+        for trial in range(60):
+            with self.subTest(trial=trial):
+                damaged = bytearray(whole)
+                # Every third trial hits the beginning, where the structure lies thickest.
+                reach = 4096 if trial % 3 == 0 else len(whole)
+                for _ in range(1 + trial % 8):
+                    damaged[chance.randrange(reach)] ^= 1 << chance.randrange(8)
+                self.file.write_bytes(damaged)
+                for arguments in (("summary",), ("check",), ("check", "--repair")):
+                    done = self.review(arguments[0], self.file, *arguments[1:])
+                    noticed += done.returncode
+        self.assertGreater(noticed, 0)
+
+    def test_summary_says_every_parameter(self):
+        self.record(200)
+        summary = json.loads(self.review("summary", self.file, "--json").stdout)
+        self.assertTrue(summary["success"])
+        self.assertEqual(summary["reason"], "made up")
+        self.assertEqual(summary["scenario"], "term")
+        self.assertEqual(summary["file"], str(self.file))
+        self.assertAlmostEqual(summary["duration_s"], 199 / STEPS_PER_SECOND, places=6)
+        self.assert_parameters(summary["parameters"])
+        self.assertAlmostEqual(summary["parameters"]["gum_force_n"]["max"], float(value(200, 130)), delta=TOLERANCE)
+        self.assertEqual([a["attempt"] for a in summary["attempts"]], [1])
+        self.assert_parameters(summary["attempts"][0]["parameters"])
+        table = self.review("summary", self.file).stdout
+        for words in ("success: made up", "force on the upper gum, greatest", "attempt 1", "run"):
+            self.assertIn(words, table)
+
+    def test_export_writes_every_series(self):
+        self.record(300)
+        out = self.folder / "csv"
+        done = self.review("export", self.file, "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
+        self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "skeleton", "metrics", "deformation",
+                                       "events", "summary"})
+        for name in ("inputs", "tools", "tube_nodes", "skeleton", "metrics"):
+            self.assertEqual(len(tables[name]), 301, name)
+            self.assertEqual(tables[name][0][0], "time [s]")
+            self.assertEqual({len(row) for row in tables[name]}, {len(tables[name][0])}, name)
+        tools = tables["tools"]
+        column = tools[0].index("shell_force_y [N]")
+        self.assertAlmostEqual(float(tools[200][column]), float(value(199, 41)), delta=TOLERANCE)
+        self.assertAlmostEqual(float(tools[200][0]), 199 / STEPS_PER_SECOND, places=6)
+        self.assertEqual(len(tables["tube_nodes"][0]), 1 + 17 * 3)
+        self.assertEqual(tables["events"][1][1:], ["attempt", "event of step 0"])
+        self.assertEqual(len(tables["deformation"]), 1 + sum(len(range(i % 3, 200, 3)) for i in range(0, 300, 12)))
+        # A second export replaces nothing.
+        self.assert_refused(support.run("eti-review", "export", self.file, "--out", out), out)
+
+    def test_what_is_no_session_is_refused(self):
+        foreign = self.folder / "foreign.h5"
+        with h5py.File(foreign, "w", libver="latest") as file:
+            file["numbers"] = [1, 2, 3]
+        for path, words in ((self.folder / "absent", "no such file"), (self.folder, "not a regular file"),
+                            (foreign, "not a session")):
+            for command in (("summary",), ("check",), ("check", "--repair"), ("export", "--out", self.folder / "csv")):
+                with self.subTest(path=path, command=command):
+                    done = support.run("eti-review", command[0], path, *command[1:])
+                    self.assert_refused(done, path, words)
+        self.assertFalse((self.folder / "csv").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
