@@ -121,7 +121,7 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
              : std::string("tube before cords"),
          white);
     const bool late = readout.behind_s > 0.5f;
-    line(late ? fmt::format("server {:3.0f} %, {:.1f} s late", 100.0f * readout.server_load, readout.behind_s)
+    line(late ? fmt::format("server {:.0f} %, {:.0f} s late", 100.0f * readout.server_load, readout.behind_s)
               : fmt::format("server {:3.0f} %", 100.0f * readout.server_load),
          late ? amber : grey);
 }

@@ -6,15 +6,17 @@
 #include <cmath>
 #include <string>
 
+#include "client/render/lip_retraction.hpp"
 #include "client/render/shader_sources.hpp"
 
 namespace eti::render {
 namespace {
 
-constexpr float cut_plane_x = 0.0f;     // [m], mid-sagittal
-constexpr float cut_reach = 0.4f;       // [m], half of the cap's extent; hides behind the stencil
-constexpr float shadow_radius = 0.15f;  // [m]
-constexpr float ghost_opacity = 0.22f;  // of tools behind the cut
+constexpr float cut_plane_x = 0.0f;            // [m], mid-sagittal
+constexpr float cut_reach = 0.4f;              // [m], half of the cap's extent; hides behind the stencil
+constexpr float shadow_radius = 0.15f;         // [m]
+constexpr float glottis_below_centre = 5e-3f;  // [m], in the laryngoscope view
+constexpr float ghost_opacity = 0.22f;         // of tools behind the cut
 
 const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
 const Eigen::Vector4f keep_right_half(-1.0f, 0.0f, 0.0f, cut_plane_x);
@@ -89,9 +91,12 @@ std::array<std::uint8_t, 3> object_colour(Tissue tissue) {
 SceneRenderer::SceneRenderer()
     : tissue_("tissue", {}, source::mesh_vertex, lit(source::tissue_fragment)),
       tissue_shadowed_("shadowed tissue", {"SHADOW"}, source::mesh_vertex, lit(source::tissue_fragment)),
+      tissue_retracted_("tissue with lips held aside", {"RETRACT"}, source::mesh_vertex,
+                        lit(source::tissue_fragment)),
       metal_("metal", {}, source::mesh_vertex, lit(source::metal_fragment)),
       tube_("tube", {"TUBE"}, source::mesh_vertex, lit(source::tube_fragment)),
       flat_("flat", {}, source::mesh_vertex, source::flat_fragment),
+      flat_retracted_("flat with lips held aside", {"RETRACT"}, source::mesh_vertex, source::flat_fragment),
       flat_tube_("flat tube", {"TUBE"}, source::mesh_vertex, source::flat_fragment),
       cut_("cut", {}, source::cut_vertex, source::cut_fragment),
       vignette_("vignette", {}, source::vignette_vertex, source::vignette_fragment) {}
@@ -109,7 +114,10 @@ Camera SceneRenderer::camera(View view, const view::SceneView& scene, const Orbi
         case View::laryngoscope:
             break;
     }
-    return laryngoscope_camera(scene.landmarks());
+    Camera sight = laryngoscope_camera(scene.landmarks());
+    // The gum fills the lower half of the sight line's surroundings; look a little above the glottis.
+    sight.target -= glottis_below_centre * Vec3f::UnitY();
+    return sight;
 }
 
 void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport& viewport,
@@ -209,8 +217,7 @@ void SceneRenderer::draw_shadows(const Frame& frame) {
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
 }
 
-void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& lit_program) {
-    ShaderProgram& program = frame.ids ? flat_ : lit_program;
+void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& program) {
     program.use();
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     program.set("view_projection", frame.view_projection);
@@ -236,16 +243,16 @@ void SceneRenderer::draw_overview(const Frame& frame) {
     shadow_map_.bind_texture();
     flat_.use();
     flat_.set("clip_plane", no_clipping);
-    draw_skin(frame, tissue_shadowed_);
+    draw_skin(frame, frame.ids ? flat_ : tissue_shadowed_);
     draw_tools(frame, 1.0f);
 }
 
 void SceneRenderer::draw_laryngoscope(const Frame& frame) {
-    for (ShaderProgram* program : {&tissue_, &flat_}) {
-        program->use();
-        program->set("clip_plane", no_clipping);
-    }
-    draw_skin(frame, tissue_);
+    ShaderProgram& program = frame.ids ? flat_retracted_ : tissue_retracted_;
+    program.use();
+    program.set("clip_plane", no_clipping);
+    lip_retraction(frame.camera, frame.scene.landmarks()).apply(program);
+    draw_skin(frame, program);
     draw_tools(frame, 1.0f);
     if (!frame.ids) {
         glDisable(GL_DEPTH_TEST);
@@ -268,7 +275,7 @@ void SceneRenderer::draw_section(const Frame& frame) {
     // The cut faces first: they hide most of what lies behind them, all of the bones among it.
     draw_caps(frame);
     glEnable(GL_CLIP_DISTANCE0);
-    draw_skin(frame, tissue_);
+    draw_skin(frame, frame.ids ? flat_ : tissue_);
     glDisable(GL_CLIP_DISTANCE0);
     draw_tools(frame, 1.0f);
     if (!frame.ids) {

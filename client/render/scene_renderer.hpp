@@ -55,14 +55,15 @@ class SceneRenderer {
     void draw_overview(const Frame& frame);
     void draw_section(const Frame& frame);
     void draw_laryngoscope(const Frame& frame);
-    void draw_skin(const Frame& frame, ShaderProgram& lit_program);
+    void draw_skin(const Frame& frame, ShaderProgram& program);
     void draw_caps(const Frame& frame);
     void draw_cap(const Frame& frame, SurfaceMesh& surface);
     void draw_tools(const Frame& frame, float opacity);
     void draw_shadows(const Frame& frame);
 
     SceneMeshes meshes_;
-    ShaderProgram tissue_, tissue_shadowed_, metal_, tube_, flat_, flat_tube_, cut_, vignette_;
+    ShaderProgram tissue_, tissue_shadowed_, tissue_retracted_, metal_, tube_, flat_, flat_retracted_,
+        flat_tube_, cut_, vignette_;
     CutMesh cut_mesh_;
     ShadowMap shadow_map_;
     VertexArray no_attributes_;

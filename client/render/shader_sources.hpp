@@ -6,7 +6,8 @@
 
 namespace eti::render::source {
 
-/// All meshes. Defines: TUBE (course in place of colour), SHADOW (also looks up the key light's depth).
+/// All meshes. Defines: TUBE (course in place of colour), SHADOW (also looks up the key light's depth),
+/// RETRACT (lips held aside, see LipRetraction).
 inline constexpr std::string_view mesh_vertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -26,9 +27,27 @@ out vec3 normal_at;
 uniform mat4 shadow_matrix;
 out vec3 shadow_at;
 #endif
+#ifdef RETRACT
+uniform mat4 to_sight;
+uniform vec3 sight_up;
+uniform vec2 lip_shift;   // upper lip downwards, lower lip upwards [m]
+uniform vec2 lip_edge;    // [m] along sight_up
+vec3 held_aside(vec3 p) {
+    vec3 q = (to_sight * vec4(p, 1.0)).xyz;
+    float before = smoothstep(-0.0005, 0.0015, q.z) * exp(-q.x * q.x / 4e-4);
+    float split = 0.5 * (lip_edge.x + lip_edge.y);
+    // Skin gathers over 30 mm beyond either lip.
+    float upper = q.y < split ? smoothstep(lip_edge.x - 0.030, lip_edge.x, q.y) : 0.0;
+    float lower = q.y < split ? 0.0 : 1.0 - smoothstep(lip_edge.y, lip_edge.y + 0.030, q.y);
+    return p + sight_up * before * (lip_shift.y * lower - lip_shift.x * upper);
+}
+#endif
 invariant gl_Position;
 void main() {
     vec4 p = model * vec4(position, 1.0);
+#ifdef RETRACT
+    p.xyz = held_aside(p.xyz);
+#endif
     world = p.xyz;
     normal_at = mat3(model) * normal;
 #ifdef TUBE

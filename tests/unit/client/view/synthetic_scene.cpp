@@ -118,6 +118,8 @@ Landmarks make_landmarks() {
     };
     set(Landmark::upper_gum, -0.005f, 0.020f);
     set(Landmark::lower_gum, 0.0f, 0.002f);
+    set(Landmark::upper_lip, -0.010f, 0.026f);
+    set(Landmark::lower_lip, -0.010f, 0.003f);
     set(Landmark::mouth_opening, -0.008f, 0.014f);
     set(Landmark::vallecula, 0.033f, -0.014f);
     set(Landmark::glottis, 0.042f, -0.027f);
