@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <thread>
 
 #include "client/app/session_input.hpp"
 #include "client/app/stop_signal.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 // A lost connection shows at once; a server that only stumbles is not called lost.
 constexpr double lost_after_s = 1.0;
+constexpr auto shortest_frame = std::chrono::milliseconds(11);
 
 bool lost(const SessionInput& input) {
     return (input.presence() == Presence::gone || input.presence() == Presence::silent) &&
@@ -35,6 +37,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     std::uint64_t frames = 0;
     bool was_lost = false;
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
+        const auto next_frame = std::chrono::steady_clock::now() + shortest_frame;
         window.poll_events();
         input.take_into(scene);
         scene.update();
@@ -49,9 +52,8 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         window.show_frame();
         input.publish_eye(scene);
         frames += scene.complete() ? 1 : 0;
-        if (!scene.complete()) {
-            input.wait(std::chrono::milliseconds(30));
-        }
+        // A display without vertical sync would have every core drawing the same picture.
+        std::this_thread::sleep_until(next_frame);
     }
     result = {{"session", options.bus.session},
               {"view", std::string(name_of(window.selection()))},

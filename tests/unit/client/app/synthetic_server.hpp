@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "synthetic_scene.hpp"
+
+namespace eti::synthetic {
+
+[[nodiscard]] inline bus::Options bus_options(const std::string& name) {
+    bus::Options options;
+    options.session = "client-test-" + std::to_string(::getpid());
+    options.domain = 60 + ::getpid() % 40;
+    options.name = name;
+    return options;
+}
+
+// Publishes the synthetic scene on a real bus, in steps of 30 ms of simulation time that begin when a
+// client listens. How fast it goes depends on the machine; what the tests expect does not.
+class SyntheticServer {
+  public:
+    /// Finishes after `seconds` of simulation time and `eyes` poses of the examiner's eye.
+    explicit SyntheticServer(double seconds, int eyes = 0)
+        : finish_after_s_(seconds), finish_after_eyes_(eyes), thread_([this] { run(); }) {}
+    ~SyntheticServer() { stop(); }
+
+    // Ends without saying so, as a killed server does.
+    void stop() {
+        stopping_ = true;
+        if (thread_.joinable()) {
+            thread_.join();
+        }
+    }
+    [[nodiscard]] double time_s() const { return time_s_; }
+    [[nodiscard]] int eyes() const { return eyes_; }
+    [[nodiscard]] Vec3f eye() const { return last_eye_; }
+
+  private:
+    void run() {
+        const Scene scene = make_scene();
+        bus::Node node(bus_options("synthetic-server"));
+        bus::Publisher<msg::SceneDescription> objects(node, bus::topics::scene);
+        bus::Publisher<msg::DeformationState> fast(node, bus::topics::deformation);
+        bus::Publisher<msg::DeformationState> slow(node, bus::topics::deformation_slow);
+        bus::Publisher<msg::ProxyState> proxy(node, bus::topics::proxy);
+        bus::Publisher<msg::LiveMetrics> live(node, bus::topics::live_metrics);
+        bus::Publisher<msg::SessionStatus> status(node, bus::topics::session_status);
+        bus::Subscriber<msg::EyePose> eye(node, bus::topics::eye_pose);
+        for (const auto& object : scene.objects) {
+            objects.publish(object);
+        }
+        while (!stopping_) {
+            if (fast.matched() + slow.matched() > 0) {
+                time_s_ = time_s_ + 0.03;
+            }
+            const auto time_ns = static_cast<std::uint64_t>(1e9 * time_s_);
+            const float lift = 0.002f * static_cast<float>(time_s_);
+            fast.publish(deformation(scene, time_ns, lift, 0.01f));
+            slow.publish(deformation(scene, time_ns, lift, 0.01f));
+            proxy.publish(synthetic::proxy(scene, time_ns));
+            // The view opens within a second and stays.
+            live.publish(metrics(scene, time_ns, static_cast<float>(80.0 * std::min(1.0, time_s_.load()))));
+            const bool finished = time_s_ > finish_after_s_ && eyes_ >= finish_after_eyes_;
+            status.publish(synthetic::status(finished ? msg::PHASE_FINISHED : msg::PHASE_RUNNING));
+            status.assert_liveliness();
+            msg::EyePose pose;
+            while (eye.take(pose)) {
+                last_eye_ =
+                    Vec3f(pose.pose().position().x(), pose.pose().position().y(), pose.pose().position().z());
+                ++eyes_;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        }
+    }
+
+    double finish_after_s_;
+    int finish_after_eyes_;
+    std::atomic<bool> stopping_{false};
+    std::atomic<int> eyes_{0};
+    std::atomic<double> time_s_{0.0};
+    Vec3f last_eye_ = Vec3f::Zero();
+    std::thread thread_;
+};
+
+}  // namespace eti::synthetic

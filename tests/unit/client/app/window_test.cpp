@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "client/app/stop_signal.hpp"
+#include "client/app/window.hpp"
+#include "client/app/windowed.hpp"
+#include "synthetic_server.hpp"
+
+namespace eti {
+namespace {
+
+// An X server without a screen, on a display number of its own choice.
+class VirtualDisplay {
+  public:
+    VirtualDisplay() {
+        std::array<int, 2> ends{};
+        if (::pipe(ends.data()) != 0) {
+            return;
+        }
+        process_ = ::fork();
+        if (process_ == 0) {
+            ::close(ends[0]);
+            const std::string number = std::to_string(ends[1]);
+            const int silence = ::open("/dev/null", O_WRONLY);
+            ::dup2(silence, STDERR_FILENO);
+            ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "640x480x24", "-nolisten",
+                     "tcp", nullptr);
+            ::_exit(127);
+        }
+        ::close(ends[1]);
+        std::string display;
+        for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\n';) {
+            display += c;
+        }
+        ::close(ends[0]);
+        if (!display.empty()) {
+            ::setenv("DISPLAY", (":" + display).c_str(), 1);
+            ready_ = true;
+        }
+    }
+    ~VirtualDisplay() {
+        if (process_ > 0) {
+            ::kill(process_, SIGTERM);
+            ::waitpid(process_, nullptr, 0);
+        }
+        ::unsetenv("DISPLAY");
+    }
+    [[nodiscard]] bool ready() const { return ready_; }
+
+  private:
+    pid_t process_ = -1;
+    bool ready_ = false;
+};
+
+TEST(Window, SaysWhatToDoWithoutADisplay) {
+    ::unsetenv("DISPLAY");
+    ::unsetenv("WAYLAND_DISPLAY");
+    try {
+        const client::Window window(320, 240, "test", client::Selection::all);
+        FAIL() << "a window without a display";
+    } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find("--offscreen"), std::string::npos) << error.what();
+    }
+}
+
+TEST(Window, ShowsTheSceneThatWasDrawn) {
+    const VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::Window window(320, 240, "test", client::Selection::all);
+    view::SceneView scene;
+    synthetic::fill(scene, synthetic::make_scene());
+    client::Compositor compositor(window.width(), window.height(), 1);
+    compositor.draw(window.selection(), scene, hud::readout_of(scene, false), window.orbit(), false);
+    compositor.target().copy_to_window();
+    // What the window is about to show, read from the window itself.
+    std::vector<std::uint8_t> shown(4 * 320 * 240);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+    glReadBuffer(GL_BACK);
+    glReadPixels(0, 0, 320, 240, GL_RGBA, GL_UNSIGNED_BYTE, shown.data());
+    const render::Image drawn = compositor.target().read();
+    std::set<std::array<std::uint8_t, 3>> colours;
+    for (int y = 0; y < 240; ++y) {
+        for (int x = 0; x < 320; ++x) {
+            const std::uint8_t* const in_window = shown.data() + 4 * ((239 - y) * 320 + x);
+            const std::uint8_t* const in_picture = drawn.pixel(x, y);
+            colours.insert({in_window[0], in_window[1], in_window[2]});
+            ASSERT_EQ(in_window[0], in_picture[0]) << x << ", " << y;
+            ASSERT_EQ(in_window[1], in_picture[1]) << x << ", " << y;
+            ASSERT_EQ(in_window[2], in_picture[2]) << x << ", " << y;
+        }
+    }
+    EXPECT_GT(colours.size(), 500u);
+    window.show_frame();
+    window.poll_events();
+    EXPECT_TRUE(window.open());
+}
+
+TEST(Window, FollowsASessionOverTheBus) {
+    const VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::ask_to_stop(false);
+    synthetic::SyntheticServer server(1e9);
+    client::Options options;
+    options.bus = synthetic::bus_options("eti-client");
+    options.width = 320;
+    options.height = 240;
+    options.frames = 5;
+    nlohmann::json result;
+    EXPECT_EQ(client::run_windowed(options, result), 0);
+    EXPECT_EQ(result["frames"], 5);
+    EXPECT_EQ(result["messages_dropped"], 0);
+    EXPECT_GT(result["simulation_time_s"].get<double>(), 0.0);
+}
+
+}  // namespace
+}  // namespace eti
