@@ -40,7 +40,7 @@ Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform&
 Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::int64_t now, float dt) {
     const float age = age_of(scene.proxy_arrived, now);
     const std::optional<Motion> proxy =
-        age >= 0.0f ? predicted_proxy(device, scene.proxy, age * scene.pace, settings_.prediction)
+        age >= 0.0f ? predicted_proxy(device, scene.proxy, age * scene.pace, scene.pace, settings_.prediction)
                     : std::nullopt;
     const float fresh = freshness_.update(proxy ? age : never, dt);
     tissue_freshness_.update(age_of(scene.tissue_arrived, now), dt);

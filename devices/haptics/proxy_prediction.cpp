@@ -10,10 +10,16 @@ namespace {
 
 // Sweeps over the planes. Two planes at 60 deg reach the corner to 1/16 in 4, more obtuse ones faster.
 constexpr int sweeps = 4;
+constexpr float simulation_step = 1.0f / 180.0f;  // [s]
+
+Vec3f beyond(const Vec3f& v, float most) {
+    const float length = v.norm();
+    return length > most ? Vec3f(v * (1.0f - most / length)) : Vec3f(Vec3f::Zero());
+}
 
 }  // namespace
 
-std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& report, float age,
+std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& report, float age, float pace,
                                       const PredictionBounds& bounds) {
     // Written so that not-a-number is out of bounds too.
     if (!((device.pose.translation - report.device.translation).norm() <= bounds.travel)) {
@@ -21,9 +27,14 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
     }
     const std::span<const Vec3f> normals = report.contact_normals();
     if (normals.empty()) {
-        const Quatf turned = device.pose.rotation * report.device.rotation.conjugate();
-        return Motion{{(turned * report.proxy.pose.rotation).normalized(),
-                       report.proxy.pose.translation + device.pose.translation - report.device.translation},
+        const float step = simulation_step / std::max(pace, bounds.slowest_pace);
+        const Vec3f trailing =
+            beyond(report.proxy.pose.translation - report.device.translation, step * device.velocity.norm());
+        const Vec3f turned =
+            beyond(rotation_vector(report.proxy.pose.rotation * report.device.rotation.conjugate()),
+                   step * device.angular_velocity.norm());
+        return Motion{{(quaternion_from(turned) * device.pose.rotation).normalized(),
+                       device.pose.translation + trailing},
                       device.velocity,
                       device.angular_velocity};
     }

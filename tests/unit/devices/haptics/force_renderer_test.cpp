@@ -183,8 +183,9 @@ TEST(ForceRenderer, WakingUpInsideSomethingDoesNotKick) {
 }
 
 /// A server that latches the device's pose every 1/180 s and reports its proxy `latency` later, as the
-/// real one does for a proxy that nothing touches: at the latched pose, with the velocity between the
-/// last two. Latching, computing and sending jitter by up to 2 ms.
+/// real one does for a proxy that nothing touches: near the latched pose, trailing by up to 0.6 of the
+/// step's motion as has been measured, with the velocity between the last two poses. Latching,
+/// computing and sending jitter by up to 2 ms.
 struct FreeServer {
     struct Sent {
         std::int64_t arrives;
@@ -201,6 +202,7 @@ struct FreeServer {
             ProxyReport report;
             report.device = report.proxy.pose = device;
             report.proxy.velocity = 180.0f * (device.translation - last);
+            report.proxy.pose.translation -= 0.6f * random.uniform() * (device.translation - last);
             last = device.translation;
             on_the_way.push_back(
                 {now + latency + static_cast<std::int64_t>(random.uniform() * 2e6f), report});

@@ -32,12 +32,28 @@ TEST(PredictedProxy, AFreeProxyGoesWithTheDevice) {
     Motion device = device_at({0.11f, 0.19f, 0.3f}, {0.2f, 0, 0});
     device.pose.rotation = quaternion_from({0, 0, 0.2f}) * tilt;
     device.angular_velocity = {0, 0, 2};
-    const auto proxy = predicted_proxy(device, report, 0.005f, bounds);
+    const auto proxy = predicted_proxy(device, report, 0.005f, 1.0f, bounds);
     ASSERT_TRUE(proxy);
     EXPECT_LT((proxy->pose.translation - device.pose.translation).norm(), 1e-7f);
     EXPECT_LT(rotation_vector(proxy->pose.rotation * device.pose.rotation.conjugate()).norm(), 1e-6f);
     EXPECT_EQ(proxy->velocity, device.velocity);
     EXPECT_EQ(proxy->angular_velocity, device.angular_velocity);
+}
+
+// Trailing by less than a step's motion is the simulation's business; standing off by more is held by
+// something, as a pressed proxy that lifted off its contact for a step.
+TEST(PredictedProxy, LeavesOutWhatAFreeProxyTrailsBy) {
+    ProxyReport report;
+    report.proxy.pose.translation = {-1e-3f, 0, 0};
+    const auto offset = [&](float speed, float pace) {
+        return predicted_proxy(device_at(Vec3f::Zero(), {0, speed, 0}), report, 0, pace, bounds)
+            ->pose.translation.x();
+    };
+    EXPECT_NEAR(offset(0.0f, 1.0f), -1e-3f, 1e-9f);
+    EXPECT_NEAR(offset(0.09f, 1.0f), -0.5e-3f, 1e-8f);  // 0.09 m/s / 180 Hz = 0.5 mm
+    EXPECT_NEAR(offset(0.09f, 0.5f), 0.0f, 1e-8f);      // at half the pace 1 mm
+    EXPECT_EQ(offset(0.3f, 1.0f), 0.0f);
+    EXPECT_NEAR(offset(0.009f, 0.0f), -0.5e-3f, 1e-8f);  // a tenth of the pace at the least
 }
 
 TEST(PredictedProxy, StaysOnTheFloorWhileTheDeviceIsBeneathAndLeavesItWithIt) {
@@ -47,7 +63,8 @@ TEST(PredictedProxy, StaysOnTheFloorWhileTheDeviceIsBeneathAndLeavesItWithIt) {
     };
     // Deeper, back up, just beneath, just above, well above.
     for (const Case c : {Case{-5e-3f, 0}, {-1e-3f, 0}, {-1e-5f, 0}, {1e-5f, 1e-5f}, {8e-3f, 8e-3f}}) {
-        const auto proxy = predicted_proxy(device_at({0, c.device_y, 0}, {0, 0.1f, 0}), report, 0.0f, bounds);
+        const auto proxy =
+            predicted_proxy(device_at({0, c.device_y, 0}, {0, 0.1f, 0}), report, 0.0f, 1.0f, bounds);
         ASSERT_TRUE(proxy);
         EXPECT_NEAR(proxy->pose.translation.y(), c.proxy_y, 1e-8f) << c.device_y;
         EXPECT_EQ(proxy->velocity.y(), c.proxy_y > 0 ? 0.1f : 0.0f);
@@ -58,7 +75,7 @@ TEST(PredictedProxy, SlidesAlongTheFloorKeepingFrictionsOffset) {
     ProxyReport report = on_floor(3e-3f);
     report.proxy.pose.translation.x() = -0.4e-3f;  // held back by friction
     const auto proxy =
-        predicted_proxy(device_at({2e-3f, -3e-3f, 1e-3f}, {0.1f, -0.05f, 0}), report, 0.0f, bounds);
+        predicted_proxy(device_at({2e-3f, -3e-3f, 1e-3f}, {0.1f, -0.05f, 0}), report, 0.0f, 1.0f, bounds);
     ASSERT_TRUE(proxy);
     EXPECT_LT((proxy->pose.translation - Vec3f(1.6e-3f, 0, 1e-3f)).norm(), 1e-7f);
     EXPECT_LT((proxy->velocity - Vec3f(0.1f, 0, 0)).norm(), 1e-7f);
@@ -71,7 +88,7 @@ TEST(PredictedProxy, StaysInACorner) {
     report.normals[1] = Vec3f(1, -1, 0).normalized();  // 135 deg from the other: an acute corner
     report.normals[2] = Vec3f::UnitY();                // contacts come in pairs
     report.contacts = 3;
-    const auto proxy = predicted_proxy(device_at({-3e-3f, -2.5e-3f, 0}), report, 0.0f, bounds);
+    const auto proxy = predicted_proxy(device_at({-3e-3f, -2.5e-3f, 0}), report, 0.0f, 1.0f, bounds);
     ASSERT_TRUE(proxy);
     // Alternating projections onto planes at 45 deg halve the error squared each sweep: 4 sweeps leave
     // less than a tenth of the 3.9 mm; the exact answer is the corner itself.
@@ -92,7 +109,7 @@ TEST(PredictedProxy, GivesBackNoMoreThanWasPutIn) {
         const float y = -1e-3f - 3e-3f * std::sin(0.5f * phase) * std::sin(0.5f * phase);
         const auto force = [&](float at) {
             return coupling_wrench(device_at({0, at, 0}),
-                                   *predicted_proxy(device_at({0, at, 0}), report, 0, bounds), coupling)
+                                   *predicted_proxy(device_at({0, at, 0}), report, 0, 1.0f, bounds), coupling)
                 .force.y();
         };
         work += 0.5 * static_cast<double>((force(y) + force(last)) * (y - last));
@@ -106,7 +123,8 @@ TEST(PredictedProxy, TurnsOnInContactForABoundedTime) {
     ProxyReport report = on_floor(1e-3f);
     report.proxy.angular_velocity = {0, 0, 3.0f};
     const auto angle = [&](float age) {
-        return rotation_vector(predicted_proxy(device_at({0, -1e-3f, 0}), report, age, bounds)->pose.rotation)
+        return rotation_vector(
+                   predicted_proxy(device_at({0, -1e-3f, 0}), report, age, 1.0f, bounds)->pose.rotation)
             .z();
     };
     EXPECT_NEAR(angle(0.005f), 0.015f, 1e-6f);
@@ -116,10 +134,10 @@ TEST(PredictedProxy, TurnsOnInContactForABoundedTime) {
 
 TEST(PredictedProxy, KnowsNothingOutOfBounds) {
     ProxyReport report;
-    EXPECT_TRUE(predicted_proxy(device_at({0.029f, 0, 0}), report, 0, bounds));
-    EXPECT_FALSE(predicted_proxy(device_at({0.031f, 0, 0}), report, 0, bounds));
+    EXPECT_TRUE(predicted_proxy(device_at({0.029f, 0, 0}), report, 0, 1.0f, bounds));
+    EXPECT_FALSE(predicted_proxy(device_at({0.031f, 0, 0}), report, 0, 1.0f, bounds));
     EXPECT_FALSE(
-        predicted_proxy(device_at({std::numeric_limits<float>::quiet_NaN(), 0, 0}), report, 0, bounds));
+        predicted_proxy(device_at({std::numeric_limits<float>::quiet_NaN(), 0, 0}), report, 0, 1.0f, bounds));
 }
 
 }  // namespace
