@@ -43,8 +43,9 @@ Mat3f axes_from(const Vec3f& direction) {
 }  // namespace
 
 TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, float reaction,
-                         std::uint64_t seed)
-    : track_(track), tool_length_(tool_length), reaction_(reaction) {
+                         std::uint64_t seed, float curvature)
+    : track_(track), tool_length_(tool_length), curvature_(curvature), reaction_(reaction) {
+    tip_ = along_tool(tool_length);
     nominal_.translation = parked;
     // A sum of sines is a function of time alone, so the tremor does not depend on the rate of calls.
     Random random(seed);
@@ -57,8 +58,16 @@ TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, fl
     }
 }
 
-RigidTransform TrackPlayer::at_tip(const Mat3f& axes, const Vec3f& tip) const {
-    return {Quatf(axes).normalized(), tip - tool_length_ * axes.col(2)};
+// Where the tool is `length` from its origin, in its own frame: on a line or on an arc that bends towards +y.
+// An arc slides along itself, so this is also the move that advances the tool by `length`.
+RigidTransform TrackPlayer::along_tool(float length) const {
+    const float angle = curvature_ * length;
+    if (std::fabs(angle) < 1e-5f) {
+        return {Quatf::Identity(), Vec3f(0, 0, length)};
+    }
+    // Turning about -x takes +z towards +y.
+    return {Quatf(Eigen::AngleAxisf(-angle, Vec3f::UnitX())),
+            Vec3f(0, (1.0f - std::cos(angle)) / curvature_, std::sin(angle) / curvature_)};
 }
 
 RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& observation,
@@ -67,20 +76,30 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
     if (!stage.keep) {
         const Vec3f from = at(points, stage.axis_from) + stage.axis_from_offset;
         const Vec3f tip = at(points, stage.tip_at) + stage.tip_offset;
-        pose = at_tip(axes_from((stage.axis_to_tip ? tip : at(points, stage.axis_to)) - from), tip);
+        const Vec3f line = (stage.axis_to_tip ? tip : at(points, stage.axis_to)) - from;
+        // A curved tool passes through `from` and ends at the tip: from the chord to the tangent at its end
+        // it is half the arc's angle. A point farther back than the tool reaches counts as its origin.
+        const float half_chord = std::min(line.norm(), tip_.translation.norm()) / 2.0f;
+        const float bend = stage.axis_to_tip ? std::asin(std::min(1.0f, half_chord * curvature_)) : 0.0f;
+        const Quatf pointing(Quatf(axes_from(line)) * Quatf(Eigen::AngleAxisf(-bend, Vec3f::UnitX())));
+        pose = RigidTransform{pointing.normalized(), tip} * tip_.inverse();
     }
     // Turns in the tool's own axes: about +x the tip moves to -y, so raising it is a negative turn.
-    const Vec3f pivot = stage.pivot_at_tip ? pose * Vec3f(0, 0, tool_length_) : at(points, stage.pivot);
+    const Vec3f pivot = stage.pivot_at_tip ? pose * tip_.translation : at(points, stage.pivot);
     const Quatf turn(Eigen::AngleAxisf(-stage.pitch, pose.rotation * Vec3f::UnitX()) *
                      Eigen::AngleAxisf(stage.yaw, pose.rotation * Vec3f::UnitY()) *
                      Eigen::AngleAxisf(stage.roll, pose.rotation * Vec3f::UnitZ()));
     pose = RigidTransform{turn, pivot - turn * pivot} * pose;
-    pose.translation += pose.rotation * Vec3f(0.0f, stage.lift, stage.advance);
+    pose.translation += stage.lift * (pose.rotation * Vec3f::UnitY());
+    pose = pose * along_tool(stage.advance);
     const float depth = stage.depth_by_rule ? observation.tube_depth_rule : stage.depth_at_lip;
     if (depth > 0.0f) {
-        const Vec3f along = pose.rotation * Vec3f::UnitZ();
-        const float outside = along.dot(at(points, Landmark::mouth_opening) - pose.translation);
-        pose.translation += (outside - (tool_length_ - depth)) * along;
+        const Vec3f mouth = pose.inverse() * at(points, Landmark::mouth_opening);
+        const float outside =
+            std::fabs(curvature_) < 1e-3f
+                ? mouth.z()
+                : std::atan2(curvature_ * mouth.z(), 1.0f - curvature_ * mouth.y()) / curvature_;
+        pose = pose * along_tool(outside - (tool_length_ - depth));
     }
     return pose;
 }
@@ -91,7 +110,7 @@ void TrackPlayer::begin_stage(const Observation& observation) {
     seen_ = observation.landmarks;
     target_ = target_of(stage, observation, seen_, target_);
     // A turn about a landmark keeps that landmark's place in the tool still; all else leads the tip.
-    const Vec3f tip(0, 0, tool_length_);
+    const Vec3f& tip = tip_.translation;
     led_ = stage.keep && !stage.pivot_at_tip ? target_.inverse() * at(seen_, stage.pivot) : tip;
     const float turn = rotation_vector(target_.rotation * from_.rotation.conjugate()).norm();
     const float path = (target_ * led_ - from_ * led_).norm() + turn * (tip - led_).norm();
@@ -139,8 +158,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
     }
     if (!placed_) {
         target_ = target_of(track_.stages.front(), observation, observation.landmarks, {});
-        nominal_ = target_;
-        nominal_.translation -= way_in * (target_.rotation * Vec3f::UnitZ());
+        nominal_ = target_ * along_tool(-way_in);
         placed_ = true;
     }
     if (!finished()) {

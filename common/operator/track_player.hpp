@@ -16,8 +16,10 @@ namespace eti {
 /// (laryngoscope: see Laryngoscope; tube: grip, see Tube).
 class TrackPlayer {
   public:
-    /// `tool_length` [m]: from the tool frame's origin to its tip along +z (blade length; grip to tip).
-    TrackPlayer(const Track& track, float tool_length, float tremor, float reaction, std::uint64_t seed);
+    /// `tool_length` [m]: from the tool frame's origin along the tool to its tip (blade length; grip to tip).
+    /// `curvature` [1/m]: of the tool towards +y; 0 for a blade, 1 / curve_radius for a tube.
+    TrackPlayer(const Track& track, float tool_length, float tremor, float reaction, std::uint64_t seed,
+                float curvature = 0.0f);
 
     /// Pose wanted at `observation.time`; call with non-decreasing times.
     [[nodiscard]] RigidTransform wanted(const Observation& observation);
@@ -33,7 +35,7 @@ class TrackPlayer {
     };
     static constexpr std::size_t tremor_lines = 6;
 
-    [[nodiscard]] RigidTransform at_tip(const Mat3f& axes, const Vec3f& tip) const;
+    [[nodiscard]] RigidTransform along_tool(float length) const;
     [[nodiscard]] RigidTransform target_of(const Stage& stage, const Observation& observation,
                                            const Landmarks& points, const RigidTransform& previous) const;
     [[nodiscard]] RigidTransform between(float share) const;
@@ -44,6 +46,8 @@ class TrackPlayer {
 
     Track track_;
     float tool_length_;
+    float curvature_;
+    RigidTransform tip_;  // tool frame: the tip, +z where it points
     float reaction_;
     std::array<std::array<Line, tremor_lines>, 3> tremor_;
     std::size_t stage_ = 0;

@@ -299,6 +299,67 @@ TEST_F(Playing, PushesTheTubeToItsDepthAtTheLip) {
     EXPECT_LT((tip() - landmark(Landmark::glottis)).norm(), rounding);
 }
 
+// A tube of 140 mm curve radius that is held 100 mm from its tip.
+TEST_F(Playing, CurvedTubeRunsThroughTheMouthAndEndsAtItsTarget) {
+    constexpr float radius = 0.14f;
+    const RigidTransform to_tip{
+        Quatf(Eigen::AngleAxisf(-length / radius, Vec3f::UnitX())),
+        Vec3f(0, radius * (1 - std::cos(length / radius)), radius * std::sin(length / radius))};
+    Stage in = stage_at(Landmark::glottis);
+    in.axis_from_offset = Vec3f(0, 0, -0.006f);
+    Stage further = kept("further");
+    further.advance = 0.025f;
+    player_.emplace(Track{{in, further}}, length, 0.0f, reaction, 1, 1 / radius);
+    seen_.landmarks = newborn_landmarks();
+    ASSERT_TRUE(play_until("further"));
+    const Vec3f glottis = landmark(Landmark::glottis);
+    const Vec3f through = landmark(Landmark::upper_gum) + in.axis_from_offset;
+    EXPECT_LT((pose_ * to_tip.translation - glottis).norm(), 2 * rounding);
+    // The arc's centre lies on the concave side, anterior of the chord, one radius from every point of the
+    // tube.
+    const Vec3f centre = pose_ * Vec3f(0, radius, 0);
+    EXPECT_NEAR((through - centre).norm(), radius, 2 * rounding);
+    EXPECT_LT(centre.y(), 0.5f * (through + glottis).y());
+    // The end points more steeply into the trachea than the line from the mouth does.
+    const auto steepness = [](const Vec3f& v) { return std::atan2(-v.z(), v.y()); };
+    const Vec3f chord = glottis - through;
+    EXPECT_NEAR(steepness(pose_.rotation * (to_tip.rotation * Vec3f::UnitZ())) - steepness(chord),
+                std::asin(chord.norm() / 2 / radius), 1e-4f);
+    // Pushed on, it slides along its own arc.
+    play(5);
+    EXPECT_LT((pose_ * Vec3f(0, radius, 0) - centre).norm(), 5 * rounding);
+    EXPECT_NEAR((pose_ * to_tip.translation - glottis).norm(), 2 * radius * std::sin(0.0125f / radius),
+                2 * rounding);
+}
+
+TEST_F(Playing, DepthAtTheLipIsMeasuredAlongTheCurve) {
+    constexpr float radius = 0.14f;
+    Stage stage = stage_at(Landmark::glottis);
+    stage.depth_at_lip = 0.08f;
+    player_.emplace(Track{{stage}}, length, 0.0f, reaction, 1, 1 / radius);
+    seen_.landmarks = newborn_landmarks();
+    play(10);
+    // The mouth opening stands abeam of the point 80 mm behind the tip, 20 mm from the grip.
+    const float angle = 0.02f / radius;
+    const RigidTransform there{Quatf(Eigen::AngleAxisf(-angle, Vec3f::UnitX())),
+                               Vec3f(0, radius * (1 - std::cos(angle)), radius * std::sin(angle))};
+    EXPECT_NEAR((there.inverse() * (pose_.inverse() * landmark(Landmark::mouth_opening))).z(), 0,
+                5 * rounding);
+}
+
+TEST_F(Playing, SlightCurveHardlyMatters) {
+    Stage stage = stage_at(Landmark::glottis);
+    stage.advance = 0.02f;
+    begin({stage});
+    play(10);
+    const RigidTransform straight = pose_;
+    seen_.time = 0;
+    player_.emplace(Track{{stage}}, length, 0.0f, reaction, 1, 1e-3f);
+    play(10);
+    // A radius of 1 km: 100 mm bend off by L^2 / 2R = 5e-6 m and turn by 1e-4 rad.
+    EXPECT_LT((pose_.translation - straight.translation).norm(), 2e-5f);
+}
+
 TEST_F(Playing, StaysFiniteBeforeLandmarksAreKnown) {
     player_.emplace(Track{{stage_at(Landmark::vallecula), kept("go")}}, length, 1e-4f, reaction, 1);
     for (int i = 0; i < 5000; ++i) {
