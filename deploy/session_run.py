@@ -224,6 +224,8 @@ def show(session):
         session.say(f"The session file cannot be read: {error}. Remedy: eti-review check --repair {session.record}")
         return False
     print(table)
+    intubated = "The trachea was intubated" if summary.get("success") else "The trachea was not intubated"
+    print(f"{intubated}: {summary.get('reason')}.\n")
     print(f"Session file  {session.record}")
     pictures, videos = session.products(".png"), session.products(".mp4")
     for folder in sorted({picture.parent for picture in pictures}):

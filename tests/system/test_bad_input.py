@@ -70,6 +70,7 @@ class Scenario(support.Case):
         for part in range(1, 8):
             file = self.folder / "scenario.yaml"
             file.write_text(text[:len(text) * part // 8])
+            (self.folder / "record.eti.h5").unlink(missing_ok=True)
             done = self.serve(file)
             self.assertGreaterEqual(done.returncode, 0, f"cut at {part}/8: {done.stderr}")
             if done.returncode != 0:
@@ -198,6 +199,12 @@ class Storage(support.Case):
         done = support.run("eti-client", "--offscreen", disk / "pictures", "--session", support.SESSION, "--domain",
                            support.DOMAIN, wrapper=support.on_file_system("ro", disk))
         self.assert_refused(done, disk / "pictures", "Read-only file system")
+
+    def test_earlier_recording_is_not_overwritten(self):
+        record = self.folder / "record.eti.h5"
+        record.write_text("earlier")
+        self.assert_refused(self.serve(record, steps=2), record, "exists already")
+        self.assertEqual(record.read_text(), "earlier")
 
     def test_review_of_files_that_are_no_sessions_is_refused(self):
         absent = self.folder / "absent.eti.h5"

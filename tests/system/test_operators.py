@@ -18,7 +18,7 @@ class Operators(support.Case):
     def test_expert_intubates(self):
         run = result("expert")
         self.assertTrue(run["success"], run["reason"])
-        self.assertIn("trachea", run["reason"])
+        self.assertIn("past the glottis", run["reason"])
         self.assert_parameters(run["parameters"])
         parameters = run["parameters"]
         self.assertEqual(parameters["attempts"], 1)
