@@ -10,7 +10,8 @@ namespace eti::session {
 
 namespace {
 
-/// Level 1 with the shuffle filter: level 4 took 1.6 times as long and saved 2 % on recorded sessions.
+/// On a recorded session level 4 saves 2-3 % against level 1 and level 9 3-4 %, at 1.3 and up to 7 times the
+/// cost.
 constexpr unsigned deflate_level = 1;
 
 }  // namespace

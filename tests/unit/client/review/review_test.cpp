@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "client/review/export.hpp"
+#include "client/review/summary.hpp"
+#include "common/session/guard.hpp"
+#include "common/session/writer.hpp"
+#include "tests/unit/common/session/sample.hpp"
+
+namespace eti::review {
+namespace {
+
+class Review : public ::testing::Test {
+  protected:
+    Review() {
+        folder = std::filesystem::temp_directory_path() /
+                 ("eti_review_" + std::to_string(::getpid()) + "_" +
+                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder);
+        path = folder / "run.eti.h5";
+    }
+    ~Review() override { std::filesystem::remove_all(folder); }
+
+    void record(std::uint64_t steps, const std::vector<session::SummaryRecord>& summaries,
+                const std::string& event = "began") const {
+        session::SessionWriter writer(path, session::sample::info(), session::sample::scene(), {});
+        for (std::uint64_t i = 0; i < steps; ++i) {
+            writer.push(session::sample::step(i));
+        }
+        writer.push(session::EventRecord{0, "attempt", event});
+        for (const session::SummaryRecord& summary : summaries) {
+            writer.push(summary);
+        }
+        EXPECT_TRUE(writer.close());
+    }
+
+    std::filesystem::path folder;
+    std::filesystem::path path;
+};
+
+session::SummaryRecord attempt(std::uint32_t number, double gum_force) {
+    session::SummaryRecord record;
+    record.attempt = number;
+    record.outcome.reason = "attempt " + std::to_string(number) + " ended";
+    record.parameters.gum_force_max_n = gum_force;
+    record.parameters.tube_speed_max_cm_per_s = std::numeric_limits<double>::quiet_NaN();
+    return record;
+}
+
+TEST_F(Review, JsonHasTheDesignsNamesAndNullForWhatDoesNotExist) {
+    record(10, {attempt(1, 2.5), attempt(2, 3.5), attempt(0, 3.5)});
+    const auto json = to_json(summarise(path));
+    EXPECT_FALSE(json.at("success").get<bool>());
+    EXPECT_EQ(json.at("reason"), "attempt 0 ended");
+    EXPECT_EQ(json.at("parameters").at("gum_force_n").at("max").get<double>(), 3.5);
+    EXPECT_TRUE(json.at("parameters").at("tube_speed_cm_per_s").at("max").is_null());
+    ASSERT_EQ(json.at("attempts").size(), 2u);
+    EXPECT_EQ(json.at("attempts")[0].at("attempt"), 1);
+    EXPECT_EQ(json.at("attempts")[0].at("parameters").at("gum_force_n").at("max").get<double>(), 2.5);
+    EXPECT_EQ(json.at("file"), path.string());
+    EXPECT_EQ(json.at("scenario"), "term");
+    EXPECT_NEAR(json.at("duration_s").get<double>(), 9.0 / 180.0, 1e-7);
+    for (const ParameterField& field : parameter_fields) {
+        const std::string key(field.key.substr(0, field.key.find('.')));
+        EXPECT_TRUE(json.at("parameters").contains(key)) << key;
+    }
+}
+
+TEST_F(Review, ASessionWithoutASummaryHasNoNumbersOfItsOwn) {
+    record(10, {});
+    const Summary summary = summarise(path);
+    EXPECT_FALSE(summary.has_run);
+    const auto json = to_json(summary);
+    EXPECT_FALSE(json.at("success").get<bool>());
+    EXPECT_TRUE(json.at("parameters").at("time_s").is_null());
+    EXPECT_NE(to_table(summary).find("before the run was summed up"), std::string::npos);
+}
+
+TEST_F(Review, TableShowsThePapersParametersFirst) {
+    record(10, {attempt(1, 2.5), attempt(0, 3.5)});
+    const std::string table = to_table(summarise(path));
+    std::size_t position = 0;
+    for (const bool in_paper : {true, false}) {
+        for (const ParameterField& field : parameter_fields) {
+            if (field.in_paper == in_paper) {
+                const std::size_t found = table.find("  " + std::string(field.label) + " ", position);
+                ASSERT_NE(found, std::string::npos) << field.label;
+                position = found;
+            }
+        }
+    }
+    const std::size_t line = table.find("force on the upper gum, greatest");
+    const std::string row = table.substr(line, table.find('\n', line) - line);
+    EXPECT_LT(row.find("3.50"), row.find("2.50")) << "the run stands before its attempts: " << row;
+}
+
+TEST_F(Review, TableStaysNarrowHoweverManyAttempts) {
+    std::vector<session::SummaryRecord> all;
+    for (std::uint32_t i = 0; i <= 11; ++i) {
+        all.push_back(attempt(i, i));
+    }
+    record(10, all);
+    std::istringstream table(to_table(summarise(path)));
+    std::string line;
+    std::size_t widest = 0;
+    std::string text;
+    while (std::getline(table, line)) {
+        widest = std::max(widest, line.size());
+        text += line;
+    }
+    EXPECT_LE(widest, 110u);
+    for (const session::SummaryRecord& record : all) {
+        if (record.attempt > 0) {
+            EXPECT_NE(text.find(" attempt " + std::to_string(record.attempt)), std::string::npos);
+        }
+    }
+}
+
+TEST_F(Review, ExportQuotesTexts) {
+    record(10, {}, "the \"blade\", or so\nit says");
+    export_csv(
+        path, folder / "csv", [](const auto&) {}, [] { return false; });
+    std::ifstream file(folder / "csv" / "events.csv", std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    EXPECT_EQ(text,
+              "time [s],kind,text\r\n0.000000000,\"attempt\",\"the \"\"blade\"\", or so\nit says\"\r\n");
+}
+
+TEST_F(Review, AStoppedExportLeavesOnlyWholeFiles) {
+    record(200, {});
+    int asked = 0;
+    const auto written = export_csv(
+        path, folder / "csv", [](const auto&) {}, [&] { return ++asked > 250; });
+    EXPECT_EQ(written.size(), 2u) << "the inputs' 200 rows, no command, and then half the tools";
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "csv"), {}), 2);
+}
+
+TEST_F(Review, AnExportSaysWhereItCannotWrite) {
+    record(10, {});
+    std::ofstream(folder / "csv") << "a file where the folder should be";
+    try {
+        export_csv(
+            path, folder / "csv", [](const auto&) {}, [] { return false; });
+        FAIL();
+    } catch (const ExportError& error) {
+        EXPECT_NE(std::string(error.what()).find((folder / "csv").string()), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(Guard, TellsResultsFromCrashes) {
+    EXPECT_EQ(session::run_guarded([] { return 7; }).status, 7);
+    EXPECT_FALSE(session::run_guarded([] { return 7; }).broken);
+    const session::Guarded crashed = session::run_guarded([] {
+        ::raise(SIGKILL);
+        return 0;
+    });
+    ASSERT_TRUE(crashed.broken);
+    EXPECT_NE(crashed.broken->find("signal 9"), std::string::npos) << *crashed.broken;
+}
+
+TEST(Guard, EndsATaskThatHangs) {
+    const session::Guarded hung = session::run_guarded(
+        [] {
+            for (std::atomic<bool> never{false}; !never;) {
+            }
+            return 0;
+        },
+        1);
+    EXPECT_TRUE(hung.broken);
+}
+
+}  // namespace
+}  // namespace eti::review
