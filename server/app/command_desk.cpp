@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -23,6 +24,13 @@ std::string take(float value, float most, const char* what, const char* unit, fl
 }
 
 }  // namespace
+
+std::string_view name_of(msg::CommandKind kind) {
+    constexpr std::array<std::string_view, 6> names = {"start",          "stop",        "reset",
+                                                       "head_elevation", "jaw_opening", "suction"};
+    const auto index = static_cast<std::size_t>(kind);
+    return index < names.size() ? names[index] : "unknown";
+}
 
 void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) {
     std::string refusal;

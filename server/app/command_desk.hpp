@@ -2,10 +2,15 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <string_view>
+
 #include "server/app/bus_input.hpp"
 #include "server/scene/scene.hpp"
 
 namespace eti::app {
+
+/// One word for a kind of command, as in the session file.
+[[nodiscard]] std::string_view name_of(msg::CommandKind kind);
 
 /// Carries out commands that came over the bus and words their answers.
 class CommandDesk {

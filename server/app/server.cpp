@@ -16,12 +16,14 @@
 #include "common/model/parameters_json.hpp"
 #include "common/operator/operator.hpp"
 #include "common/scenario/scenario.hpp"
+#include "common/scenario/yaml_map.hpp"
 #include "server/app/bus_input.hpp"
 #include "server/app/bus_output.hpp"
 #include "server/app/clock.hpp"
 #include "server/app/command_desk.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/patient_cache.hpp"
+#include "server/app/recorder.hpp"
 #include "server/metrics/metrics.hpp"
 #include "server/scene/scene.hpp"
 
@@ -79,6 +81,18 @@ class Session {
             inputs_.tube_grip = operator_->tube_grip();
             scene_->reset(inputs_);
         }
+        if (!options.record.empty()) {
+            session::SessionInfo info;
+            info.session = options.session;
+            info.scenario = scenario_.name;
+            info.scenario_text = scenario_.text;
+            info.operator_name = script ? script->name : "";
+            info.operator_text = script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
+            info.seed = options.seed.value_or(scenario_.seed);
+            recorder_.emplace(options.record, std::move(info), patient_, scope_, scenario_.tube,
+                              scene_->snapshot().tube_nodes.size(), options.fast);
+            spdlog::info("recording to {}", options.record.string());
+        }
         if (bus_) {
             input_.emplace(*bus_);
             output_.emplace(*bus_, patient_, scope_, scenario_.tube, scenario_.name);
@@ -97,8 +111,14 @@ class Session {
         }
         metrics_.finish();
         post_summaries();
+        const metrics::AttemptSummary run = metrics_.run();
+        bool kept = true;
+        if (recorder_) {
+            note_events();
+            recorder_->summary(run);
+            kept = recorder_->finish();
+        }
         if (output_) {
-            const metrics::AttemptSummary run = metrics_.run();
             output_->post_summary(0, run.outcome, run.parameters);
             output_->finish(status(clock));
             if (output_->skipped() > 0) {
@@ -109,7 +129,7 @@ class Session {
             spdlog::warn("{} poses were refused: not finite, or not within two metres of the patient", input_->refused());
         }
         report(clock);
-        return 0;
+        return kept ? 0 : 3;
     }
 
   private:
@@ -154,6 +174,11 @@ class Session {
         for (const ReceivedCommand& command : input_->take_commands()) {
             desk_.handle(command, inputs_);
             output_->post_result(desk_.answer());
+            if (recorder_ && desk_.answer().accepted()) {
+                const scene::Snapshot& s = scene_->snapshot();
+                recorder_->command(s.time_ns, s.step + 1, std::string(name_of(command.kind)),
+                                   static_cast<double>(command.value), command.sender, command.id);
+            }
         }
         if (desk_.take_reset()) {
             scene_->reset(inputs_);
@@ -169,6 +194,14 @@ class Session {
             view_ = viewer_->look(s, eye);
         }
         metrics_.observe(s, view_);
+        if (recorder_) {
+            // Rocking and smoothness look back over the attempt: once per look, not per step.
+            if (s.step % steps_per_look == 0) {
+                parameters_ = metrics_.live_parameters();
+            }
+            recorder_->record(s, metrics_.live(), parameters_, input_ ? input_->eye() : std::nullopt);
+            note_events();
+        }
         if (metrics_.attempts().size() > seen_attempts_) {
             post_summaries();
             attempt_ended_at_ = time();
@@ -182,6 +215,15 @@ class Session {
             if (output_) {
                 output_->post_summary(a.number, a.outcome, a.parameters);
             }
+            if (recorder_) {
+                recorder_->summary(a);
+            }
+        }
+    }
+
+    void note_events() {
+        for (; noted_ < metrics_.events().size(); ++noted_) {
+            recorder_->event(metrics_.events()[noted_].time_ns, "attempt", metrics_.events()[noted_].text);
         }
     }
 
@@ -285,6 +327,9 @@ class Session {
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
     std::optional<BusOutput> output_;
+    std::optional<Recorder> recorder_;
+    Parameters parameters_;       // newest live values, for the record
+    std::size_t noted_ = 0;       // events already in the record
     CommandDesk desk_;
     bool blade_present_ = false, tube_present_ = false;
     std::size_t seen_attempts_ = 0;

@@ -58,8 +58,6 @@ void Scene::reset(const Inputs& start) {
     tissue_.reset();
     shell_.pose_now(bones);
     rigid_.move_shell(shell_.vertices());
-    snapshot_.step = 0;
-    snapshot_.time_ns = 0;
     place_laryngoscope(start.laryngoscope);
     place_tube(start.tube_grip);
     fill_snapshot(start);

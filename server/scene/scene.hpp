@@ -49,7 +49,7 @@ class Scene {
     /// FNV-1a over the bits of all particle, rod and proxy state.
     [[nodiscard]] std::uint64_t state_hash() const;
 
-    /// Back to the beginning with the tools at `start`.
+    /// Patient and tools as at the start, with the tools at `start`. Simulation time goes on.
     void reset(const Inputs& start);
 
     /// Puts a tool somewhere at once, at rest: when its device appears, far from where it was parked.
