@@ -9,19 +9,20 @@ set -u
 usage() {
     cat <<USAGE
 Usage: deploy/test.sh [--quick | --sanitize] [--no-install]
-Builds into build/release and runs every test, then the unit tests under the address, undefined-behaviour
-and thread sanitizers. The last line reads "N passed, N failed"; exit 0 only if none failed.
-  --quick        only the unit tests, without sanitizers
-  --sanitize     only the unit tests under the sanitizers
+Builds into build/release and runs every test. The last line reads "N passed, N failed"; exit 0 only if
+none failed.
+  --quick        only the unit tests
+  --sanitize     instead build the unit tests with the address, undefined-behaviour and thread sanitizers
+                 (build/asan, build/tsan) and run those
   --no-install   do not look for missing packages
 USAGE
 }
 
-optimised=yes sanitized=yes install=yes only=()
+optimised=yes sanitized=no install=yes only=()
 while [ $# -gt 0 ]; do
     case $1 in
-        --quick) sanitized=no only=(--label-regex '^(unit|scripts)$') ;;
-        --sanitize) optimised=no ;;
+        --quick) only=(--label-regex '^(unit|scripts)$') ;;
+        --sanitize) optimised=no sanitized=yes ;;
         --no-install) install=no ;;
         --help) usage; exit 0 ;;
         *) usage >&2; exit 2 ;;

@@ -39,9 +39,15 @@ class TestScript(unittest.TestCase):
         self.assertEqual(done.stdout, line + "\n", done.stderr)
         self.assertEqual(done.returncode, code)
 
-    def test_passed_tests_are_counted_in_every_build(self):
+    def test_passed_tests_are_counted(self):
         done = self.run_tests('case(a unit "true")\ncase(b system "true")\n')
-        self.assert_ends_with(done, "4 passed, 0 failed", 0)  # both in release, the unit test in asan and tsan
+        self.assert_ends_with(done, "2 passed, 0 failed", 0)
+
+    def test_sanitize_runs_the_unit_tests_of_both_builds(self):
+        done = self.run_tests('case(a unit "true")\ncase(b system "true")\n', "--sanitize")
+        self.assert_ends_with(done, "2 passed, 0 failed", 0)
+        self.assertTrue((self.root / "build/asan").exists())
+        self.assertTrue((self.root / "build/tsan").exists())
 
     def test_quick_counts_unit_tests_only(self):
         done = self.run_tests('case(a unit "true")\ncase(b scripts "true")\ncase(c system "exit 1")\n', "--quick")
