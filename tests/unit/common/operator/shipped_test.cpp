@@ -70,7 +70,7 @@ TEST(ShippedOperators, AreThere) {
     for (const auto& file : shipped()) {
         names.push_back(file.stem().string());
     }
-    for (const char* name : {"expert", "expert_miller", "novice", "no_lift", "oesophageal"}) {
+    for (const char* name : {"expert", "novice", "no_lift", "oesophageal"}) {
         EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
     }
 }
@@ -116,7 +116,7 @@ TEST(ShippedOperators, EndWhetherTheySeeTheGlottisOrNot) {
 }
 
 TEST(ShippedOperators, ThoseWhoLookKeepTheTubeOutWhileTheySeeNothing) {
-    for (const char* name : {"expert", "expert_miller", "no_lift"}) {
+    for (const char* name : {"expert", "no_lift"}) {
         const OperatorScript script = load_operator(find_data_file(name, "operators"));
         EXPECT_TRUE(perform(script, Blade::miller_1, 0).tube_gave_up) << name;
         EXPECT_FALSE(perform(script, Blade::miller_1, 100).tube_gave_up) << name;
