@@ -63,7 +63,7 @@ run() {
     shift
     rm -f "$results"
     eti_say "== Tests of build/$preset"
-    (cd "$ETI_ROOT" && ctest --preset "$preset" --parallel "$(eti_jobs)" --no-tests=error \
+    (cd "$ETI_ROOT" && ctest --preset "$preset" --parallel "${ETI_TEST_JOBS:-$(eti_jobs)}" --no-tests=error \
         --output-junit "$results" "$@" >&2)
     count "$results"
 }

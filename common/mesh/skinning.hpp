@@ -26,12 +26,14 @@ struct SkinWeights {
 
 /// Linear blend skinning of one rest point [m].
 [[nodiscard]] inline Vec3f skin_point(const Vec3f& rest, const SkinWeights& weights,
-                                      std::span<const Vec3f> rest_centres, std::span<const FramePose> frames) {
+                                      std::span<const Vec3f> rest_centres,
+                                      std::span<const FramePose> frames) {
     Vec3f sum = Vec3f::Zero();
     for (std::size_t k = 0; k < 4; ++k) {
         if (weights.weight[k] > 0.0f) {
             const FramePose& frame = frames[weights.frame[k]];
-            sum += weights.weight[k] * (frame.rotation * (rest - rest_centres[weights.frame[k]]) + frame.centre);
+            sum +=
+                weights.weight[k] * (frame.rotation * (rest - rest_centres[weights.frame[k]]) + frame.centre);
         }
     }
     return sum;

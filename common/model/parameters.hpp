@@ -8,8 +8,8 @@
 
 namespace eti {
 
-/// The performance parameters: the twelve of Xiao et al. 2020, Table 2, and those beyond it. Units as in the names; the
-/// definitions stand in docs/metrics.md. Not-a-number where a value does not exist for an attempt
+/// The performance parameters: the twelve of Xiao et al. 2020, Table 2, and those beyond it. Units as in the
+/// names; the definitions stand in docs/metrics.md. Not-a-number where a value does not exist for an attempt
 /// (a tube that never entered the mouth has no speed).
 struct Parameters {
     double gum_force_max_n = 0, gum_force_mean_n = 0;
@@ -34,7 +34,7 @@ struct Parameters {
 
 /// One row of the table of parameters: where a value lies in JSON and files, and how it is shown.
 struct ParameterField {
-    std::string_view key;    ///< JSON key; "name.max" and "name.mean" become an object with two members
+    std::string_view key;  ///< JSON key; "name.max" and "name.mean" become an object with two members
     std::string_view label;
     std::string_view unit;
     double Parameters::*value;

@@ -11,10 +11,10 @@ namespace eti {
 /// What a particle, a surface triangle or a contact belongs to. Values go over the bus and into
 /// files: append, never renumber.
 enum class Tissue : std::uint8_t {
-    soft,        ///< skin, muscle, mucosa of cheeks, pharynx and neck
+    soft,  ///< skin, muscle, mucosa of cheeks, pharynx and neck
     tongue,
     epiglottis,
-    larynx,      ///< arytenoids, vocal cords, cricoid region
+    larynx,  ///< arytenoids, vocal cords, cricoid region
     trachea,
     oesophagus,
     upper_gum,
@@ -27,8 +27,8 @@ enum class Tissue : std::uint8_t {
 inline constexpr std::size_t tissue_count = 12;
 
 inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
-    "soft",       "tongue",    "epiglottis", "larynx", "trachea", "oesophagus",
-    "upper gum",  "lower gum", "palate",     "skull",  "mandible", "spine"};
+    "soft",      "tongue",    "epiglottis", "larynx", "trachea",  "oesophagus",
+    "upper gum", "lower gum", "palate",     "skull",  "mandible", "spine"};
 
 [[nodiscard]] constexpr std::string_view name_of(Tissue tissue) {
     return tissue_names[static_cast<std::size_t>(tissue)];

@@ -20,10 +20,13 @@ Laryngoscope make_laryngoscope(Blade blade) {
     return scope;
 }
 
-std::string_view name_of(Blade blade) { return blade == Blade::miller_0 ? "miller_0" : "miller_1"; }
+std::string_view name_of(Blade blade) {
+    return blade == Blade::miller_0 ? "miller_0" : "miller_1";
+}
 
 float outer_diameter_of(float inner_diameter) {
-    constexpr std::array<std::array<float, 2>, 3> table = {{{2.5e-3f, 3.6e-3f}, {3.0e-3f, 4.2e-3f}, {3.5e-3f, 4.9e-3f}}};
+    constexpr std::array<std::array<float, 2>, 3> table = {
+        {{2.5e-3f, 3.6e-3f}, {3.0e-3f, 4.2e-3f}, {3.5e-3f, 4.9e-3f}}};
     const std::size_t k = inner_diameter < table[1][0] ? 0 : 1;
     const float slope = (table[k + 1][1] - table[k][1]) / (table[k + 1][0] - table[k][0]);
     return table[k][1] + slope * (inner_diameter - table[k][0]);

@@ -28,8 +28,8 @@ enum class Blade : std::uint8_t { miller_0, miller_1 };
 /// proximal blade, distal blade.
 struct Laryngoscope {
     Blade blade = Blade::miller_1;
-    float blade_length = 0.1f;                ///< [m], origin to tip
-    std::array<Capsule, 3> capsules{};        ///< handle, proximal blade, distal blade
+    float blade_length = 0.1f;          ///< [m], origin to tip
+    std::array<Capsule, 3> capsules{};  ///< handle, proximal blade, distal blade
     [[nodiscard]] Vec3f tip() const { return {0.0f, 0.0f, blade_length}; }
 };
 
@@ -44,12 +44,12 @@ struct Laryngoscope {
 /// An endotracheal tube. Tool frame of a tracked tube: origin at the grip on the centre line,
 /// +z along the tube towards its tip, +y the concave side of its curve.
 struct Tube {
-    float inner_diameter = 3.0e-3f;      ///< [m]
-    float outer_diameter = 4.2e-3f;      ///< [m]
-    float length = 0.16f;                ///< [m], connector to tip
-    float youngs_modulus = 15e6f;        ///< [Pa], PVC (10-20 MPa)
-    float grip_from_tip = 0.10f;         ///< [m], where the tracked hand holds it
-    float curve_radius = 0.14f;          ///< [m], the manufactured curve of an uncuffed tube
+    float inner_diameter = 3.0e-3f;                 ///< [m]
+    float outer_diameter = 4.2e-3f;                 ///< [m]
+    float length = 0.16f;                           ///< [m], connector to tip
+    float youngs_modulus = 15e6f;                   ///< [Pa], PVC (10-20 MPa)
+    float grip_from_tip = 0.10f;                    ///< [m], where the tracked hand holds it
+    float curve_radius = 0.14f;                     ///< [m], the manufactured curve of an uncuffed tube
     [[nodiscard]] float bending_stiffness() const;  ///< E I [N m^2] of the hollow section
 };
 

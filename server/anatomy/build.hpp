@@ -10,10 +10,11 @@ namespace eti::anatomy {
 /// How finely the patient is cut into particles and triangles. Lengths are those of a 3.5 kg
 /// newborn and shrink with the patient, so that a premature airway keeps its particle count.
 struct BuildSettings {
-    float spacing = 2.0e-3f;          ///< [m], particles of the bulk
-    float fine_spacing = 1.0e-3f;     ///< [m], particles of epiglottis and larynx
-    float region = 10.0e-3f;          ///< [m], tissue farther from the airway moves with the bones
-    float tissue_stiffness = 8.0e3f;  ///< [Pa], Young's modulus of tongue and mucosa (Cheng 2011: about 8 kPa)
+    float spacing = 2.0e-3f;       ///< [m], particles of the bulk
+    float fine_spacing = 1.0e-3f;  ///< [m], particles of epiglottis and larynx
+    float region = 10.0e-3f;       ///< [m], tissue farther from the airway moves with the bones
+    float tissue_stiffness =
+        8.0e3f;  ///< [Pa], Young's modulus of tongue and mucosa (Cheng 2011: about 8 kPa)
     float surface_spacing = 1.0e-3f;  ///< [m], grid of the visible surfaces
     std::size_t body_triangles = 45000;
     std::size_t shell_triangles = 12000;

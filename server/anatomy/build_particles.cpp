@@ -34,7 +34,8 @@ Tissue body_tissue(const NewbornFields& f) {
     return f.larynx < 0.0f ? Tissue::larynx : Tissue::soft;
 }
 
-Voxel classify(const Newborn& newborn, const NewbornFields& f, const Vec3f& point, float spacing, float region) {
+Voxel classify(const Newborn& newborn, const NewbornFields& f, const Vec3f& point, float spacing,
+               float region) {
     Voxel voxel;
     if (f.skin > 0.0f) {
         return voxel;
@@ -76,8 +77,8 @@ void build_particles(const Newborn& newborn, const BuildSettings& settings, Pati
                     const Vec3f point(static_cast<float>(i) * spacing,
                                       low.y() + (static_cast<float>(j) + 0.5f) * spacing,
                                       low.z() + (static_cast<float>(k) + 0.5f) * spacing);
-                    const Voxel voxel = classify(newborn, newborn.fields(point), point, spacing,
-                                                 settings.region * size);
+                    const Voxel voxel =
+                        classify(newborn, newborn.fields(point), point, spacing, settings.region * size);
                     if (!voxel.filled || voxel.fine != fine) {
                         continue;
                     }
@@ -105,7 +106,7 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
             case Tissue::epiglottis:
                 return 40.0f * settings.tissue_stiffness;  // elastic cartilage
             case Tissue::larynx:
-                return 4.0f * settings.tissue_stiffness;   // cartilage and cords in one
+                return 4.0f * settings.tissue_stiffness;  // cartilage and cords in one
             default:
                 return settings.tissue_stiffness;
         }
@@ -113,7 +114,8 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
     clusters.first.push_back(0);
     std::vector<std::uint8_t> covered(set.size(), 0);
     const auto add = [&](const std::vector<std::uint32_t>& members, Tissue tissue) {
-        const bool moves = std::any_of(members.begin(), members.end(), [&](auto i) { return set.mass[i] > 0.0f; });
+        const bool moves =
+            std::any_of(members.begin(), members.end(), [&](auto i) { return set.mass[i] > 0.0f; });
         if (!moves || members.size() < 4) {
             return;
         }
@@ -151,7 +153,9 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
         return members;
     };
     // Centres on every second lattice point, radius two spacings: about 33 members, 4 clusters a particle.
-    const auto lattice = [](float x, float spacing) { return static_cast<int>(std::floor(x / spacing + 0.25f)); };
+    const auto lattice = [](float x, float spacing) {
+        return static_cast<int>(std::floor(x / spacing + 0.25f));
+    };
     for (std::uint32_t i = 0; i < set.size(); ++i) {
         if (set.tissue[i] == Tissue::epiglottis) {
             continue;

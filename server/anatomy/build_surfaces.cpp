@@ -25,7 +25,8 @@ DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
     grid.origin = low;
     grid.spacing = spacing;
     for (int k = 0; k < 3; ++k) {
-        grid.size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
+        grid.size[static_cast<std::size_t>(k)] =
+            static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
     }
     grid.value.resize(static_cast<std::size_t>(grid.size[0]) * grid.size[1] * grid.size[2]);
     return grid;
@@ -162,8 +163,8 @@ class Skinner {
     std::vector<PointGrid> grids_;
 };
 
-Surface surface_from(const Newborn& newborn, const Skinner& skinner, const DistanceGrid& field, std::string name,
-                     Tissue tissue, std::size_t budget) {
+Surface surface_from(const Newborn& newborn, const Skinner& skinner, const DistanceGrid& field,
+                     std::string name, Tissue tissue, std::size_t budget) {
     Surface surface;
     surface.name = std::move(name);
     surface.tissue = tissue;
@@ -226,19 +227,21 @@ void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patie
         spine.value[i] = f.spine;
     });
     DistanceGrid tongue = grid_over(inner_low, inner_high, settings.surface_spacing * size);
-    sample(newborn, tongue, [&](std::size_t i, const NewbornFields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
+    sample(newborn, tongue,
+           [&](std::size_t i, const NewbornFields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
     const Vec3f tip = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_tip)];
     const Vec3f base = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
     const Vec3f margin = Vec3f::Constant(9e-3f * size);
-    DistanceGrid epiglottis =
-        grid_over(tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin, 0.4f * settings.surface_spacing * size);
+    DistanceGrid epiglottis = grid_over(tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin,
+                                        0.4f * settings.surface_spacing * size);
     sample(newborn, epiglottis,
            [&](std::size_t i, const NewbornFields& f, const Vec3f&) { epiglottis.value[i] = f.epiglottis; });
 
     patient.surfaces.push_back(
         surface_from(newborn, skinner, body, "body", Tissue::soft, settings.body_triangles));
     patient.surfaces.push_back(surface_from(newborn, skinner, tongue, "tongue", Tissue::tongue, 6000));
-    patient.surfaces.push_back(surface_from(newborn, skinner, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
+    patient.surfaces.push_back(
+        surface_from(newborn, skinner, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
     patient.surfaces.push_back(surface_from(newborn, skinner, skull, "skull", Tissue::skull, 16000));
     patient.surfaces.push_back(surface_from(newborn, skinner, mandible, "mandible", Tissue::mandible, 4000));
     patient.surfaces.push_back(surface_from(newborn, skinner, spine, "spine", Tissue::spine, 8000));
@@ -293,7 +296,8 @@ void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Pati
     }
     // Half-way between the jaws, however far they open.
     SkinWeights& mouth = patient.landmarks[static_cast<std::size_t>(Landmark::mouth_opening)].skin;
-    mouth = {{static_cast<std::uint16_t>(Bone::skull), static_cast<std::uint16_t>(Bone::mandible)}, {0.5f, 0.5f}};
+    mouth = {{static_cast<std::uint16_t>(Bone::skull), static_cast<std::uint16_t>(Bone::mandible)},
+             {0.5f, 0.5f}};
     for (const Vec3f& p : newborn.glottis_contour()) {
         patient.glottis_contour.push_back({p, skinner(p, Tissue::larynx)});
     }

@@ -4,8 +4,8 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
 #include "common/hdf5/file.hpp"

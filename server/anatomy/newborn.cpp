@@ -30,7 +30,8 @@ Vec3f turn_about_jaw(const Vec3f& p, float degrees) {
     const float s = std::sin(degrees * degree);
     const float a = p.y() - jaw_joint.y();
     const float z = p.z() - jaw_joint.z();
-    return {p.x(), jaw_joint.y() + a * c - z * s - jaw_slide_per_deg * degrees, jaw_joint.z() + a * s + z * c};
+    return {p.x(), jaw_joint.y() + a * c - z * s - jaw_slide_per_deg * degrees,
+            jaw_joint.z() + a * s + z * c};
 }
 
 float chain(const Vec3f& p, std::initializer_list<Vec3f> points, float r0, float r1) {
@@ -41,7 +42,9 @@ float duct(const Vec3f& p, std::initializer_list<Station> stations, float taper 
     return anatomy::duct(p, std::span(stations.begin(), stations.size()), taper);
 }
 
-Vec3f mirrored(const Vec3f& p) { return {std::fabs(p.x()), p.y(), p.z()}; }
+Vec3f mirrored(const Vec3f& p) {
+    return {std::fabs(p.x()), p.y(), p.z()};
+}
 
 float skin_field(const Vec3f& p, const Vec3f& in_jaw) {
     const Vec3f q = mirrored(p);
@@ -57,16 +60,16 @@ float skin_field(const Vec3f& p, const Vec3f& in_jaw) {
     float head = smooth_union(smooth_union(cranium, face, 14), lids, 4);
     head = smooth_union(head, smooth_union(cheek, smooth_union(upper_lip, nose, 5), 6), 10);
     head = smooth_difference(head, nostril, 1);
-    const float chin =
-        smooth_union(ellipsoid(in_jaw, {0, 40, -21}, {12, 10, 11}),
-                     smooth_union(ellipsoid(in_jaw, {0, 26, -19}, {27, 24, 14}),
-                                  ellipsoid(in_jaw, {0, 47.5f, -11.5f}, {13, 7.5f, 6}), 5),
-                     8);
+    const float chin = smooth_union(ellipsoid(in_jaw, {0, 40, -21}, {12, 10, 11}),
+                                    smooth_union(ellipsoid(in_jaw, {0, 26, -19}, {27, 24, 14}),
+                                                 ellipsoid(in_jaw, {0, 47.5f, -11.5f}, {13, 7.5f, 6}), 5),
+                                    8);
     const float neck = duct(p, {{-4, 0, 30, 28}, {-8, -40, 27, 27}, {-12, -75, 30, 28}, {-14, -110, 40, 30}});
     const float shoulders = ellipsoid(p, {0, -16, -104}, {78, 34, 34});
     const float ear = smooth_difference(ellipsoid(q, {47, -16, 14}, {3.5f, 9, 14}),
                                         ellipsoid(q, {51, -14, 14}, {3, 5.5f, 9}), 2);
-    return smooth_union(smooth_union(smooth_union(head, ear, 3), chin, 7), smooth_union(neck, shoulders, 16), 14);
+    return smooth_union(smooth_union(smooth_union(head, ear, 3), chin, 7), smooth_union(neck, shoulders, 16),
+                        14);
 }
 
 struct Gums {
@@ -74,14 +77,18 @@ struct Gums {
 };
 
 Gums gum_fields(const Vec3f& p, const Vec3f& in_jaw) {
-    return {chain(mirrored(p), {{15.5f, 20, -2}, {15, 29, -2.5f}, {12.5f, 37, -3}, {7.5f, 43.5f, -3}, {0, 45.5f, -3}},
-                  3.9f, 3.9f),
-            chain(mirrored(in_jaw),
-                  {{15, 20, -9.5f}, {14.5f, 28, -9.5f}, {12, 35.5f, -9.5f}, {7, 41.5f, -9.5f}, {0, 43.5f, -9.5f}},
-                  3.7f, 3.7f)};
+    return {
+        chain(mirrored(p),
+              {{15.5f, 20, -2}, {15, 29, -2.5f}, {12.5f, 37, -3}, {7.5f, 43.5f, -3}, {0, 45.5f, -3}}, 3.9f,
+              3.9f),
+        chain(mirrored(in_jaw),
+              {{15, 20, -9.5f}, {14.5f, 28, -9.5f}, {12, 35.5f, -9.5f}, {7, 41.5f, -9.5f}, {0, 43.5f, -9.5f}},
+              3.7f, 3.7f)};
 }
 
-float oral_vault(const Vec3f& p) { return ellipsoid(p, {0, 27, -6}, {13.5f, 22, 9.5f}); }
+float oral_vault(const Vec3f& p) {
+    return ellipsoid(p, {0, 27, -6}, {13.5f, 22, 9.5f});
+}
 
 float hard_palate(const Vec3f& p) {
     const float vault = oral_vault(p);
@@ -92,7 +99,8 @@ float hard_palate(const Vec3f& p) {
 float soft_palate(const Vec3f& p) {
     const Vec3f flat(p.x() * 0.22f, p.y(), p.z());
     const float velum = std::max(
-        chain(flat, {{0, 20, 4.6f}, {0, 14, 3.0f}, {0, 9.5f, -1.5f}, {0, 8.2f, -6}, {0, 8.4f, -8.5f}}, 2.4f, 1.7f),
+        chain(flat, {{0, 20, 4.6f}, {0, 14, 3.0f}, {0, 9.5f, -1.5f}, {0, 8.2f, -6}, {0, 8.4f, -8.5f}}, 2.4f,
+              1.7f),
         std::fabs(p.x()) - 12.0f);
     return smooth_union(velum, round_cone(p, {0, 8.4f, -6.5f}, {0, 8.6f, -10.5f}, 1.9f, 1.5f), 1.5f);
 }
@@ -118,15 +126,17 @@ float epiglottis_field(const Vec3f& p) {
     const Vec3f axis = (tip - base).normalized();
     const float length = (tip - base).norm();
     const float along = (p - base).dot(axis);
-    const float across = (p.y() - base.y()) * -axis.z() + (p.z() - base.z()) * axis.y();  // posterior positive
+    const float across =
+        (p.y() - base.y()) * -axis.z() + (p.z() - base.z()) * axis.y();  // posterior positive
     const float u = std::clamp(along / length, 0.0f, 1.0f);
     const float half_width = 2.2f + 3.0f * std::sin(3.0f * std::min(u * 0.62f + 0.12f, 1.0f));
     const float bend = 0.085f * p.x() * p.x() - 0.5f * std::sin(3.14f * u);
     const float outside_x = std::max(std::fabs(p.x()) - half_width, 0.0f);
     const float outside_along = std::max({-along, along - length, 0.0f});
     const float outside_thick = std::max(std::fabs(across - bend) - 0.45f, 0.0f);
-    return 0.85f * (std::sqrt(outside_x * outside_x + outside_along * outside_along +
-                              outside_thick * outside_thick) - 0.55f);
+    return 0.85f *
+           (std::sqrt(outside_x * outside_x + outside_along * outside_along + outside_thick * outside_thick) -
+            0.55f);
 }
 
 struct Cavities {
@@ -146,10 +156,11 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums) {
     const Vec3f half = turn_about_jaw(p, rest_jaw_deg * 0.5f);
     float middle = ellipsoid(half, {0, 28, -7}, {17, 24, 6.5f + gap * 0.33f});
     const float slit = std::max(gap * 0.36f, 0.4f);
-    const float rima = std::max(
-        (std::sqrt(half.x() * half.x() / (12.0f * 12.0f) + (half.z() + 6.3f) * (half.z() + 6.3f) / (slit * slit)) - 1.0f) *
-            std::min(12.0f, slit),
-        36.0f - half.y());
+    const float rima = std::max((std::sqrt(half.x() * half.x() / (12.0f * 12.0f) +
+                                           (half.z() + 6.3f) * (half.z() + 6.3f) / (slit * slit)) -
+                                 1.0f) *
+                                    std::min(12.0f, slit),
+                                36.0f - half.y());
     middle = smooth_union(middle, rima, 2.5f);
     const float vestibule =
         chain({q.x(), half.y(), half.z()},
@@ -162,9 +173,13 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums) {
     // Vallecula, space before the epiglottis, piriform recesses, hypopharynx, oesophagus.
     air = smooth_union(air, ellipsoid(p, {0, 8.6f, -24.5f}, {7.5f, 3.6f, 6}), 1.5f);
     air = smooth_union(air, ellipsoid(q, {6.3f, 2.6f, -32.5f}, {2.6f, 3.0f, 6.5f}), 1.5f);
-    air = smooth_union(air, duct(p, {{2.0f, -28, 8.5f, 2.2f}, {-0.6f, -35, 7, 1.3f}, {-2.4f, -42, 4, 1.1f}}), 1);
+    air = smooth_union(air, duct(p, {{2.0f, -28, 8.5f, 2.2f}, {-0.6f, -35, 7, 1.3f}, {-2.4f, -42, 4, 1.1f}}),
+                       1);
     air = smooth_union(air,
-                       duct(p, {{-2.6f, -41, 3.4f, 1.4f}, {-4.9f, -50, 3.2f, 1.6f}, {-8.6f, -72, 3.2f, 1.6f}, {-12.0f, -96, 3.2f, 1.6f}}),
+                       duct(p, {{-2.6f, -41, 3.4f, 1.4f},
+                                {-4.9f, -50, 3.2f, 1.6f},
+                                {-8.6f, -72, 3.2f, 1.6f},
+                                {-12.0f, -96, 3.2f, 1.6f}}),
                        0.5f);
     // The larynx stands in the pharynx; arytenoids and aryepiglottic folds bound its inlet.
     const float arytenoid = ellipsoid(q, {2.9f, 1.4f, -33.4f}, {2.2f, 1.8f, 2.8f});
@@ -175,12 +190,18 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums) {
     const float organs = std::min({hard_palate(p), soft_palate(p), gums.upper, gums.lower, larynx});
     air = smooth_difference(air, organs, 0.5f);
     // Laryngeal lumen: vestibule, glottis (triangular), subglottis, trachea to the carina.
-    const float vestibulum = duct(p, {{5.3f, -28.5f, 3.8f, 3.4f}, {5.6f, -33.5f, 3.0f, 3.1f}, {5.7f, -36.4f, 2.3f, 2.9f}});
+    const float vestibulum =
+        duct(p, {{5.3f, -28.5f, 3.8f, 3.4f}, {5.6f, -33.5f, 3.0f, 3.1f}, {5.7f, -36.4f, 2.3f, 2.9f}});
     const float glottis = duct(p, {{5.7f, -36.2f, 2.2f, 2.9f}, {5.5f, -39.0f, 2.2f, 2.9f}}, 0.75f);
-    const float trachea = duct(p, {{5.5f, -38.6f, 2.3f, 2.7f}, {5.1f, -42, 2.4f, 2.4f}, {4.4f, -46, 2.4f, 2.4f},
-                                   {3.6f, -50, 2.6f, 2.5f}, {-0.6f, -70, 2.6f, 2.5f}, {-3.9f, -88.5f, 2.6f, 2.5f}});
+    const float trachea = duct(p, {{5.5f, -38.6f, 2.3f, 2.7f},
+                                   {5.1f, -42, 2.4f, 2.4f},
+                                   {4.4f, -46, 2.4f, 2.4f},
+                                   {3.6f, -50, 2.6f, 2.5f},
+                                   {-0.6f, -70, 2.6f, 2.5f},
+                                   {-3.9f, -88.5f, 2.6f, 2.5f}});
     const float bronchi = round_cone(q, {0, -3.8f, -87}, {7, -5.2f, -96}, 2.2f, 2.0f);
-    const float lumen = smooth_union(vestibulum, smooth_union(glottis, smooth_union(trachea, bronchi, 1), 0.6f), 0.6f);
+    const float lumen =
+        smooth_union(vestibulum, smooth_union(glottis, smooth_union(trachea, bronchi, 1), 0.6f), 0.6f);
     const float wall = std::max(smooth_union(trachea - 2.0f, larynx, 1), p.z() + 26.0f);
     return {smooth_union(air, lumen, 0.5f), wall};
 }
@@ -189,32 +210,51 @@ float skull_field(const Vec3f& p) {
     const Vec3f q = mirrored(p);
     const float cranium = ellipsoid(p, {0, -18, 47}, {47, 58, 46});
     float vault = std::max(cranium + 3.0f, -(cranium + 5.6f));
-    const float base = p.y() > -20 ? 20 + (p.y() + 20) * 0.28f : 14 + std::pow((-20 - p.y()) / 38.0f, 2.0f) * 16;
+    const float base =
+        p.y() > -20 ? 20 + (p.y() + 20) * 0.28f : 14 + std::pow((-20 - p.y()) / 38.0f, 2.0f) * 16;
     vault = std::max(vault, base - 4 - p.z());
     if (p.z() > 70) {  // anterior fontanelle
         vault = std::max(vault, 11.0f - std::fabs(p.x()) - std::fabs(p.y() - 14) * 0.8f);
     }
     const float floor = chain({std::max(q.x() - 18.0f, 0.0f), p.y(), p.z()},
                               {{0, 46, 33}, {0, 30, 27}, {0, 14, 23}, {0, 2, 17}, {0, -8, 13}}, 1.6f, 3.0f);
-    float behind = chain({std::max(q.x() - 30.0f, 0.0f), p.y(), p.z()}, {{0, -20, 13}, {0, -38, 14}, {0, -58, 24}}, 1.6f, 1.6f);
+    float behind = chain({std::max(q.x() - 30.0f, 0.0f), p.y(), p.z()},
+                         {{0, -20, 13}, {0, -38, 14}, {0, -58, 24}}, 1.6f, 1.6f);
     behind = std::max(behind, 8.5f - std::hypot(p.x(), p.y() + 18));  // foramen magnum
     const float petrous = round_cone(q, {38, -6, 15}, {16, 6, 17}, 7, 4);
     float maxilla = ellipsoid(q, {12, 35, 7}, {7.5f, 9, 8});
     maxilla = smooth_union(
-        maxilla, chain(q, {{15.5f, 20, -2}, {15, 29, -2.5f}, {12.5f, 37, -3}, {7.5f, 43.5f, -3}, {0, 45.5f, -3}}, 2.6f, 2.6f), 3);
+        maxilla,
+        chain(q, {{15.5f, 20, -2}, {15, 29, -2.5f}, {12.5f, 37, -3}, {7.5f, 43.5f, -3}, {0, 45.5f, -3}}, 2.6f,
+              2.6f),
+        3);
     const float zygoma = chain(q, {{18, 36, 10}, {27, 32, 13}, {34, 18, 13}, {37, 6, 14}}, 2.6f, 1.6f);
     const float nasal = round_cone(q, {2, 46, 33}, {2.5f, 51, 22}, 1.2f, 1.0f);
     const float brow = chain(q, {{5, 46, 30}, {14, 44, 33}, {26, 36, 30}, {30, 31, 20}}, 2, 2);
-    return smooth_union(std::min({vault, floor, behind, petrous, hard_palate(p), zygoma, nasal, brow}), maxilla, 1);
+    return smooth_union(std::min({vault, floor, behind, petrous, hard_palate(p), zygoma, nasal, brow}),
+                        maxilla, 1);
 }
 
 float mandible_field(const Vec3f& in_jaw) {
     const Vec3f q = mirrored(in_jaw);
-    float bone = chain(q, {{33.5f, 2, 12}, {31.5f, 6, -2}, {29.5f, 9, -13}, {24, 21, -18}, {14, 34, -21.5f}, {0, 41.5f, -22.5f}},
+    float bone = chain(q,
+                       {{33.5f, 2, 12},
+                        {31.5f, 6, -2},
+                        {29.5f, 9, -13},
+                        {24, 21, -18},
+                        {14, 34, -21.5f},
+                        {0, 41.5f, -22.5f}},
                        2.2f, 3.2f);
-    bone = smooth_union(bone, chain(q, {{28, 14, -11}, {22, 24, -14}, {14, 33, -16}, {7, 39.5f, -17}, {0, 41.8f, -17}}, 2.4f, 2.4f), 3);
     bone = smooth_union(
-        bone, chain(q, {{15, 20, -9.5f}, {14.5f, 28, -9.5f}, {12, 35.5f, -9.5f}, {7, 41.5f, -9.5f}, {0, 43.5f, -9.5f}}, 2.2f, 2.2f), 2.5f);
+        bone,
+        chain(q, {{28, 14, -11}, {22, 24, -14}, {14, 33, -16}, {7, 39.5f, -17}, {0, 41.8f, -17}}, 2.4f, 2.4f),
+        3);
+    bone = smooth_union(
+        bone,
+        chain(q,
+              {{15, 20, -9.5f}, {14.5f, 28, -9.5f}, {12, 35.5f, -9.5f}, {7, 41.5f, -9.5f}, {0, 43.5f, -9.5f}},
+              2.2f, 2.2f),
+        2.5f);
     return smooth_union(bone, round_cone(q, {31, 7, -4}, {31, 13, 8}, 2.0f, 1.4f), 3);
 }
 
@@ -229,9 +269,12 @@ float spine_field(const Vec3f& p) {
         }
         const float y = -10.5f - 1.0f * n - 0.03f * n * n;
         const float body = i == 0 ? 1e3f : ellipsoid(p, {0, y, z}, {6.2f, 3.9f, i == 1 ? 3.6f : 2.5f});
-        const float arch = chain(q, {{5.5f, y - 1.5f, z}, {8.5f, y - 6, z - 0.5f}, {6.5f, y - 11.5f, z - 1}, {0, y - 15.5f, z - 2}},
-                                 1.6f, 1.2f);
-        const float ring = i == 0 ? chain(q, {{8.5f, y - 4, z}, {5, y + 1.5f, z}, {0, y + 3, z}}, 1.5f, 1.3f) : 1e3f;
+        const float arch = chain(
+            q,
+            {{5.5f, y - 1.5f, z}, {8.5f, y - 6, z - 0.5f}, {6.5f, y - 11.5f, z - 1}, {0, y - 15.5f, z - 2}},
+            1.6f, 1.2f);
+        const float ring =
+            i == 0 ? chain(q, {{8.5f, y - 4, z}, {5, y + 1.5f, z}, {0, y + 3, z}}, 1.5f, 1.3f) : 1e3f;
         const float process = round_cone(q, {6, y - 1, z}, {12, y - 2, z}, 1.4f, 1.2f);
         bone = std::min({bone, smooth_union(body, arch, 1), ring, process});
     }

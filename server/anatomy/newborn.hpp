@@ -19,13 +19,14 @@ struct NewbornParameters {
 
 /// Implicit fields of the newborn at one point, negative inside, in metres.
 struct NewbornFields {
-    float skin = 1.0f;        ///< outline of head, neck and shoulders
-    float cavity = 1.0f;      ///< mouth, pharynx, larynx, trachea, oesophagus; as if tongue and epiglottis were away
+    float skin = 1.0f;  ///< outline of head, neck and shoulders
+    float cavity =
+        1.0f;  ///< mouth, pharynx, larynx, trachea, oesophagus; as if tongue and epiglottis were away
     float tongue = 1.0f;
     float epiglottis = 1.0f;
     float upper_gum = 1.0f, lower_gum = 1.0f;
-    float palate = 1.0f;      ///< hard and soft palate with uvula
-    float larynx = 1.0f;      ///< arytenoids, cords, cricoid region (tissue around the laryngeal lumen)
+    float palate = 1.0f;  ///< hard and soft palate with uvula
+    float larynx = 1.0f;  ///< arytenoids, cords, cricoid region (tissue around the laryngeal lumen)
     float skull = 1.0f, mandible = 1.0f, spine = 1.0f;
 };
 

@@ -22,9 +22,9 @@ inline constexpr std::size_t bone_count = 3;
 
 /// The skeleton: two joints, in the rest posture's patient frame.
 struct Skeleton {
-    Vec3f neck_joint = Vec3f::Zero();      ///< [m]; the skull turns about the left-right axis here
-    Vec3f jaw_joint = Vec3f::Zero();       ///< [m]; midpoint of the temporomandibular joints
-    float jaw_slide_per_radian = 0.0f;     ///< [m/rad], forward translation of the condyles
+    Vec3f neck_joint = Vec3f::Zero();   ///< [m]; the skull turns about the left-right axis here
+    Vec3f jaw_joint = Vec3f::Zero();    ///< [m]; midpoint of the temporomandibular joints
+    float jaw_slide_per_radian = 0.0f;  ///< [m/rad], forward translation of the condyles
 };
 
 /// Posture relative to the rest posture [rad]; head elevation 0-30 deg, jaw opening 0-35 deg.
@@ -38,24 +38,24 @@ using BoneWeights = std::array<float, bone_count>;
 
 /// [kg/m^3], of particles. Four times that of tissue: a hand moves it so slowly that inertia does not
 /// matter, while a contact force comes out right only where the substep resolves sqrt(mass / stiffness)
-/// (docs/decisions/0006-quasi-static-mass.md).
+/// (docs/decisions/0020-quasi-static-mass.md).
 inline constexpr float tissue_density = 4000.0f;
 
 /// Particles of the soft tissue, structure of arrays; all arrays have the same length.
 struct ParticleSet {
-    std::vector<Vec3f> rest;                ///< [m], rest posture
-    std::vector<float> mass;                ///< [kg]; 0 marks a particle that moves with the bones
-    std::vector<float> radius;              ///< [m]
+    std::vector<Vec3f> rest;    ///< [m], rest posture
+    std::vector<float> mass;    ///< [kg]; 0 marks a particle that moves with the bones
+    std::vector<float> radius;  ///< [m]
     std::vector<Tissue> tissue;
-    std::vector<BoneWeights> bones;         ///< carries the rest shape through posture changes
+    std::vector<BoneWeights> bones;  ///< carries the rest shape through posture changes
     [[nodiscard]] std::size_t size() const { return rest.size(); }
 };
 
 /// Shape-matching clusters: members of cluster c are member[first[c]] .. member[first[c + 1] - 1].
 struct ClusterSet {
-    std::vector<std::uint32_t> first;       ///< count + 1 entries
-    std::vector<std::uint32_t> member;      ///< particle indices
-    std::vector<float> youngs_modulus;      ///< [Pa], one per cluster
+    std::vector<std::uint32_t> first;   ///< count + 1 entries
+    std::vector<std::uint32_t> member;  ///< particle indices
+    std::vector<float> youngs_modulus;  ///< [Pa], one per cluster
     std::vector<Tissue> tissue;
     [[nodiscard]] std::size_t size() const { return first.empty() ? 0 : first.size() - 1; }
 };
@@ -70,17 +70,17 @@ struct LinkSet {
 struct Surface {
     std::string name;
     Tissue tissue = Tissue::soft;
-    TriangleMesh mesh;                      ///< rest posture
-    std::vector<Tissue> triangle_tissue;    ///< one per triangle
-    std::vector<SkinWeights> skin;          ///< one per vertex; frames: bones, then clusters
+    TriangleMesh mesh;                    ///< rest posture
+    std::vector<Tissue> triangle_tissue;  ///< one per triangle
+    std::vector<SkinWeights> skin;        ///< one per vertex; frames: bones, then clusters
 };
 
 /// The inward offset shell: what stops the laryngoscope's proxy, the tube and the tongue.
 struct Shell {
-    TriangleMesh mesh;                      ///< rest posture
+    TriangleMesh mesh;  ///< rest posture
     std::vector<Tissue> triangle_tissue;
     std::vector<BoneWeights> vertex_bones;
-    DistanceGrid distance;                  ///< rest posture; negative inside the tissue
+    DistanceGrid distance;  ///< rest posture; negative inside the tissue
 };
 
 /// A point with the frames that carry it.
@@ -95,12 +95,12 @@ struct Patient {
     ParticleSet particles;
     ClusterSet clusters;
     LinkSet links;
-    std::vector<Vec3f> frame_rest_centre;   ///< bones first (Bone order), then clusters
-    std::vector<Surface> surfaces;          ///< body, tongue, epiglottis, bones
+    std::vector<Vec3f> frame_rest_centre;  ///< bones first (Bone order), then clusters
+    std::vector<Surface> surfaces;         ///< body, tongue, epiglottis, bones
     Shell shell;
     std::array<CarriedPoint, landmark_count> landmarks;
-    std::vector<CarriedPoint> glottis_contour;   ///< closed polygon around the glottic opening
-    float weight = 3.5f;                    ///< [kg]
+    std::vector<CarriedPoint> glottis_contour;  ///< closed polygon around the glottic opening
+    float weight = 3.5f;                        ///< [kg]
 };
 
 }  // namespace eti::anatomy

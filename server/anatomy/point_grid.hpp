@@ -53,7 +53,8 @@ class PointGrid {
         int from[3], to[3];
         for (int k = 0; k < 3; ++k) {
             from[k] = std::max(0, static_cast<int>(std::floor((centre[k] - radius - low_[k]) / cell_)));
-            to[k] = std::min(size_[k] - 1, static_cast<int>(std::floor((centre[k] + radius - low_[k]) / cell_)));
+            to[k] =
+                std::min(size_[k] - 1, static_cast<int>(std::floor((centre[k] + radius - low_[k]) / cell_)));
         }
         for (int z = from[2]; z <= to[2]; ++z) {
             for (int y = from[1]; y <= to[1]; ++y) {

@@ -19,10 +19,14 @@ namespace eti::anatomy {
 }
 
 /// Intersection with a fillet of width k.
-[[nodiscard]] inline float smooth_intersection(float a, float b, float k) { return -smooth_union(-a, -b, k); }
+[[nodiscard]] inline float smooth_intersection(float a, float b, float k) {
+    return -smooth_union(-a, -b, k);
+}
 
 /// `a` without `b`, with a fillet of width k.
-[[nodiscard]] inline float smooth_difference(float a, float b, float k) { return smooth_intersection(a, -b, k); }
+[[nodiscard]] inline float smooth_difference(float a, float b, float k) {
+    return smooth_intersection(a, -b, k);
+}
 
 [[nodiscard]] inline float smoothstep(float from, float to, float x) {
     const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
@@ -58,8 +62,8 @@ namespace eti::anatomy {
 
 /// A station of a duct whose axis lies in the mid-sagittal plane.
 struct Station {
-    float anterior, superior;      ///< axis point
-    float lateral, sagittal;       ///< semi-axes of the elliptical section
+    float anterior, superior;  ///< axis point
+    float lateral, sagittal;   ///< semi-axes of the elliptical section
 };
 
 /// A duct through stations with elliptical sections. `taper` > 0 narrows the section towards its

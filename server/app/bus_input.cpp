@@ -11,8 +11,8 @@ namespace eti::app {
 
 namespace {
 
-constexpr float farthest = 2.0f;               // [m] from the patient's origin
-constexpr std::size_t most_commands = 64;      // per step; more is a fault of the sender
+constexpr float farthest = 2.0f;           // [m] from the patient's origin
+constexpr std::size_t most_commands = 64;  // per step; more is a fault of the sender
 
 }  // namespace
 
@@ -52,6 +52,8 @@ void BusInput::poll() {
     }
 }
 
-std::vector<ReceivedCommand> BusInput::take_commands() { return std::exchange(commands_, {}); }
+std::vector<ReceivedCommand> BusInput::take_commands() {
+    return std::exchange(commands_, {});
+}
 
 }  // namespace eti::app

@@ -19,17 +19,21 @@ using bus::make_header;
 using bus::to_msg;
 
 // A frame is sent when it moved by more than this since last sent: a tenth of what an eye sees.
-constexpr float centre_quantum = 0.02e-3f;            // [m]
-constexpr float rotation_quantum = 0.05f * degree;    // [rad]
+constexpr float centre_quantum = 0.02e-3f;          // [m]
+constexpr float rotation_quantum = 0.05f * degree;  // [rad]
 // Every frame is sent again within this many states, so that a late joiner or a lost chunk heals.
 constexpr std::uint32_t refresh_states = 45;
 // 24 bytes a frame; the first chunk also carries the tube's nodes. Each chunk fits 1300 bytes.
 constexpr std::size_t frames_per_chunk = 48;
 constexpr std::size_t frames_in_first_chunk = 24;
 
-std::uint8_t quantised(float weight) { return static_cast<std::uint8_t>(std::lround(weight * 255.0f)); }
+std::uint8_t quantised(float weight) {
+    return static_cast<std::uint8_t>(std::lround(weight * 255.0f));
+}
 
-std::int16_t quantised_unit(float x) { return static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767.0f)); }
+std::int16_t quantised_unit(float x) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767.0f));
+}
 
 msg::FrameUpdate frame_update(std::size_t index, const FramePose& pose) {
     msg::FrameUpdate update;
@@ -57,12 +61,14 @@ std::vector<double> values_of(const Parameters& parameters) {
     return values;
 }
 
-void append(std::vector<float>& to, const Vec3f& v) { to.insert(to.end(), {v.x(), v.y(), v.z()}); }
+void append(std::vector<float>& to, const Vec3f& v) {
+    to.insert(to.end(), {v.x(), v.y(), v.z()});
+}
 
 }  // namespace
 
-BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                     std::string scenario)
+BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope,
+                     const Tube& tube, std::string scenario)
     : session_(node.options().session),
       scenario_(std::move(scenario)),
       scene_(node, bus::topics::scene),
@@ -195,7 +201,8 @@ void BusOutput::run() {
         bool fresh = false;
         {
             std::unique_lock lock(mutex_);
-            wake_.wait(lock, [&] { return waiting_.fresh || ending_ || !results_.empty() || !summaries_.empty(); });
+            wake_.wait(lock,
+                       [&] { return waiting_.fresh || ending_ || !results_.empty() || !summaries_.empty(); });
             fresh = waiting_.fresh;
             ending = ending_;
             if (fresh || ending) {
@@ -290,8 +297,9 @@ void BusOutput::publish_step(const Work& work) {
     }
 }
 
-void BusOutput::publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
-                                    std::vector<FramePose>& sent, std::uint32_t& refresh, std::uint32_t number) {
+void BusOutput::publish_deformation(const scene::Snapshot& snapshot,
+                                    bus::Publisher<msg::DeformationState>& to, std::vector<FramePose>& sent,
+                                    std::uint32_t& refresh, std::uint32_t number) {
     const std::size_t count = snapshot.frames.size();
     const bool first = sent.size() != count;
     sent.resize(count);
@@ -305,7 +313,8 @@ void BusOutput::publish_deformation(const scene::Snapshot& snapshot, bus::Publis
         }
     }
     refresh = count > 0 ? (refresh + per_state) % static_cast<std::uint32_t>(count) : 0;
-    const std::size_t beyond_first = due.size() > frames_in_first_chunk ? due.size() - frames_in_first_chunk : 0;
+    const std::size_t beyond_first =
+        due.size() > frames_in_first_chunk ? due.size() - frames_in_first_chunk : 0;
     const std::size_t chunks = 1 + (beyond_first + frames_per_chunk - 1) / frames_per_chunk;
     std::size_t next = 0;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
@@ -319,7 +328,8 @@ void BusOutput::publish_deformation(const scene::Snapshot& snapshot, bus::Publis
                 state.tube_nodes().push_back(to_msg(snapshot.tube_nodes[i]));
             }
         }
-        const std::size_t end = std::min(due.size(), next + (chunk == 0 ? frames_in_first_chunk : frames_per_chunk));
+        const std::size_t end =
+            std::min(due.size(), next + (chunk == 0 ? frames_in_first_chunk : frames_per_chunk));
         for (; next < end; ++next) {
             state.frames().push_back(frame_update(due[next], snapshot.frames[due[next]]));
         }
@@ -335,7 +345,8 @@ void BusOutput::publish_live(const Work& work) {
     message.glottic_opening_percent(work.live.glottic_opening_percent);
     message.gum_force_n(work.live.gum_force);
     message.tube_depth_past_glottis(work.live.tube_depth_past_glottis);
-    message.tube_tip(to_msg(work.snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : work.snapshot.tube_nodes.back()));
+    message.tube_tip(
+        to_msg(work.snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : work.snapshot.tube_nodes.back()));
     for (const Vec3f& p : work.snapshot.landmarks) {
         message.landmarks().push_back(to_msg(p));
     }

@@ -23,8 +23,8 @@ struct LiveValues {
     std::uint32_t attempt = 0;
     bool attempt_running = false;
     float glottic_opening_percent = 0.0f;
-    float gum_force = 0.0f;                ///< [N]
-    float tube_depth_past_glottis = -1.0f; ///< [m]
+    float gum_force = 0.0f;                 ///< [N]
+    float tube_depth_past_glottis = -1.0f;  ///< [m]
     Parameters parameters;
     std::string message;
 };
@@ -32,7 +32,7 @@ struct LiveValues {
 struct StatusValues {
     msg::SessionPhase phase = msg::PHASE_RUNNING;
     float load = 0.0f;
-    float behind = 0.0f;                   ///< [s]
+    float behind = 0.0f;  ///< [s]
     std::uint32_t late_steps = 0;
 };
 
@@ -52,7 +52,7 @@ class BusOutput {
     void post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters);
     /// Sends what waits, with the phase FINISHED, and ends the thread.
     void finish(const StatusValues& status);
-    [[nodiscard]] std::uint64_t skipped() const;   ///< states replaced before they were sent
+    [[nodiscard]] std::uint64_t skipped() const;  ///< states replaced before they were sent
 
   private:
     struct Work {
@@ -94,8 +94,8 @@ class BusOutput {
     bool ending_ = false;
     std::uint64_t skipped_ = 0;
 
-    std::vector<FramePose> sent_, sent_slow_;      // as readers last got them
-    std::uint32_t refresh_ = 0, refresh_slow_ = 0; // next frame of the slow full refresh
+    std::vector<FramePose> sent_, sent_slow_;       // as readers last got them
+    std::uint32_t refresh_ = 0, refresh_slow_ = 0;  // next frame of the slow full refresh
     std::uint32_t number_ = 0;
     std::thread thread_;
 };

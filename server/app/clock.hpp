@@ -52,8 +52,8 @@ class StepClock {
     [[nodiscard]] double load() const { return load_; }
     /// Share `p` of the last steps took no longer than this [s].
     [[nodiscard]] double percentile(double p) const {
-        std::vector<float> sorted(costs_.begin(),
-                                  costs_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, costs_.size())));
+        std::vector<float> sorted(
+            costs_.begin(), costs_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, costs_.size())));
         if (sorted.empty()) {
             return 0.0;
         }

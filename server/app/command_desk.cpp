@@ -36,7 +36,7 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
     std::string refusal;
     switch (command.kind) {
         case msg::COMMAND_START:
-            break;   // the simulation runs from the server's start
+            break;  // the simulation runs from the server's start
         case msg::COMMAND_STOP:
             stopped_ = true;
             break;
@@ -67,6 +67,8 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
     }
 }
 
-bool CommandDesk::take_reset() { return std::exchange(reset_, false); }
+bool CommandDesk::take_reset() {
+    return std::exchange(reset_, false);
+}
 
 }  // namespace eti::app

@@ -14,7 +14,8 @@ constexpr int ticks_per_step = 6;
 LocalOperator::LocalOperator(const OperatorScript& script, const Laryngoscope& scope, const Tube& tube,
                              std::uint64_t seed, const Observation& start)
     : blade_track_(script.laryngoscope, scope.blade_length, script.tremor, script.reaction, seed),
-      tube_track_(script.tube, tube.grip_from_tip, script.tremor, script.reaction, seed + 1, 1.0f / tube.curve_radius),
+      tube_track_(script.tube, tube.grip_from_tip, script.tremor, script.reaction, seed + 1,
+                  1.0f / tube.curve_radius),
       blade_hand_(HandSettings{}, blade_track_.wanted(start)),
       tube_hand_(HandSettings{}, tube_track_.wanted(start)) {}
 
@@ -25,7 +26,8 @@ void LocalOperator::advance(const Observation& observation, const scene::Snapsho
     for (int tick = 0; tick < ticks_per_step; ++tick) {
         seen.time = observation.time + static_cast<double>(dt) * tick;
         // Between steps the proxy is carried on by its velocity, as the haptic loop does.
-        proxy.pose.translation = snapshot.proxy.translation + snapshot.proxy_velocity * (dt * static_cast<float>(tick));
+        proxy.pose.translation =
+            snapshot.proxy.translation + snapshot.proxy_velocity * (dt * static_cast<float>(tick));
         Wrench wrench = coupling_wrench(blade_hand_.motion(), proxy, coupling_);
         wrench.force += coupling_.tissue_gain * snapshot.tissue_force;
         wrench.torque += coupling_.tissue_gain * snapshot.tissue_torque;

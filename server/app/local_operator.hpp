@@ -15,8 +15,8 @@ namespace eti::app {
 /// device processes, advanced in simulation time.
 class LocalOperator {
   public:
-    LocalOperator(const OperatorScript& script, const Laryngoscope& scope, const Tube& tube, std::uint64_t seed,
-                  const Observation& start);
+    LocalOperator(const OperatorScript& script, const Laryngoscope& scope, const Tube& tube,
+                  std::uint64_t seed, const Observation& start);
 
     /// Moves both hands through one simulation step, feeling the forces of the last snapshot.
     void advance(const Observation& observation, const scene::Snapshot& snapshot);

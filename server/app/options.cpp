@@ -16,7 +16,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)");
     app.add_option("--session", options.session, "Session name; several sessions share a domain")
         ->capture_default_str();
-    app.add_option("--domain", options.domain, "DDS domain")->capture_default_str()->check(CLI::Range(0, 232));
+    app.add_option("--domain", options.domain, "DDS domain")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 232));
     app.add_option("--profile", options.profile, "Fast DDS XML profile file")->check(CLI::ExistingFile);
     app.add_flag("--fast", options.fast, "Simulate as fast as possible instead of by the clock");
     app.add_flag("!--no-dds", options.bus, "Run without the bus");
@@ -24,7 +26,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_flag("--finish-after-attempt", options.finish_after_attempt,
                  "End the session two seconds after an attempt has ended");
     app.add_option("--steps", options.steps, "End after this many steps of 1/180 s");
-    app.add_option("--duration", options.duration, "End after this simulation time [s]")->check(CLI::NonNegativeNumber);
+    app.add_option("--duration", options.duration, "End after this simulation time [s]")
+        ->check(CLI::NonNegativeNumber);
     app.add_option("--seed", options.seed, "Seed of tremor and chance, instead of the scenario's");
     app.add_option("--threads", options.threads, "Solver threads; 0: one per core; the result is the same")
         ->check(CLI::Range(0, 256));

@@ -12,19 +12,19 @@ namespace eti::app {
 /// What eti-server was asked to do.
 struct Options {
     std::string scenario = "term";
-    std::string operator_name;          ///< empty: the hands come over the bus
-    std::filesystem::path record;       ///< empty: no session file
+    std::string operator_name;     ///< empty: the hands come over the bus
+    std::filesystem::path record;  ///< empty: no session file
     std::string session = "default";
     int domain = 0;
     std::filesystem::path profile;
-    bool fast = false;                  ///< ignore the clock
+    bool fast = false;  ///< ignore the clock
     bool bus = true;
     bool json = false;
     bool finish_after_attempt = false;
     std::optional<std::uint64_t> steps;
-    double duration = 0.0;              ///< [s] of simulation time; 0: no limit
+    double duration = 0.0;  ///< [s] of simulation time; 0: no limit
     std::optional<std::uint64_t> seed;
-    int threads = 0;                    ///< 0: as many as there are cores
+    int threads = 0;  ///< 0: as many as there are cores
 };
 
 /// Parses the command line. Returns an exit code when there is nothing to run (help, version, error).

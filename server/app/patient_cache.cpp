@@ -54,7 +54,8 @@ std::filesystem::path cache_folder() {
 anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
                                 const anatomy::BuildSettings& settings) {
     const anatomy::Provenance provenance = provenance_of(parameters, settings);
-    const std::filesystem::path file = cache_folder() / fmt::format("newborn-{:016x}.h5", hash_of(provenance));
+    const std::filesystem::path file =
+        cache_folder() / fmt::format("newborn-{:016x}.h5", hash_of(provenance));
     std::error_code error;
     if (std::filesystem::exists(file, error)) {
         try {
@@ -71,8 +72,9 @@ anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
         std::filesystem::create_directories(file.parent_path());
         anatomy::save_patient(patient, file, provenance);
     } catch (const std::exception& e) {
-        spdlog::warn("model not cached ({}); the next start builds it again. Set ETI_CACHE to a writable folder.",
-                     e.what());
+        spdlog::warn(
+            "model not cached ({}); the next start builds it again. Set ETI_CACHE to a writable folder.",
+            e.what());
     }
     return patient;
 }

@@ -60,18 +60,20 @@ class Session {
         }
         if (options.bus) {
             bus_.emplace(bus::Options{options.session, options.domain, "eti-server", options.profile});
-            for (const std::string& warning : bus::self_check(*bus_, true, std::chrono::milliseconds(600)).warnings) {
+            for (const std::string& warning :
+                 bus::self_check(*bus_, true, std::chrono::milliseconds(600)).warnings) {
                 spdlog::warn("{}", warning);
             }
         }
-        patient_ = cached_patient({scenario_.patient.weight, scenario_.patient.gestational_age,
-                                   scenario_.patient.tongue_scale},
-                                  {.spacing = scenario_.physics.spacing,
-                                   .fine_spacing = scenario_.physics.fine_spacing,
-                                   .region = scenario_.physics.region,
-                                   .tissue_stiffness = scenario_.patient.tissue_stiffness});
-        scene_ = std::make_unique<scene::Scene>(patient_, scope_, scenario_.tube, inputs_,
-                                                scene::Settings{.substeps = scenario_.physics.substeps, .rigid = {}});
+        patient_ = cached_patient(
+            {scenario_.patient.weight, scenario_.patient.gestational_age, scenario_.patient.tongue_scale},
+            {.spacing = scenario_.physics.spacing,
+             .fine_spacing = scenario_.physics.fine_spacing,
+             .region = scenario_.physics.region,
+             .tissue_stiffness = scenario_.patient.tissue_stiffness});
+        scene_ = std::make_unique<scene::Scene>(
+            patient_, scope_, scenario_.tube, inputs_,
+            scene::Settings{.substeps = scenario_.physics.substeps, .rigid = {}});
         viewer_.emplace(patient_, scope_);
         metrics_.begin(patient_, scope_, static_cast<double>(scenario_.time_limit));
         if (script) {
@@ -87,7 +89,8 @@ class Session {
             info.scenario = scenario_.name;
             info.scenario_text = scenario_.text;
             info.operator_name = script ? script->name : "";
-            info.operator_text = script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
+            info.operator_text =
+                script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
             recorder_.emplace(options.record, std::move(info), patient_, scope_, scenario_.tube,
                               scene_->snapshot().tube_nodes.size(), options.fast);
@@ -100,8 +103,9 @@ class Session {
     }
 
     int run() {
-        spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps", options_.session,
-                     scenario_.name, patient_.particles.size(), patient_.clusters.size(), scenario_.physics.substeps);
+        spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps",
+                     options_.session, scenario_.name, patient_.particles.size(), patient_.clusters.size(),
+                     scenario_.physics.substeps);
         StepClock clock(scene::step_duration, !options_.fast);
         while (!ended()) {
             clock.wait();
@@ -126,7 +130,8 @@ class Session {
             }
         }
         if (input_ && input_->refused() > 0) {
-            spdlog::warn("{} poses were refused: not finite, or not within two metres of the patient", input_->refused());
+            spdlog::warn("{} poses were refused: not finite, or not within two metres of the patient",
+                         input_->refused());
         }
         report(clock);
         return kept ? 0 : 3;
@@ -211,7 +216,8 @@ class Session {
     void post_summaries() {
         for (; seen_attempts_ < metrics_.attempts().size(); ++seen_attempts_) {
             const metrics::AttemptSummary& a = metrics_.attempts()[seen_attempts_];
-            spdlog::info("attempt {} ended after {:.1f} s: {}", a.number, a.ended - a.began, a.outcome.reason);
+            spdlog::info("attempt {} ended after {:.1f} s: {}", a.number, a.ended - a.began,
+                         a.outcome.reason);
             if (output_) {
                 output_->post_summary(a.number, a.outcome, a.parameters);
             }
@@ -231,7 +237,8 @@ class Session {
         const double behind = clock.behind();
         if (behind > warned_behind_ + 2.0) {
             warned_behind_ = behind;
-            spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind, 100.0 * clock.load());
+            spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind,
+                         100.0 * clock.load());
         }
         // The demo reads its progress from this line.
         if (!options_.fast && scene_->snapshot().step % scene::steps_per_second == 0) {
@@ -255,7 +262,8 @@ class Session {
     }
 
     [[nodiscard]] static StatusValues status(const StepClock& clock) {
-        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind()), clock.late()};
+        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind()),
+                clock.late()};
     }
 
     [[nodiscard]] double time() const { return static_cast<double>(scene_->snapshot().time_ns) * 1e-9; }
@@ -286,7 +294,8 @@ class Session {
     void report(const StepClock& clock) const {
         const metrics::AttemptSummary run = metrics_.run();
         if (clock.behind() > 0.1) {
-            spdlog::info("simulation time fell {:.2f} s behind the clock in {} late steps", clock.behind(), clock.late());
+            spdlog::info("simulation time fell {:.2f} s behind the clock in {} late steps", clock.behind(),
+                         clock.late());
         }
         if (!options_.json) {
             spdlog::info("{}: {}", run.outcome.success ? "success" : "no success", run.outcome.reason);
@@ -328,12 +337,12 @@ class Session {
     std::optional<BusInput> input_;
     std::optional<BusOutput> output_;
     std::optional<Recorder> recorder_;
-    Parameters parameters_;       // newest live values, for the record
-    std::size_t noted_ = 0;       // events already in the record
+    Parameters parameters_;  // newest live values, for the record
+    std::size_t noted_ = 0;  // events already in the record
     CommandDesk desk_;
     bool blade_present_ = false, tube_present_ = false;
     std::size_t seen_attempts_ = 0;
-    double attempt_ended_at_ = -1.0, operator_done_at_ = -1.0;   // [s], simulation time
+    double attempt_ended_at_ = -1.0, operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;
 };
 
@@ -342,8 +351,8 @@ class Session {
 int run_server(const Options& options) {
     std::signal(SIGINT, [](int) { stop_requested = 1; });
     std::signal(SIGTERM, [](int) { stop_requested = 1; });
-    const std::size_t threads =
-        options.threads > 0 ? static_cast<std::size_t>(options.threads) : std::max(1u, std::thread::hardware_concurrency());
+    const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
+                                                    : std::max(1u, std::thread::hardware_concurrency());
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     try {
         return Session(options).run();

@@ -4,8 +4,8 @@
 
 namespace eti::pbd {
 
-void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length, float stiffness,
-                  float dt) {
+void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length,
+                  float stiffness, float dt) {
     const Vec3f apart = b - a;
     const float distance = apart.norm();
     const float inverse_mass = inverse_mass_a + inverse_mass_b;

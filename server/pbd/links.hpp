@@ -12,8 +12,8 @@ namespace eti::pbd {
 
 /// XPBD distance constraint (Macklin et al. 2016, eq. 18) with one iteration per substep: moves both
 /// ends so that their distance approaches `length` [m] with stiffness `stiffness` [N/m].
-void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length, float stiffness,
-                  float dt);
+void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length,
+                  float stiffness, float dt);
 
 /// Pairs of particles held at their rest distance, projected in order (Gauss-Seidel).
 class Links {

@@ -19,10 +19,10 @@ inline constexpr std::uint8_t shell = 4;  ///< the offset shell (tongue and flui
 /// State of all particles, structure of arrays; lengths in metres, masses in kilograms.
 struct Particles {
     std::vector<Vec3f> position;
-    std::vector<Vec3f> predicted;      ///< where the constraints move the particle in this substep
-    std::vector<Vec3f> velocity;       ///< [m/s]
-    std::vector<Vec3f> rest;           ///< unloaded position in the current posture
-    std::vector<float> inverse_mass;   ///< [1/kg]; 0: moves only with its bone
+    std::vector<Vec3f> predicted;     ///< where the constraints move the particle in this substep
+    std::vector<Vec3f> velocity;      ///< [m/s]
+    std::vector<Vec3f> rest;          ///< unloaded position in the current posture
+    std::vector<float> inverse_mass;  ///< [1/kg]; 0: moves only with its bone
     std::vector<float> radius;
     std::vector<std::uint8_t> channels;
     std::vector<std::uint8_t> object;  ///< caller's tag (tissue)

@@ -36,8 +36,8 @@ Quatf extract_rotation(const Mat3f& a, const Quatf& rotation, int iterations) {
     for (int i = 0; i < iterations; ++i) {
         const Mat3f r = q.toRotationMatrix();
         const Vec3f turn = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
-        const float scale = std::fabs(r.col(0).dot(a.col(0)) + r.col(1).dot(a.col(1)) + r.col(2).dot(a.col(2))) +
-                            1e-20f;
+        const float scale =
+            std::fabs(r.col(0).dot(a.col(0)) + r.col(1).dot(a.col(1)) + r.col(2).dot(a.col(2))) + 1e-20f;
         // Near the solution `turn` is (s_i + s_j) / (s_1 + s_2 + s_3) of the angle left, for principal
         // stretches s: two thirds where they are equal. Three halves of it converge five times a step
         // for stretches of 0.7 to 1.3, and still converge (rate 1/2) for flat and linear clusters.

@@ -26,11 +26,11 @@ namespace eti::pbd {
 class ShapeMatching {
   public:
     struct Description {
-        std::vector<std::uint32_t> first;        ///< count + 1
-        std::vector<std::uint32_t> member;       ///< particle indices
-        std::vector<float> youngs_modulus;       ///< [Pa], per cluster
-        std::vector<float> particle_volume;      ///< [m^3], per particle
-        std::vector<float> fitting_mass;         ///< [kg], per particle; finite also where the mass is infinite
+        std::vector<std::uint32_t> first;    ///< count + 1
+        std::vector<std::uint32_t> member;   ///< particle indices
+        std::vector<float> youngs_modulus;   ///< [Pa], per cluster
+        std::vector<float> particle_volume;  ///< [m^3], per particle
+        std::vector<float> fitting_mass;     ///< [kg], per particle; finite also where the mass is infinite
     };
 
     void configure(const Description& description, const Particles& particles);
@@ -59,16 +59,16 @@ class ShapeMatching {
     void fit_cluster(std::size_t cluster, const std::vector<Vec3f>& positions);
     void update_stiffness(float dt);
 
-    std::vector<std::uint32_t> first_, member_;       // members by cluster
+    std::vector<std::uint32_t> first_, member_;         // members by cluster
     std::vector<std::uint32_t> first_of_, cluster_of_;  // clusters by particle
-    std::vector<float> weight_;                        // per membership, sums to one in a cluster
-    std::vector<Vec3f> offset_;                        // per membership, rest offset from the rest centre
+    std::vector<float> weight_;                         // per membership, sums to one in a cluster
+    std::vector<Vec3f> offset_;                         // per membership, rest offset from the rest centre
     std::vector<Vec3f> rest_centre_, centre_;
     std::vector<Quatf> rotation_;
-    std::vector<float> spring_, mass_;                 // per cluster: spring [N/m] and mean mass share [kg]
-    std::vector<float> share_;                         // per cluster, part of the way to the goal per pass
+    std::vector<float> spring_, mass_;  // per cluster: spring [N/m] and mean mass share [kg]
+    std::vector<float> share_;          // per cluster, part of the way to the goal per pass
     float share_dt_ = 0.0f;
-    std::vector<float> inverse_count_;                 // per particle, 1 / clusters; 0 when it does not move
+    std::vector<float> inverse_count_;  // per particle, 1 / clusters; 0 when it does not move
 };
 
 }  // namespace eti::pbd

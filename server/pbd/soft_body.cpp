@@ -9,8 +9,9 @@ namespace eti::pbd {
 void SoftBody::predict(float dt, float fraction) {
     Particles& p = particles;
     for (std::size_t i = 0; i < p.size(); ++i) {
-        p.predicted[i] = p.inverse_mass[i] > 0.0f ? Vec3f(p.position[i] + dt * p.velocity[i])
-                                                  : Vec3f(p.position[i] + fraction * (p.rest[i] - p.position[i]));
+        p.predicted[i] = p.inverse_mass[i] > 0.0f
+                             ? Vec3f(p.position[i] + dt * p.velocity[i])
+                             : Vec3f(p.position[i] + fraction * (p.rest[i] - p.position[i]));
     }
 }
 

@@ -13,7 +13,7 @@ namespace eti::pbd {
 class SoftBody {
   public:
     struct Settings {
-        float damping = 12.0f;   ///< [1/s], of velocity; tissue in the mouth is overdamped
+        float damping = 12.0f;  ///< [1/s], of velocity; tissue in the mouth is overdamped
     };
 
     Particles particles;

@@ -27,7 +27,7 @@ class BladeContact {
     /// the impulses that the particles got, and the touched particles.
     void end_step(const pbd::Particles& particles, float step_dt, Snapshot& snapshot) const;
 
-    float friction = 0.1f;   ///< Coulomb; wet mucosa on steel
+    float friction = 0.1f;  ///< Coulomb; wet mucosa on steel
 
   private:
     [[nodiscard]] RigidTransform pose_at(float share) const;
@@ -35,7 +35,7 @@ class BladeContact {
     Laryngoscope scope_;
     RigidTransform from_, to_;
     std::vector<std::uint32_t> reachable_;
-    std::vector<Vec3f> impulse_;   // [N s] given to each reachable particle in this step
+    std::vector<Vec3f> impulse_;            // [N s] given to each reachable particle in this step
     Vec3f torque_impulse_ = Vec3f::Zero();  // [N m s] on the particles about the tool's origin
 };
 

@@ -35,7 +35,8 @@ PosedShell::PosedShell(const anatomy::Patient& patient) : patient_(patient) {
 void PosedShell::pose(const anatomy::BonePoses& bones) {
     vertices_.resize(patient_.shell.mesh.vertices.size());
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-        vertices_[i] = anatomy::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
+        vertices_[i] =
+            anatomy::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
     }
     stale_ = true;
     if (!pending_.valid()) {
@@ -44,10 +45,9 @@ void PosedShell::pose(const anatomy::BonePoses& bones) {
 }
 
 void PosedShell::start() {
-    pending_ = std::async(std::launch::async, [mesh = TriangleMesh{vertices_, patient_.shell.mesh.triangles},
-                                               spacing = patient_.shell.distance.spacing] {
-        return distance_of(mesh, spacing);
-    });
+    pending_ = std::async(std::launch::async,
+                          [mesh = TriangleMesh{vertices_, patient_.shell.mesh.triangles},
+                           spacing = patient_.shell.distance.spacing] { return distance_of(mesh, spacing); });
     wait_ = grid_delay;
     stale_ = false;
 }

@@ -12,7 +12,9 @@ namespace {
 
 constexpr float tongue_friction = 0.2f;
 
-float approach(float from, float to, float most) { return from + std::clamp(to - from, -most, most); }
+float approach(float from, float to, float most) {
+    return from + std::clamp(to - from, -most, most);
+}
 
 /// FNV-1a over raw bytes.
 class Hash {
@@ -39,8 +41,8 @@ class Hash {
 
 }  // namespace
 
-Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
-             const Settings& settings)
+Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+             const Inputs& start, const Settings& settings)
     : patient_(patient),
       settings_(settings),
       tissue_(patient),
@@ -76,7 +78,8 @@ void Scene::place_tube(const RigidTransform& grip) {
 void Scene::apply_posture(const anatomy::Posture& wanted) {
     const float most = settings_.posture_rate * step_duration;
     const anatomy::Posture next{
-        approach(posture_.head_elevation, std::clamp(wanted.head_elevation, 0.0f, anatomy::max_head_elevation), most),
+        approach(posture_.head_elevation,
+                 std::clamp(wanted.head_elevation, 0.0f, anatomy::max_head_elevation), most),
         approach(posture_.jaw_opening, std::clamp(wanted.jaw_opening, 0.0f, anatomy::max_jaw_opening), most)};
     if (next.head_elevation == posture_.head_elevation && next.jaw_opening == posture_.jaw_opening) {
         return;

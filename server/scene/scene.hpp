@@ -23,13 +23,13 @@ inline constexpr float step_duration = 1.0f / steps_per_second;  ///< [s]
 struct Inputs {
     RigidTransform laryngoscope;
     RigidTransform tube_grip;
-    float suction = 0.0f;          ///< 0..1
-    anatomy::Posture posture;      ///< wanted; approached smoothly
+    float suction = 0.0f;      ///< 0..1
+    anatomy::Posture posture;  ///< wanted; approached smoothly
 };
 
 struct Settings {
     int substeps = 8;
-    float posture_rate = 0.17f;    ///< [rad/s]; a nurse tilts a head at about 10 deg/s
+    float posture_rate = 0.17f;  ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     rigid::Settings rigid;
 };
 
@@ -70,7 +70,7 @@ class Scene {
     rigid::RigidLayer rigid_;
     BladeContact blade_;
     TubeContact tube_;
-    RigidTransform blade_pose_;    // where the particles last met it
+    RigidTransform blade_pose_;  // where the particles last met it
     RigidTransform grip_;
     Snapshot snapshot_;
 };

@@ -35,9 +35,9 @@ struct Snapshot {
     std::uint64_t step = 0;
     std::uint64_t time_ns = 0;  ///< simulation time since the session began
 
-    RigidTransform device;            ///< laryngoscope as latched from the hand
-    RigidTransform proxy;             ///< laryngoscope as stopped by the shell
-    RigidTransform last_free;         ///< the proxy's last pose that did not penetrate the shell
+    RigidTransform device;                         ///< laryngoscope as latched from the hand
+    RigidTransform proxy;                          ///< laryngoscope as stopped by the shell
+    RigidTransform last_free;                      ///< the proxy's last pose that did not penetrate the shell
     Vec3f proxy_velocity = Vec3f::Zero();          ///< [m/s], of the tool origin
     Vec3f proxy_angular_velocity = Vec3f::Zero();  ///< [rad/s]
     Vec3f shell_force = Vec3f::Zero();             ///< [N], sum of the shell's forces on the proxy
@@ -47,16 +47,16 @@ struct Snapshot {
     std::vector<RigidContact> shell_contacts;
     std::vector<TissueContact> tissue_contacts;
 
-    RigidTransform tube_grip;         ///< the tube's tracked grip as latched
-    std::vector<Vec3f> tube_nodes;    ///< [m], centre line from connector to tip
-    float suction = 0.0f;             ///< 0..1
+    RigidTransform tube_grip;       ///< the tube's tracked grip as latched
+    std::vector<Vec3f> tube_nodes;  ///< [m], centre line from connector to tip
+    float suction = 0.0f;           ///< 0..1
 
-    std::vector<FramePose> frames;    ///< bones, then clusters; index as in the patient model
+    std::vector<FramePose> frames;  ///< bones, then clusters; index as in the patient model
     Landmarks landmarks{};
     std::vector<Vec3f> glottis_contour;  ///< [m], closed polygon
 
-    float head_elevation = 0.0f;      ///< [rad]
-    float jaw_opening = 0.0f;         ///< [rad]
+    float head_elevation = 0.0f;  ///< [rad]
+    float jaw_opening = 0.0f;     ///< [rad]
 };
 
 }  // namespace eti::scene

@@ -83,6 +83,8 @@ void SoftTissue::frames(std::vector<FramePose>& frames) const {
     }
 }
 
-void SoftTissue::reset() { body_.reset(); }
+void SoftTissue::reset() {
+    body_.reset();
+}
 
 }  // namespace eti::scene

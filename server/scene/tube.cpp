@@ -77,7 +77,9 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     }
 }
 
-void TubeContact::predict(float dt, float share) { rod_.predict(dt, gravity, between(grip_from_, grip_to_, share)); }
+void TubeContact::predict(float dt, float share) {
+    rod_.predict(dt, gravity, between(grip_from_, grip_to_, share));
+}
 
 void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float share) {
     meet_shell(shell);
@@ -109,7 +111,8 @@ void TubeContact::meet_blade(const RigidTransform& blade) {
         for (const float along : samples) {
             const Vec3f p = into * rod_.point(s, along);
             const float u = std::clamp(p.z() / scope_.blade_length, 0.0f, 1.0f);
-            const Vec3f half(crest_base + (crest_tip - crest_base) * u, plate_half_thickness, 0.5f * scope_.blade_length);
+            const Vec3f half(crest_base + (crest_tip - crest_base) * u, plate_half_thickness,
+                             0.5f * scope_.blade_length);
             const Vec3f centre(0.0f, half.x() - plate_half_thickness, 0.5f * scope_.blade_length);
             // Distance to a box: outside by the clamped offset, inside by the thinnest way out.
             const Vec3f offset = p - centre;

@@ -18,8 +18,9 @@ class TubeContact {
     TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip);
 
     /// Starts a step in which grip and blade go from one pose to the other.
-    void begin_step(const pbd::Particles& particles, const RigidTransform& grip_from, const RigidTransform& grip_to,
-                    const RigidTransform& blade_from, const RigidTransform& blade_to);
+    void begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
+                    const RigidTransform& grip_to, const RigidTransform& blade_from,
+                    const RigidTransform& blade_to);
     /// Moves the rod to where it would be at `share` of the step, `dt` [s] after the last substep.
     void predict(float dt, float share);
     /// Joints of the rod and its contacts; contacts last, so that nothing penetrates in the end.
@@ -37,7 +38,7 @@ class TubeContact {
     Laryngoscope scope_;
     pbd::Rod rod_;
     RigidTransform grip_from_, grip_to_, blade_from_, blade_to_;
-    std::vector<std::uint32_t> reachable_;   ///< particles near the tube in this step
+    std::vector<std::uint32_t> reachable_;  ///< particles near the tube in this step
     bool near_blade_ = false;
 };
 

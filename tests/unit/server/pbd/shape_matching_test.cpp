@@ -13,7 +13,9 @@
 namespace eti::pbd {
 namespace {
 
-Vec3f random_vector(Random& random) { return {random.normal(), random.normal(), random.normal()}; }
+Vec3f random_vector(Random& random) {
+    return {random.normal(), random.normal(), random.normal()};
+}
 
 Quatf random_rotation(Random& random) {
     return Quatf(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
@@ -32,7 +34,8 @@ SoftBody block(int n, float youngs_modulus, const Vec3f& at = Vec3f::Zero()) {
         for (int y = 0; y < n; ++y) {
             for (int x = 0; x < n; ++x) {
                 const std::uint32_t i = index(x, y, z);
-                body.particles.rest[i] = at + spacing * Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+                body.particles.rest[i] =
+                    at + spacing * Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
                 body.particles.inverse_mass[i] = 1.0f / mass;
             }
         }
@@ -79,7 +82,8 @@ TEST(ExtractRotation, MatchesSingularValueDecomposition) {
             stretch(k, k) = 0.7f + 0.6f * random.uniform();
         }
         const Quatf axes = random_rotation(random);
-        const Mat3f a = truth.toRotationMatrix() * axes.toRotationMatrix() * stretch * axes.toRotationMatrix().transpose();
+        const Mat3f a = truth.toRotationMatrix() * axes.toRotationMatrix() * stretch *
+                        axes.toRotationMatrix().transpose();
         const Eigen::JacobiSVD<Mat3f> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
         const Mat3f reference = svd.matrixU() * svd.matrixV().transpose();
         const Quatf start = (quaternion_from(0.1f * random_vector(random).normalized()) * truth).normalized();
@@ -89,8 +93,10 @@ TEST(ExtractRotation, MatchesSingularValueDecomposition) {
 }
 
 TEST(ExtractRotation, IsProperForDegenerateAndInvertedMatrices) {
-    for (const Vec3f& diagonal : {Vec3f(0, 0, 0), Vec3f(1, 0, 0), Vec3f(1, 1, 0), Vec3f(1, 1, -1), Vec3f(-1, -1, -1)}) {
-        const Mat3f r = extract_rotation(diagonal.asDiagonal(), quaternion_from({0.3f, -0.2f, 0.5f}), 20).toRotationMatrix();
+    for (const Vec3f& diagonal :
+         {Vec3f(0, 0, 0), Vec3f(1, 0, 0), Vec3f(1, 1, 0), Vec3f(1, 1, -1), Vec3f(-1, -1, -1)}) {
+        const Mat3f r = extract_rotation(diagonal.asDiagonal(), quaternion_from({0.3f, -0.2f, 0.5f}), 20)
+                            .toRotationMatrix();
         EXPECT_TRUE(r.allFinite());
         EXPECT_NEAR(r.determinant(), 1.0f, 1e-5f);
     }
@@ -124,7 +130,8 @@ TEST(ShapeMatching, ConservesMomentumOfAFreeBody) {
     const auto momentum = [&] {
         Vec3d sum = Vec3d::Zero();
         for (std::size_t i = 0; i < body.particles.size(); ++i) {
-            sum += body.particles.velocity[i].cast<double>() / static_cast<double>(body.particles.inverse_mass[i]);
+            sum += body.particles.velocity[i].cast<double>() /
+                   static_cast<double>(body.particles.inverse_mass[i]);
         }
         return sum;
     };
@@ -205,7 +212,8 @@ TEST(ShapeMatching, ForceOfAHeldParticleFollowsTheSpring) {
     body.particles.predicted[0].x() -= 1e-4f;
     body.shapes.project(body.particles, dt);
     const float mass = 8e-6f;
-    const float force = mass * (body.particles.predicted[0].x() - (body.particles.rest[0].x() - 1e-4f)) / (dt * dt);
+    const float force =
+        mass * (body.particles.predicted[0].x() - (body.particles.rest[0].x() - 1e-4f)) / (dt * dt);
     // k = 5 E V / (n r^2), n = 1; r^2 = 5/3 <q^2>; 27 points of a cube: <q^2> = 2 h^2.
     const float h = 2e-3f;
     const float k = 5.0f * 2e3f * h * h * h / (5.0f / 3.0f * 2.0f * h * h);
