@@ -62,6 +62,9 @@ class Publisher {
     bool publish(const Message& message);
     [[nodiscard]] int matched() const;  ///< readers now matched
     void assert_liveliness();           ///< for topics with manual liveliness
+    /// Waits until every reliable reader has acknowledged all that was published, at most `timeout`; true
+    /// if they have. A writer that goes earlier takes with it what was not delivered.
+    bool wait_until_received(std::chrono::milliseconds timeout);
 
   private:
     struct Impl;

@@ -25,6 +25,7 @@ struct Wire;
     };
 ETI_WIRE(SceneDescription)
 ETI_WIRE(DeformationState)
+ETI_WIRE(FluidState)
 ETI_WIRE(ToolPose)
 ETI_WIRE(EyePose)
 ETI_WIRE(ProxyState)
@@ -127,6 +128,12 @@ void Publisher<Message>::assert_liveliness() {
 }
 
 template <class Message>
+bool Publisher<Message>::wait_until_received(std::chrono::milliseconds timeout) {
+    const Duration_t longest(static_cast<long double>(timeout.count()) * 1e-3L);
+    return impl_->writer->wait_for_acknowledgments(longest) == ReturnCode_t::RETCODE_OK;
+}
+
+template <class Message>
 struct Subscriber<Message>::Impl {
     std::shared_ptr<Participant> participant;
     dds::DataReader* reader = nullptr;
@@ -214,6 +221,7 @@ bool Subscriber<Message>::alive() const {
     template class Subscriber<msg::name>;
 ETI_ENDPOINTS(SceneDescription)
 ETI_ENDPOINTS(DeformationState)
+ETI_ENDPOINTS(FluidState)
 ETI_ENDPOINTS(ToolPose)
 ETI_ENDPOINTS(EyePose)
 ETI_ENDPOINTS(ProxyState)

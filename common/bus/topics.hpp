@@ -34,6 +34,7 @@ inline constexpr Topic<msg::TissueContacts> tissue_contacts{"eti/tissue_contacts
 // Best effort with room for the chunks of a few states: keep last 1 would drop all but the last chunk.
 inline constexpr Topic<msg::DeformationState> deformation{"eti/deformation", {.depth = 1024}};
 inline constexpr Topic<msg::DeformationState> deformation_slow{"eti/deformation_slow", {.depth = 1024}};
+inline constexpr Topic<msg::FluidState> fluid{"eti/fluid", {.depth = 128}};
 inline constexpr Topic<msg::Command> command{"eti/command", {.reliable = true, .depth = 64}};
 inline constexpr Topic<msg::CommandResult> command_result{"eti/command_result",
                                                           {.reliable = true, .depth = 64}};

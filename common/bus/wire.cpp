@@ -16,6 +16,9 @@ bool within_bounds(const msg::SceneDescription& message) {
 bool within_bounds(const msg::DeformationState& message) {
     return message.frames().size() <= 48 && message.tube_nodes().size() <= 40;
 }
+bool within_bounds(const msg::FluidState& message) {
+    return message.places().size() <= 576;
+}
 bool within_bounds(const msg::ProxyState& message) {
     return message.contacts().size() <= 16;
 }

@@ -17,6 +17,7 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
 /// of its type. The generated code checks neither, on writing or on reading.
 [[nodiscard]] bool within_bounds(const msg::SceneDescription& message);
 [[nodiscard]] bool within_bounds(const msg::DeformationState& message);
+[[nodiscard]] bool within_bounds(const msg::FluidState& message);
 [[nodiscard]] bool within_bounds(const msg::ProxyState& message);
 [[nodiscard]] bool within_bounds(const msg::TissueContacts& message);
 [[nodiscard]] bool within_bounds(const msg::Command& message);

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "common/mesh/closest_point.hpp"
 
+#include <algorithm>
+
 namespace eti {
 
 Vec3f closest_point(const Vec3f& point, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
@@ -39,6 +41,34 @@ Vec3f closest_point(const Vec3f& point, const Vec3f& a, const Vec3f& b, const Ve
     }
     const float total = area_a + area_b + area_c;
     return a + (area_b * ab + area_c * ac) / total;
+}
+
+std::array<float, 2> closest_on_segments(const Vec3f& p0, const Vec3f& p1, const Vec3f& q0, const Vec3f& q1) {
+    const Vec3f d1 = p1 - p0;
+    const Vec3f d2 = q1 - q0;
+    const Vec3f r = p0 - q0;
+    const float a = d1.squaredNorm();
+    const float e = d2.squaredNorm();
+    const float f = d2.dot(r);
+    if (a == 0.0f) {
+        return {0.0f, e > 0.0f ? std::clamp(f / e, 0.0f, 1.0f) : 0.0f};
+    }
+    const float c = d1.dot(r);
+    if (e == 0.0f) {
+        return {std::clamp(-c / a, 0.0f, 1.0f), 0.0f};
+    }
+    const float b = d1.dot(d2);
+    const float denominator = a * e - b * b;
+    float s = denominator > 1e-6f * a * e ? std::clamp((b * f - c * e) / denominator, 0.0f, 1.0f) : 0.0f;
+    float t = (b * s + f) / e;
+    if (t < 0.0f) {
+        t = 0.0f;
+        s = std::clamp(-c / a, 0.0f, 1.0f);
+    } else if (t > 1.0f) {
+        t = 1.0f;
+        s = std::clamp((b - c) / a, 0.0f, 1.0f);
+    }
+    return {s, t};
 }
 
 }  // namespace eti

@@ -34,4 +34,10 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
     return tissue_names[static_cast<std::size_t>(tissue)];
 }
 
+/// How soft tissue is computed.
+enum class TissueModel : std::uint8_t {
+    clusters,    ///< shape matching with compliance throughout
+    tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which bears the blade; else clusters
+};
+
 }  // namespace eti

@@ -57,4 +57,10 @@ struct Tube {
 /// 3.5 mm, linear between and beyond.
 [[nodiscard]] float outer_diameter_of(float inner_diameter);
 
+/// Depth [m] at the lip at which a tube belongs: weight [kg] plus 6, in cm (Tochen 1979; mid-tracheal in
+/// 51 %, Peng 2020).
+[[nodiscard]] constexpr double tube_depth_by_weight(double weight) {
+    return 0.01 * (weight + 6.0);
+}
+
 }  // namespace eti

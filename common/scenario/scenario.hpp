@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/model/tissue.hpp"
 #include "common/model/tools.hpp"
 
 namespace eti {
@@ -18,12 +19,12 @@ struct Scenario {
     std::string text;  ///< the file as read, for the session record
 
     struct Patient {
-        float weight = 3.5f;            ///< [kg], 0.5-4.5
-        float gestational_age = 40.0f;  ///< [weeks], 24-42
-        float tongue_scale = 1.0f;      ///< 0.8-1.4
-        float head_elevation = 0.0f;    ///< [rad], 0-30 deg
-        float jaw_opening = 0.0f;       ///< [rad], 0-35 deg
-        float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
+        float weight = 3.5f;              ///< [kg], 0.5-4.5
+        float gestational_age = 40.0f;    ///< [weeks], 24-42
+        float tongue_scale = 1.0f;        ///< 0.8-1.4
+        float head_elevation = 0.0f;      ///< [rad], 0-30 deg
+        float jaw_opening = 0.0f;         ///< [rad], 0-35 deg
+        float tissue_stiffness = 6.6e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     } patient;
 
     Blade blade = Blade::miller_1;
@@ -34,7 +35,8 @@ struct Scenario {
             8;  ///< per 1/180 s step; cost grows linearly, error of contact forces falls quadratically
         float spacing = 2.0e-3f;       ///< [m], particles in the bulk; cost grows with its -3rd power
         float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx
-        float region = 10e-3f;         ///< [m], tissue farther than this from the airway moves with the bones
+        TissueModel tissue_model = TissueModel::clusters;
+        float region = 10e-3f;  ///< [m], tissue farther than this from the airway moves with the bones
     } physics;
 
     bool saliva = false;

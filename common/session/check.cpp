@@ -51,6 +51,7 @@ CheckResult check(const std::filesystem::path& path) {
     try {
         (void)reader.scene();
         (void)reader.deformations();
+        (void)reader.fluids();
     } catch (const hdf5::Error& error) {
         result.damage.push_back(error.what());
         result.repairable = false;

@@ -28,6 +28,7 @@ inline constexpr std::size_t text_bytes = 256;
 // writes unfinished chunks, each of which wastes its first place, and the larger the more.
 inline constexpr std::size_t step_chunk = 45;
 inline constexpr std::size_t moved_frame_chunk = 512;
+inline constexpr std::size_t fluid_chunk = 4096;
 inline constexpr std::size_t small_chunk = 16;
 
 /// Groups of the step series; each shows the common time axis as `time_ns`.
@@ -197,6 +198,40 @@ void moved_frame_columns(const Column& column) {
     add(
         "deformation/centre", "m", "where the frame's rest centre is now, patient frame",
         [](auto& r) -> auto& { return r.pose.centre; });
+}
+
+/// One row per record of the liquid: which rows of its positions belong to it.
+struct FluidRows {
+    std::uint64_t time_ns = 0;
+    std::uint64_t first_row = 0;
+    std::uint32_t row_count = 0;
+};
+
+template <class Column>
+void fluid_rows_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
+        column(path, hdf5::Label{units, description}, field, std::size_t{0});
+    };
+    add(
+        "fluid/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "fluid/first_row", "1", "first row in position that belongs to this time",
+        [](auto& r) -> auto& { return r.first_row; });
+    add(
+        "fluid/row_count", "1", "number of rows that belong to this time: the liquid's particles",
+        [](auto& r) -> auto& { return r.row_count; });
+}
+
+/// One particle of the liquid.
+struct FluidParticle {
+    Vec3f position = Vec3f::Zero();
+};
+
+template <class Column>
+void fluid_columns(const Column& column) {
+    column(
+        "fluid/position", hdf5::Label{"m", "a particle of saliva, patient frame"},
+        [](auto& r) -> auto& { return r.position; }, std::size_t{0});
 }
 
 template <class Column>

@@ -155,6 +155,35 @@ std::vector<DeformationRecord> SessionReader::deformations() const {
     return records;
 }
 
+std::vector<FluidRecord> SessionReader::fluids() const {
+    if (!file_.root().has("fluid")) {
+        return {};
+    }
+    const auto particles =
+        read_records<FluidParticle>(file_.root(), [](const auto& column) { fluid_columns(column); });
+    const auto times =
+        read_records<FluidRows>(file_.root(), [](const auto& column) { fluid_rows_columns(column); });
+    std::vector<FluidRecord> records;
+    std::uint64_t expected = 0;
+    for (const FluidRows& rows : times) {
+        if (rows.first_row != expected) {
+            throw hdf5::Error(fmt::format("{}: row {} begins at {}, the one before ends at {}",
+                                          file_.root().at("fluid/first_row"), records.size(), rows.first_row,
+                                          expected));
+        }
+        expected += rows.row_count;
+        if (expected > particles.size()) {
+            break;
+        }
+        FluidRecord record{rows.time_ns, {}};
+        for (std::uint64_t row = rows.first_row; row < expected; ++row) {
+            record.position.push_back(particles[row].position);
+        }
+        records.push_back(std::move(record));
+    }
+    return records;
+}
+
 std::vector<EventRecord> SessionReader::events() const {
     return read_records<EventRecord>(file_.root(), [](const auto& column) { event_columns(column); });
 }

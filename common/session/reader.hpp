@@ -44,6 +44,8 @@ class SessionReader {
     [[nodiscard]] std::vector<StepRecord> steps() const;
     [[nodiscard]] std::vector<CommandRecord> commands() const;
     [[nodiscard]] std::vector<DeformationRecord> deformations() const;
+    /// Empty for a session without secretions.
+    [[nodiscard]] std::vector<FluidRecord> fluids() const;
     [[nodiscard]] std::vector<EventRecord> events() const;
     /// The last record of each attempt, ordered by attempt; attempt 0, the whole run, first if it is there.
     [[nodiscard]] std::vector<SummaryRecord> summaries() const;

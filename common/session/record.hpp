@@ -57,6 +57,7 @@ struct SceneRecord {
     float tube_outer_diameter = 0.0f;  ///< [m]
     float tube_inner_diameter = 0.0f;  ///< [m]
     std::size_t tube_nodes = 0;        ///< points of the centre line in every step
+    bool liquid = false;               ///< whether the session has secretions
 };
 
 inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
@@ -109,6 +110,12 @@ struct DeformationRecord {
     std::uint64_t time_ns = 0;
     std::vector<std::uint16_t> frame;
     std::vector<FramePose> pose;  ///< one per entry of `frame`
+};
+
+/// Where liquid is.
+struct FluidRecord {
+    std::uint64_t time_ns = 0;
+    std::vector<Vec3f> position;  ///< [m], patient frame
 };
 
 struct EventRecord {

@@ -20,7 +20,16 @@ struct EqualLength {
     std::vector<std::string> paths;
 };
 
-std::vector<EqualLength> tables() {
+/// Lets go of those of `times` whose rows are not all among the first `rows` of what they point into.
+void drop_incomplete(const Group& root, const std::string& group, std::size_t rows, std::size_t& times) {
+    const auto first = read_as_doubles(root, group + "/first_row", times);
+    const auto count = read_as_doubles(root, group + "/row_count", times);
+    while (times > 0 && first[times - 1] + count[times - 1] > static_cast<double>(rows)) {
+        --times;
+    }
+}
+
+std::vector<EqualLength> tables(bool liquid) {
     std::vector<EqualLength> all;
     const auto add = [&](const char* what, const auto& visit) {
         EqualLength table{what, {}};
@@ -35,6 +44,10 @@ std::vector<EqualLength> tables() {
     add("deformations", [](const auto& column) { moved_frames_columns(column); });
     add("events", [](const auto& column) { event_columns(column); });
     add("summaries", [](const auto& column) { summary_columns(column); });
+    if (liquid) {
+        add("liquid particles", [](const auto& column) { fluid_columns(column); });
+        add("states of the liquid", [](const auto& column) { fluid_rows_columns(column); });
+    }
     return all;
 }
 
@@ -51,7 +64,8 @@ bool TableState::readable() const {
 
 std::vector<TableState> survey(const Group& root) {
     std::vector<TableState> states;
-    for (const EqualLength& table : tables()) {
+    const bool liquid = root.has("fluid");
+    for (const EqualLength& table : tables(liquid)) {
         TableState state{table.what, {}, std::numeric_limits<std::size_t>::max()};
         for (const std::string& path : table.paths) {
             const bool parameter = path.starts_with("metrics/") || path.starts_with("summary/");
@@ -63,13 +77,10 @@ std::vector<TableState> survey(const Group& root) {
         }
         states.push_back(std::move(state));
     }
-    // A time of the deformation counts if all its frames are there.
-    const std::size_t frames = states[2].common;
-    std::size_t& times = states[3].common;
-    const auto first = read_as_doubles(root, "deformation/first_row", times);
-    const auto count = read_as_doubles(root, "deformation/row_count", times);
-    while (times > 0 && first[times - 1] + count[times - 1] > static_cast<double>(frames)) {
-        --times;
+    // A time of the deformation counts if all its frames are there, one of the liquid if all its particles.
+    drop_incomplete(root, "deformation", states[2].common, states[3].common);
+    if (liquid) {
+        drop_incomplete(root, "fluid", states[6].common, states[7].common);
     }
     return states;
 }

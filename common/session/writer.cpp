@@ -50,6 +50,7 @@ struct SessionWriter::Impl {
           steps(settings.waiting_steps),
           commands(256),
           deformations(deformations_waiting(settings.waiting_steps)),
+          fluids(deformations_waiting(settings.waiting_steps)),
           events(1024),
           summaries(256) {
         create(info, scene);
@@ -87,6 +88,7 @@ struct SessionWriter::Impl {
     Ring<StepRecord> steps;
     Ring<CommandRecord> commands;
     Ring<DeformationRecord> deformations;
+    Ring<FluidRecord> fluids;
     Ring<EventRecord> events;
     Ring<SummaryRecord> summaries;
 
@@ -97,9 +99,14 @@ struct SessionWriter::Impl {
     Table command_table{small_chunk};
     Table frame_table{moved_frame_chunk};
     Table deformation_table{small_chunk};
+    Table fluid_table{fluid_chunk};
+    Table fluid_rows_table{small_chunk};
     Table event_table{small_chunk};
     Table summary_table{small_chunk};
+    std::vector<Table*> tables{&step_table,        &command_table, &frame_table,
+                               &deformation_table, &event_table,   &summary_table};
     std::deque<MovedFrames> moved_waiting;
+    std::deque<FluidRows> fluid_waiting;
     std::uint64_t lost_reported = 0;
     Clock::time_point warned_at{};
     std::uint64_t last_time_ns = 0;
@@ -134,6 +141,11 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     command_columns(creating<CommandRecord>(command_table, root));
     moved_frame_columns(creating<MovedFrame>(frame_table, root));
     moved_frames_columns(creating<MovedFrames>(deformation_table, root));
+    if (scene.liquid) {
+        fluid_columns(creating<FluidParticle>(fluid_table, root));
+        fluid_rows_columns(creating<FluidRows>(fluid_rows_table, root));
+        tables.insert(tables.end(), {&fluid_table, &fluid_rows_table});
+    }
     event_columns(creating<EventRecord>(event_table, root));
     summary_columns(creating<SummaryRecord>(summary_table, root));
     link_time_axis(root);
@@ -142,8 +154,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     // From here on in single-writer mode, in which nothing but rows may be added.
     file = hdf5::File::open(path, hdf5::Access::append_beside_readers);
     meta = file.root().open("meta");
-    for (Table* table :
-         {&step_table, &command_table, &frame_table, &deformation_table, &event_table, &summary_table}) {
+    for (Table* table : tables) {
         table->open(file.root());
     }
     live.set(path);
@@ -195,6 +206,14 @@ void SessionWriter::Impl::drain() {
             moved_frame_columns(appending(frame_table, frame));
         }
     });
+    take(fluids, [this](const FluidRecord& r) {
+        fluid_waiting.push_back(
+            {r.time_ns, fluid_table.rows(), static_cast<std::uint32_t>(r.position.size())});
+        for (const Vec3f& position : r.position) {
+            const FluidParticle particle{position};
+            fluid_columns(appending(fluid_table, particle));
+        }
+    });
     take(steps, [this](const StepRecord& r) {
         step_columns(tube_nodes, appending(step_table, r));
         last_time_ns = r.time_ns;
@@ -222,6 +241,17 @@ std::optional<std::string> SessionWriter::Impl::write(bool everything) {
     }
     if (!written(deformation_table, true)) {
         return deformation_table.error();
+    }
+    if (!written(fluid_table, due(fluid_table))) {
+        return fluid_table.error();
+    }
+    while (!fluid_waiting.empty() &&
+           fluid_waiting.front().first_row + fluid_waiting.front().row_count <= fluid_table.written()) {
+        fluid_rows_columns(appending(fluid_rows_table, fluid_waiting.front()));
+        fluid_waiting.pop_front();
+    }
+    if (!written(fluid_rows_table, true)) {
+        return fluid_rows_table.error();
     }
     for (Table* table : {&step_table, &command_table, &event_table, &summary_table}) {
         if (!written(*table, due(*table))) {
@@ -255,8 +285,7 @@ void SessionWriter::Impl::warn_of_losses() {
 
 void SessionWriter::Impl::fail(const std::string& reason) {
     // The library's handles are left alone: another attempt to write could only spoil what is there.
-    for (Table* table :
-         {&step_table, &command_table, &frame_table, &deformation_table, &event_table, &summary_table}) {
+    for (Table* table : tables) {
         table->abandon();
     }
     meta = {};
@@ -305,6 +334,9 @@ bool SessionWriter::push(const CommandRecord& record) {
 }
 bool SessionWriter::push(const DeformationRecord& record) {
     return impl_->push(impl_->deformations, record);
+}
+bool SessionWriter::push(const FluidRecord& record) {
+    return impl_->push(impl_->fluids, record);
 }
 bool SessionWriter::push(const EventRecord& record) {
     return impl_->push(impl_->events, record);

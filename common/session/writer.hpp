@@ -44,6 +44,8 @@ class SessionWriter {
     bool push(const StepRecord& record);
     bool push(const CommandRecord& record);
     bool push(const DeformationRecord& record);
+    /// Only for a scene with liquid.
+    bool push(const FluidRecord& record);
     bool push(const EventRecord& record);
     bool push(const SummaryRecord& record);
 

@@ -3,28 +3,22 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "tests/support/bus_domain.hpp"
 
 namespace eti::bus {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Tests that run at the same time shall not meet: each process has its domain. Up to 100, because
-/// the ports of higher domains lie in the range that the kernel hands out to others.
-[[nodiscard]] inline int own_domain() {
-    return 1 + static_cast<int>(::getpid() % 100);
-}
-
 [[nodiscard]] inline Options options(const std::string& name, const std::string& session = "test") {
     Options out;
     out.session = session;
-    out.domain = own_domain();
+    out.domain = test::own_domain();
     out.name = name;
     return out;
 }

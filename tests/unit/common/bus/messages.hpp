@@ -72,6 +72,21 @@ inline msg::DeformationState example() {
 }
 
 template <>
+inline msg::FluidState example() {
+    msg::FluidState out;
+    out.header(example_header());
+    out.chunk(3);
+    out.chunks(12);
+    out.lower(vec(-1.5f));
+    out.upper(vec(1.5f));
+    out.spacing(0.001f);
+    for (int i = 0; i < 576; ++i) {
+        out.places().push_back(static_cast<std::uint16_t>(65535 - 7 * i));
+    }
+    return out;
+}
+
+template <>
 inline msg::ToolPose example() {
     msg::ToolPose out;
     out.header(example_header());

@@ -39,6 +39,25 @@ TEST(Quality, LateJoinerGetsTheLastOfEveryKey) {
     EXPECT_EQ(samples, objects);
 }
 
+TEST(Quality, WhatWasReceivedOutlivesItsWriter) {
+    Node client(options("client"));
+    Subscriber<msg::SessionStatus> subscriber(client, topics::session_status);
+    {
+        Node server(options("server"));
+        Publisher<msg::SessionStatus> publisher(server, topics::session_status);
+        EXPECT_TRUE(publisher.wait_until_received(0ms)) << "nobody has to receive anything";
+        ASSERT_TRUE(eventually([&] { return publisher.matched() == 1; }));
+        auto status = example<msg::SessionStatus>();
+        status.phase(msg::PHASE_FINISHED);
+        ASSERT_TRUE(publisher.publish(status));
+        EXPECT_TRUE(publisher.wait_until_received(2s));
+    }
+    // The reader was busy elsewhere while the writer went.
+    msg::SessionStatus received;
+    ASSERT_TRUE(subscriber.take(received));
+    EXPECT_EQ(received.phase(), msg::PHASE_FINISHED);
+}
+
 TEST(Quality, SessionsDoNotHearEachOther) {
     Node a(options("a", "first"));
     Node b(options("b", "second"));

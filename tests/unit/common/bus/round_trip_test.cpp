@@ -52,6 +52,9 @@ TEST(RoundTrip, Deformation) {
 TEST(RoundTrip, DeformationSlow) {
     expect_round_trip(topics::deformation_slow);
 }
+TEST(RoundTrip, Fluid) {
+    expect_round_trip(topics::fluid);
+}
 TEST(RoundTrip, Command) {
     expect_round_trip(topics::command);
 }

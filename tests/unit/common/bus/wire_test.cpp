@@ -39,9 +39,10 @@ class Malformed : public ::testing::Test {};
 
 using Types =
     ::testing::Types<msg::SceneDescriptionPubSubType, msg::DeformationStatePubSubType,
-                     msg::ToolPosePubSubType, msg::EyePosePubSubType, msg::ProxyStatePubSubType,
-                     msg::TissueContactsPubSubType, msg::CommandPubSubType, msg::CommandResultPubSubType,
-                     msg::LiveMetricsPubSubType, msg::AttemptSummaryPubSubType, msg::SessionStatusPubSubType>;
+                     msg::FluidStatePubSubType, msg::ToolPosePubSubType, msg::EyePosePubSubType,
+                     msg::ProxyStatePubSubType, msg::TissueContactsPubSubType, msg::CommandPubSubType,
+                     msg::CommandResultPubSubType, msg::LiveMetricsPubSubType, msg::AttemptSummaryPubSubType,
+                     msg::SessionStatusPubSubType>;
 TYPED_TEST_SUITE(Malformed, Types);
 
 TYPED_TEST(Malformed, EveryTruncationIsRefused) {
@@ -103,6 +104,10 @@ TEST(MalformedBounds, SequencesLongerThanTheirBound) {
     contacts.contacts().emplace_back();
     EXPECT_FALSE(reads<WireType<msg::TissueContactsPubSubType>>(
         bytes_of<WireType<msg::TissueContactsPubSubType>>(contacts)));
+    auto fluid = example<msg::FluidState>();
+    fluid.places().push_back(0);
+    EXPECT_FALSE(
+        reads<WireType<msg::FluidStatePubSubType>>(bytes_of<WireType<msg::FluidStatePubSubType>>(fluid)));
     auto status = example<msg::SessionStatus>();
     status.phase(static_cast<msg::SessionPhase>(17));
     EXPECT_FALSE(reads<WireType<msg::SessionStatusPubSubType>>(

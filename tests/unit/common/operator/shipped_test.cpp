@@ -70,7 +70,7 @@ TEST(ShippedOperators, AreThere) {
     for (const auto& file : shipped()) {
         names.push_back(file.stem().string());
     }
-    for (const char* name : {"expert", "novice", "no_lift", "oesophageal"}) {
+    for (const char* name : {"expert", "expert_premature", "novice", "no_lift", "oesophageal"}) {
         EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
     }
 }

@@ -57,6 +57,7 @@ inline SceneRecord scene(std::size_t vertices = 300) {
     }
     scene.landmarks = {{"upper_gum", Vec3f::Zero(), skin(random)}, {"carina", Vec3f(0, 1, 2), skin(random)}};
     scene.glottis_contour = {{"", Vec3f(1, 0, 0), skin(random)}, {"", Vec3f(0, 1, 0), skin(random)}};
+    scene.liquid = true;
     scene.blade = "miller_1";
     scene.laryngoscope = scene.surfaces[0].mesh;
     scene.tube_outer_diameter = 4.2e-3f;
@@ -117,6 +118,15 @@ inline DeformationRecord deformation(std::uint64_t number) {
         record.frame.push_back(i);
         const RigidTransform at = pose(number, i);
         record.pose.push_back({at.translation, at.rotation});
+    }
+    return record;
+}
+
+/// The liquid at a step: more and more of it, none at first.
+inline FluidRecord fluid(std::uint64_t number) {
+    FluidRecord record{number * step_ns, {}};
+    for (std::uint64_t i = 0; i < number / 2; ++i) {
+        record.position.push_back(pose(number, static_cast<std::uint16_t>(i)).translation);
     }
     return record;
 }

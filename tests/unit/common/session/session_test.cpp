@@ -49,6 +49,7 @@ void record(const std::filesystem::path& path, std::uint64_t steps) {
         }
         if (i % 12 == 0) {
             writer.push(sample::deformation(i));
+            writer.push(sample::fluid(i));
         }
         writer.push(sample::step(i));
     }
@@ -73,6 +74,18 @@ bool same(const StepRecord& a, const StepRecord& b) {
         }
     });
     return equal;
+}
+
+TEST_F(Session, WithoutLiquidThereIsNoPlaceForIt) {
+    SceneRecord dry = sample::scene();
+    dry.liquid = false;
+    SessionWriter writer(path, sample::info(), dry, {});
+    writer.push(sample::step(0));
+    EXPECT_TRUE(writer.close());
+    const SessionReader reader(path);
+    EXPECT_FALSE(reader.root().has("fluid"));
+    EXPECT_TRUE(reader.fluids().empty());
+    EXPECT_TRUE(check(path).sound());
 }
 
 TEST_F(Session, EverythingRecordedIsReadToTheBit) {
@@ -115,6 +128,12 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
             ASSERT_EQ(deformations[i].pose[k].centre, expected.pose[k].centre);
             ASSERT_EQ(deformations[i].pose[k].rotation.coeffs(), expected.pose[k].rotation.coeffs());
         }
+    }
+    const auto fluids = reader.fluids();
+    ASSERT_EQ(fluids.size(), (steps + 11) / 12);
+    for (std::size_t i = 0; i < fluids.size(); ++i) {
+        ASSERT_EQ(fluids[i].time_ns, sample::fluid(12 * i).time_ns);
+        ASSERT_EQ(fluids[i].position, sample::fluid(12 * i).position);
     }
     const auto summaries = reader.summaries();
     ASSERT_EQ(summaries.size(), 3u);
