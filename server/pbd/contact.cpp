@@ -3,6 +3,7 @@
 #include "server/pbd/contact.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace eti::pbd {
 
@@ -18,6 +19,23 @@ Vec3f with_friction(const Vec3f& push, const Vec3f& slip, const Vec3f& normal, f
     return push - tangential * (std::min(held, length) / length);
 }
 
+/// Where something ends up that met the capsule at `met`, where that faces along `normal`, with `rest` [m] of
+/// its way yet to go: on this side of it, having slipped by what friction leaves of the way across, at most a
+/// quarter round.
+Vec3f slid_along(const MovingCapsule& capsule, float reach, const Vec3f& met, const Vec3f& normal,
+                 const Vec3f& rest, float friction) {
+    const Vec3f push = -rest.dot(normal) * normal;
+    Vec3f slip = rest + with_friction(push, rest, normal, friction);
+    const float length = slip.norm();
+    if (length > reach) {
+        slip *= reach / length;
+    }
+    const Vec3f at = met + slip;
+    const Vec3f away = away_from(capsule.a, capsule.b, at);
+    const float distance = away.norm();
+    return distance < reach && distance > 1e-7f ? Vec3f(at + (reach / distance - 1.0f) * away) : at;
+}
+
 }  // namespace
 
 float closest_on_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
@@ -26,30 +44,89 @@ float closest_on_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
     return squared > 0.0f ? std::clamp((point - a).dot(along) / squared, 0.0f, 1.0f) : 0.0f;
 }
 
+Vec3f away_from(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
+    return point - a - closest_on_segment(a, b, point) * (b - a);
+}
+
+std::optional<Vec3f> first_contact(const Vec3f& a, const Vec3f& b, float reach, const Vec3f& from,
+                                   const Vec3f& to) {
+    constexpr int most_steps = 32;      // grazing ways take the most
+    const float close = 1e-5f * reach;  // counts as contact
+    Vec3f start = from;
+    const Vec3f away = away_from(a, b, from);
+    const float distance = away.norm();
+    if (distance > 1e-7f && distance < reach) {
+        start += (reach - distance) / distance * away;
+    }
+    const Vec3f way = to - start;
+    const float length = way.norm();
+    Vec3f at = start;
+    float gone = 0.0f;
+    for (int k = 0; k < most_steps; ++k) {
+        const float gap = away_from(a, b, at).norm() - reach;
+        if (gap < close) {
+            return at;
+        }
+        gone += gap;
+        if (gone >= length) {
+            return std::nullopt;
+        }
+        at = start + (gone / length) * way;
+    }
+    return std::nullopt;
+}
+
+Vec3f moved_clear(const Vec3f& a, const Vec3f& b, float reach, const Vec3f& point, const Vec3f& direction) {
+    constexpr int most_steps = 32;  // of which each passes a sphere about the axis
+    Vec3f at = point;
+    for (int k = 0; k < most_steps; ++k) {
+        const Vec3f away = away_from(a, b, at);
+        const float short_of = reach * reach - away.squaredNorm();
+        if (short_of <= 1e-5f * reach * reach) {
+            break;
+        }
+        const float ahead = away.dot(direction);
+        at += (std::sqrt(ahead * ahead + short_of) - ahead) * direction;
+    }
+    return at;
+}
+
+bool runs_head_on(const Vec3f& moved, const Vec3f& normal, float reach) {
+    const float length = moved.norm();
+    return length > reach / 32.0f && moved.dot(normal) > 0.7f * length;
+}
+
 Vec3f push_out_of(const MovingCapsule& capsule, const Vec3f& before, const Vec3f& predicted, float radius,
                   float friction) {
     const float reach = capsule.radius + radius;
     const float t = closest_on_segment(capsule.a, capsule.b, predicted);
     const Vec3f axis = capsule.a + t * (capsule.b - capsule.a);
     const Vec3f axis_before = capsule.a_before + t * (capsule.b_before - capsule.a_before);
-    const Vec3f from_before = before - axis_before;
-    Vec3f apart = predicted - axis;
-    float distance = apart.norm();
-    // Swept over: the particle was on one side of the axis and has come out on the other.
-    const bool crossed = distance < 2.0f * reach && from_before.dot(apart) < 0.0f;
-    if (!crossed && distance >= reach) {
+    const Vec3f apart = predicted - axis;
+    const float distance = apart.norm();
+    // As the capsule, where it is now, sees it, the particle came from here.
+    const Vec3f moved = axis - axis_before;
+    const Vec3f from = before + moved;
+    const Vec3f way = predicted - from;
+    const bool crossed = (from - axis).dot(apart) < 0.0f;
+    if (crossed || way.squaredNorm() > reach * reach || moved.squaredNorm() > reach * reach / 1024.0f) {
+        const std::optional<Vec3f> met = first_contact(capsule.a, capsule.b, reach, from, predicted);
+        if (met.has_value()) {
+            const Vec3f normal = away_from(capsule.a, capsule.b, *met).normalized();
+            const bool inwards = way.dot(normal) < 0.0f;
+            if (inwards && distance < reach && runs_head_on(moved, normal, reach)) {
+                return moved_clear(capsule.a, capsule.b, reach, predicted, moved.normalized()) - predicted;
+            }
+            if (inwards && (distance >= reach || normal.dot(apart) < 0.0f)) {
+                return slid_along(capsule, reach, *met, normal, predicted - *met, friction) - predicted;
+            }
+        }
+    }
+    if (distance >= reach) {
         return Vec3f::Zero();
     }
-    if (crossed || distance < 1e-7f) {
-        apart = from_before;
-        distance = apart.norm();
-        if (distance < 1e-7f) {
-            apart = (capsule.b - capsule.a).unitOrthogonal();
-            distance = 1.0f;
-        }
-        const Vec3f normal = apart / distance;
-        const Vec3f push = axis + reach * normal - predicted;
-        return push;
+    if (distance < 1e-7f) {
+        return reach * (capsule.b - capsule.a).unitOrthogonal();
     }
     const Vec3f normal = apart / distance;
     const Vec3f push = (reach - distance) * normal;

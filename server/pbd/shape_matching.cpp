@@ -2,11 +2,13 @@
 // Copyright the NeoETI authors
 #include "server/pbd/shape_matching.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "server/pbd/lanes.hpp"
+#include "server/pbd/ranges.hpp"
+#include "server/pbd/rotation.hpp"
 
 namespace eti::pbd {
 
@@ -15,44 +17,18 @@ namespace {
 // Warm-started from the last substep: four steps leave a thousandth of what the cluster turned since. An
 // even number, so that what is left lags: goals that lead the body would feed energy into it.
 constexpr int rotation_steps = 4;
-// Ranges are cut the same way whatever the number of threads; every output has one writer.
-constexpr std::size_t cluster_grain = 64;
+constexpr std::size_t block_grain = 8;
 constexpr std::size_t particle_grain = 512;
 
-template <class Body>
-void for_ranges(std::size_t count, std::size_t grain, const Body& body) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                              body(i);
-                          }
-                      });
+[[nodiscard]] std::size_t blocks_of(std::size_t clusters) {
+    return (clusters + lane_count - 1) / lane_count;
 }
 
 }  // namespace
 
-Quatf extract_rotation(const Mat3f& a, const Quatf& rotation, int iterations) {
-    Quatf q = rotation;
-    for (int i = 0; i < iterations; ++i) {
-        const Mat3f r = q.toRotationMatrix();
-        const Vec3f turn = r.col(0).cross(a.col(0)) + r.col(1).cross(a.col(1)) + r.col(2).cross(a.col(2));
-        const float scale =
-            std::fabs(r.col(0).dot(a.col(0)) + r.col(1).dot(a.col(1)) + r.col(2).dot(a.col(2))) + 1e-20f;
-        // Near the solution `turn` is (s_i + s_j) / (s_1 + s_2 + s_3) of the angle left, for principal
-        // stretches s: two thirds where they are equal. Three halves of it converge five times a step
-        // for stretches of 0.7 to 1.3, and still converge (rate 1/2) for flat and linear clusters.
-        const Vec3f omega = 1.5f * turn / scale;
-        const float angle = omega.norm();
-        if (!(angle > 1e-7f)) {
-            break;
-        }
-        // An inverted or flat cluster can ask for more than a radian; bounded steps still converge.
-        q = (quaternion_from(omega * (std::min(angle, 1.0f) / angle)) * q).normalized();
-    }
-    return q;
-}
-
 void ShapeMatching::configure(const Description& description, const Particles& particles) {
+    goal_share_ = description.goal_share;
+    avx2_ = has_avx2();
     first_ = description.first;
     member_ = description.member;
     const std::size_t clusters = first_.size() - 1;
@@ -80,44 +56,42 @@ void ShapeMatching::configure(const Description& description, const Particles& p
         }
     }
 
-    weight_.resize(member_.size());
-    offset_.resize(member_.size());
+    const std::size_t padded = lane_count * blocks_of(clusters);
+    moment_.assign(member_.size() + 1, Eigen::Vector4f::Zero());
     rest_centre_.assign(clusters, Vec3f::Zero());
     centre_.assign(clusters, Vec3f::Zero());
-    rotation_.assign(clusters, Quatf::Identity());
+    rotation_.assign(padded, Quatf::Identity());
+    lever_.assign(padded, Eigen::Vector4f::Zero());
+    frame_.assign(padded, {});
     spring_.resize(clusters);
     mass_.resize(clusters);
-    share_.resize(clusters);
+    wide_.assign(count + 1, Eigen::Vector4f::Zero());
+    wide_rest_.assign(count, Eigen::Vector4f::UnitW());
     for (std::size_t c = 0; c < clusters; ++c) {
         assert(first_[c + 1] > first_[c]);
         float total = 0.0f;
-        float free_mass = 0.0f;
-        float free_count = 0.0f;
         float volume = 0.0f;
         float overlap = 0.0f;
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
             const std::uint32_t i = member_[k];
             const auto n = static_cast<float>(memberships[i]);
-            const float share = description.fitting_mass[i] / n;
-            weight_[k] = share;
-            total += share;
-            free_mass += share;
-            free_count += 1.0f;
+            moment_[k].w() = description.fitting_mass[i] / n;
+            total += moment_[k].w();
             volume += description.particle_volume[i];
             overlap += n;
         }
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
-            weight_[k] /= total;
+            moment_[k].w() /= total;
         }
-        mass_[c] = free_mass / free_count;
-        spring_[c] = description.youngs_modulus[c] * 5.0f * (volume / free_count) / (overlap / free_count);
+        mass_[c] = total / static_cast<float>(first_[c + 1] - first_[c]);
+        spring_[c] = description.youngs_modulus[c] * 5.0f * volume / overlap;
     }
     set_rest(particles);
     // k = 5 E V / (n r^2) with r^2 = 5/3 of the mean squared offset.
     for (std::size_t c = 0; c < clusters; ++c) {
         float squared = 0.0f;
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
-            squared += weight_[k] * offset_[k].squaredNorm();
+            squared += moment_[k].head<3>().squaredNorm() / moment_[k].w();
         }
         spring_[c] /= std::max(squared * 5.0f / 3.0f, 1e-12f);
     }
@@ -126,68 +100,192 @@ void ShapeMatching::configure(const Description& description, const Particles& p
 }
 
 void ShapeMatching::set_rest(const Particles& particles) {
-    for_ranges(rest_centre_.size(), cluster_grain, [&](std::size_t c) {
-        const Vec3f origin = particles.rest[member_[first_[c]]];
+    origin_ = particles.size() > 0 ? particles.rest[0] : Vec3f::Zero();
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        wide_rest_[i].head<3>() = particles.rest[i] - origin_;
+    }
+    for_each(rest_centre_.size(), lane_count * block_grain, [&](std::size_t c) {
+        const Vec3f near = particles.rest[member_[first_[c]]];
         Vec3f mean = Vec3f::Zero();
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
-            mean += weight_[k] * (particles.rest[member_[k]] - origin);
+            mean += moment_[k].w() * (particles.rest[member_[k]] - near);
         }
-        rest_centre_[c] = origin + mean;
+        rest_centre_[c] = near + mean;
+        lever_[c].head<3>() = rest_centre_[c] - origin_;
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
-            offset_[k] = particles.rest[member_[k]] - rest_centre_[c];
+            moment_[k].head<3>() = moment_[k].w() * (particles.rest[member_[k]] - rest_centre_[c]);
         }
     });
 }
 
 void ShapeMatching::reset() {
-    for (std::size_t c = 0; c < rotation_.size(); ++c) {
+    for (std::size_t c = 0; c < size(); ++c) {
         rotation_[c] = Quatf::Identity();
         centre_[c] = rest_centre_[c];
     }
 }
 
-void ShapeMatching::fit_cluster(std::size_t c, const std::vector<Vec3f>& positions) {
-    // Relative to one member: the products then keep their digits wherever the body is.
-    const Vec3f origin = positions[member_[first_[c]]];
-    Vec3f mean = Vec3f::Zero();
-    Mat3f a = Mat3f::Zero();
-    for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
-        const Vec3f x = weight_[k] * (positions[member_[k]] - origin);
-        mean += x;
-        a += x * offset_[k].transpose();  // offsets have zero weighted mean: no correction by the mean
-    }
-    centre_[c] = origin + mean;
-    rotation_[c] = extract_rotation(a, rotation_[c], rotation_steps);
-}
-
-void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
-    for_ranges(rotation_.size(), cluster_grain, [&](std::size_t c) { fit_cluster(c, positions); });
-}
-
-void ShapeMatching::update_stiffness(float dt) {
-    for (std::size_t c = 0; c < share_.size(); ++c) {
+void ShapeMatching::update_shares(float dt) {
+    for (std::size_t c = 0; c < size(); ++c) {
         const float stiff = spring_[c] * dt * dt;
-        share_[c] = stiff / (mass_[c] + stiff);
+        lever_[c].w() = goal_share_ > 0.0f ? goal_share_ : stiff / (mass_[c] + stiff);
     }
     share_dt_ = dt;
 }
 
+// Adds w (x - origin) (q, 1)^T of a member to its cluster's sums: columns 0 and 1, and columns 2 and 3.
+[[gnu::always_inline]] inline void add_moment(const float* position, const float* moment,
+                                              const Lanes& origins, Lanes& low, Lanes& high) {
+    Four x;
+    Four m;
+    std::memcpy(&x, position, sizeof x);
+    std::memcpy(&m, moment, sizeof m);
+    const Lanes apart = __builtin_shufflevector(x, x, 0, 1, 2, 3, 0, 1, 2, 3) - origins;
+    low += __builtin_shufflevector(m, m, 0, 0, 0, 0, 1, 1, 1, 1) * apart;
+    high += __builtin_shufflevector(m, m, 2, 2, 2, 2, 3, 3, 3, 3) * apart;
+}
+
+[[gnu::always_inline]] inline void ShapeMatching::fit_blocks(std::size_t begin, std::size_t end) {
+    const float* wide = wide_.front().data();
+    const float* moment = moment_.front().data();
+    constexpr std::uint32_t row[lane_count] = {0, 16, 32, 48, 64, 80, 96, 112};
+    for (std::size_t block = begin; block != end; ++block) {
+        const std::size_t first = lane_count * block;
+        const std::size_t count = std::min(lane_count, size() - first);
+        // Per cluster the three columns of  A = sum w (x - near) q^T  and the mean of x - near; then near.
+        alignas(64) float sums[16 * lane_count] = {};
+        alignas(64) float near[16 * lane_count] = {};
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            const std::uint32_t from = first_[first + lane];
+            const std::uint32_t to = first_[first + lane + 1];
+            // Relative to one member: the products then keep their digits wherever the body is.
+            Four origin;
+            std::memcpy(&origin, wide + 4 * member_[from], sizeof origin);
+            const Lanes origins = __builtin_shufflevector(origin, origin, 0, 1, 2, 3, 0, 1, 2, 3);
+            Lanes low{}, high{}, low_odd{}, high_odd{};  // two chains of sums, to wait less for each
+            std::uint32_t k = from;
+            for (; k + 1 < to; k += 2) {
+                add_moment(wide + 4 * member_[k], moment + 4 * k, origins, low, high);
+                add_moment(wide + 4 * member_[k + 1], moment + 4 * (k + 1), origins, low_odd, high_odd);
+            }
+            if (k < to) {
+                add_moment(wide + 4 * member_[k], moment + 4 * k, origins, low, high);
+            }
+            low += low_odd;
+            high += high_odd;
+            std::memcpy(sums + row[lane], &low, sizeof low);
+            std::memcpy(sums + row[lane] + 8, &high, sizeof high);
+            std::memcpy(near + row[lane], &origin, sizeof origin);
+        }
+        Lanes a[3][3];
+        Lanes centre[3];
+        Lanes place[3];
+        Lanes unused;
+        for (int c = 0; c < 3; ++c) {
+            gather(sums + 4 * c, row, a[c], unused);
+        }
+        gather(sums + 12, row, centre, unused);
+        gather(near, row, place, unused);
+
+        constexpr std::uint32_t quadruple[lane_count] = {0, 4, 8, 12, 16, 20, 24, 28};
+        Lanes vector[3];
+        Lanes scalar;
+        float* rotation = rotation_[first].coeffs().data();
+        gather(rotation, quadruple, vector, scalar);
+        Lanes q[4] = {vector[0], vector[1], vector[2], scalar};
+        turn_towards(a, q, rotation_steps);
+        Lanes length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        for (std::size_t lane = 0; lane < lane_count; ++lane) {
+            length[lane] = std::sqrt(length[lane]);
+        }
+        for (Lanes& part : q) {
+            part /= length;
+        }
+        const Lanes unit[3] = {q[0], q[1], q[2]};
+        scatter(rotation, quadruple, unit, q[3]);
+
+        Lanes r[3][3];
+        columns_of(q, r);
+        Lanes lever[3];
+        Lanes share;
+        gather(lever_[first].data(), quadruple, lever, share);
+        float* frame = frame_[first].packed;
+        Lanes moved[3];
+        for (int i = 0; i < 3; ++i) {
+            centre[i] += place[i];
+            moved[i] = share * (centre[i] - (r[0][i] * lever[0] + r[1][i] * lever[1] + r[2][i] * lever[2]));
+        }
+        for (int c = 0; c < 3; ++c) {
+            const Lanes column[3] = {share * r[c][0], share * r[c][1], share * r[c][2]};
+            scatter(frame + 4 * c, row, column, Lanes{});
+        }
+        scatter(frame + 12, row, moved, share);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            centre_[first + lane] = Vec3f(centre[0][lane], centre[1][lane], centre[2][lane]);
+        }
+    }
+}
+
+[[gnu::always_inline]] inline void ShapeMatching::move_particles(Particles& particles, std::size_t begin,
+                                                                 std::size_t end) const {
+    for (std::size_t i = begin; i != end; ++i) {
+        if (inverse_count_[i] == 0.0f) {
+            continue;
+        }
+        Lanes low{};
+        Lanes high{};
+        for (std::uint32_t k = first_of_[i]; k < first_of_[i + 1]; ++k) {
+            const float* frame = frame_[cluster_of_[k]].packed;
+            Lanes part;
+            load(frame, part);
+            low += part;
+            load(frame + 8, part);
+            high += part;
+        }
+        Four rest;
+        Four x;
+        std::memcpy(&rest, wide_rest_[i].data(), sizeof rest);
+        std::memcpy(&x, wide_[i].data(), sizeof x);
+        const Lanes goals = low * __builtin_shufflevector(rest, rest, 0, 0, 0, 0, 1, 1, 1, 1) +
+                            high * __builtin_shufflevector(rest, rest, 2, 2, 2, 2, 3, 3, 3, 3);
+        const Four goal = __builtin_shufflevector(goals, goals, 0, 1, 2, 3) +
+                          __builtin_shufflevector(goals, goals, 4, 5, 6, 7);
+        x += inverse_count_[i] * (goal - high[7] * x);
+        std::memcpy(particles.predicted[i].data(), &x, sizeof(Vec3f));
+    }
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void ShapeMatching::fit_blocks_avx2(std::size_t begin, std::size_t end) {
+    fit_blocks(begin, end);
+}
+[[gnu::target("avx2")]] void ShapeMatching::move_particles_avx2(Particles& particles, std::size_t begin,
+                                                                std::size_t end) const {
+    move_particles(particles, begin, end);
+}
+#else
+void ShapeMatching::fit_blocks_avx2(std::size_t begin, std::size_t end) {
+    fit_blocks(begin, end);
+}
+void ShapeMatching::move_particles_avx2(Particles& particles, std::size_t begin, std::size_t end) const {
+    move_particles(particles, begin, end);
+}
+#endif
+
+void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
+    for_each(positions.size(), 8 * particle_grain, [&](std::size_t i) { wide_[i].head<3>() = positions[i]; });
+    for_ranges(blocks_of(size()), block_grain, [&](std::size_t begin, std::size_t end) {
+        avx2_ ? fit_blocks_avx2(begin, end) : fit_blocks(begin, end);
+    });
+}
+
 void ShapeMatching::project(Particles& particles, float dt) {
     if (dt != share_dt_) {
-        update_stiffness(dt);
+        update_shares(dt);
     }
     fit(particles.predicted);
-    for_ranges(particles.size(), particle_grain, [&](std::size_t i) {
-        if (inverse_count_[i] == 0.0f) {
-            return;
-        }
-        const Vec3f x = particles.predicted[i];
-        Vec3f move = Vec3f::Zero();
-        for (const std::uint32_t c : clusters_of(i)) {
-            const Vec3f goal = rotation_[c] * (particles.rest[i] - rest_centre_[c]) + centre_[c];
-            move += share_[c] * (goal - x);
-        }
-        particles.predicted[i] = x + inverse_count_[i] * move;
+    for_ranges(particles.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+        avx2_ ? move_particles_avx2(particles, begin, end) : move_particles(particles, begin, end);
     });
 }
 

@@ -11,11 +11,6 @@
 
 namespace eti::pbd {
 
-/// The rotation of the polar decomposition of `a`, started from `rotation` (Müller, Bender,
-/// Chentanez & Macklin 2016, "A robust method to extract the rotational part of deformations").
-/// Always a proper rotation, also for singular or inverted `a`.
-[[nodiscard]] Quatf extract_rotation(const Mat3f& a, const Quatf& rotation, int iterations);
-
 /// Overlapping clusters held to their rest shape (Müller et al. 2005, "Meshless deformations based
 /// on shape matching"). A particle in k clusters counts in each with mass m/k (Rivers & James 2007),
 /// so that averaging the goals conserves momentum. Stiffness is a compliance (XPBD, Macklin et al.
@@ -31,6 +26,9 @@ class ShapeMatching {
         std::vector<float> youngs_modulus;   ///< [Pa], per cluster
         std::vector<float> particle_volume;  ///< [m^3], per particle
         std::vector<float> fitting_mass;     ///< [kg], per particle; finite also where the mass is infinite
+        /// Above 0: what Müller 2005 calls stiffness, the share of the way to the goal that every pass
+        /// takes, in place of the moduli. How stiff that is depends on passes and substeps.
+        float goal_share = 0.0f;
     };
 
     void configure(const Description& description, const Particles& particles);
@@ -45,8 +43,8 @@ class ShapeMatching {
     /// Fits every cluster to the current positions without moving anything.
     void fit(const std::vector<Vec3f>& positions);
 
-    [[nodiscard]] std::size_t size() const { return rotation_.size(); }
-    [[nodiscard]] std::span<const Quatf> rotation() const { return rotation_; }
+    [[nodiscard]] std::size_t size() const { return rest_centre_.size(); }
+    [[nodiscard]] std::span<const Quatf> rotation() const { return {rotation_.data(), size()}; }
     [[nodiscard]] std::span<const Vec3f> centre() const { return centre_; }
     [[nodiscard]] std::span<const Vec3f> rest_centre() const { return rest_centre_; }
     /// Clusters that hold a particle.
@@ -55,19 +53,40 @@ class ShapeMatching {
     }
     void reset();
 
+    /// Whether to use AVX2: set by configure() to what the processor has. The bits are the same without.
+    void use_avx2(bool wanted) { avx2_ = wanted; }
+
   private:
-    void fit_cluster(std::size_t cluster, const std::vector<Vec3f>& positions);
-    void update_stiffness(float dt);
+    /// What a cluster tells its particles: the columns of its rotation and the place of the body's origin
+    /// under its motion, all times the part of the way to the goal that a pass takes; last, that part.
+    struct alignas(64) Frame {
+        float packed[16] = {};
+    };
+
+    // Blocks of eight clusters, and particles: bodies of the kernels, and the same for AVX2.
+    void fit_blocks(std::size_t begin, std::size_t end);
+    void fit_blocks_avx2(std::size_t begin, std::size_t end);
+    void move_particles(Particles& particles, std::size_t begin, std::size_t end) const;
+    void move_particles_avx2(Particles& particles, std::size_t begin, std::size_t end) const;
+    void update_shares(float dt);
 
     std::vector<std::uint32_t> first_, member_;         // members by cluster
     std::vector<std::uint32_t> first_of_, cluster_of_;  // clusters by particle
-    std::vector<float> weight_;                         // per membership, sums to one in a cluster
-    std::vector<Vec3f> offset_;                         // per membership, rest offset from the rest centre
+    // Per membership: weight, which sums to one in a cluster, and before it the rest offset from the rest
+    // centre times that weight.
+    std::vector<Eigen::Vector4f> moment_;
+    // Positions to fit to, and rest positions from the origin with a one, so that loads are whole.
+    std::vector<Eigen::Vector4f> wide_, wide_rest_;
+    Vec3f origin_ = Vec3f::Zero();  // one of the particles at rest: rest positions from there keep digits
     std::vector<Vec3f> rest_centre_, centre_;
-    std::vector<Quatf> rotation_;
     std::vector<float> spring_, mass_;  // per cluster: spring [N/m] and mean mass share [kg]
-    std::vector<float> share_;          // per cluster, part of the way to the goal per pass
+    // Per cluster, filled up to whole blocks.
+    std::vector<Quatf> rotation_;
+    std::vector<Eigen::Vector4f> lever_;  // rest centre from the origin, and the part of the way per pass
+    std::vector<Frame> frame_;            // of the last fit
     float share_dt_ = 0.0f;
+    float goal_share_ = 0.0f;
+    bool avx2_ = false;
     std::vector<float> inverse_count_;  // per particle, 1 / clusters; 0 when it does not move
 };
 

@@ -5,6 +5,7 @@
 #include "server/pbd/links.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/shape_matching.hpp"
+#include "server/pbd/tetrahedra.hpp"
 
 namespace eti::pbd {
 
@@ -18,6 +19,7 @@ class SoftBody {
 
     Particles particles;
     ShapeMatching shapes;
+    Tetrahedra tetrahedra;
     Links links;
     Settings settings;
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/pbd/links.hpp"
 
 namespace eti::pbd {
@@ -35,6 +37,52 @@ TEST(CapsuleContact, FastCapsuleDoesNotPassAParticle) {
         const Vec3f moved = at + push_out_of(capsule, at, at, 1e-3f, 0.0f);
         if (-4.1e-3f + move + 4e-3f > 0.0f) {
             EXPECT_NEAR(moved.x(), -4.1e-3f + move + 4e-3f, 1e-7f) << move;
+        }
+    }
+}
+
+TEST(CapsuleContact, FirstContactIsWhereTheWayMeetsTheCapsule) {
+    // Closed forms: a cylinder met across, its round end met along the axis and beside it, and a miss.
+    const Vec3f a = Vec3f::Zero(), b(0, 0, 0.05f);
+    const float reach = 5e-3f;
+    const auto met = [&](const Vec3f& from, const Vec3f& to) { return first_contact(a, b, reach, from, to); };
+    const auto across = met({-0.02f, 3e-3f, 0.02f}, {0.03f, 3e-3f, 0.02f});
+    ASSERT_TRUE(across.has_value());
+    EXPECT_LT((*across - Vec3f(-4e-3f, 3e-3f, 0.02f)).norm(), 2e-7f);
+    const auto tip = met({0, 0, 0.09f}, {0, 0, 0.01f});
+    ASSERT_TRUE(tip.has_value());
+    EXPECT_LT((*tip - Vec3f(0, 0, 0.055f)).norm(), 2e-7f);
+    const auto beside = met({3e-3f, 0, 0.09f}, {3e-3f, 0, 0.01f});
+    ASSERT_TRUE(beside.has_value());
+    EXPECT_LT((*beside - Vec3f(3e-3f, 0, 0.054f)).norm(), 2e-7f);
+    EXPECT_FALSE(met({5.1e-3f, 0, 0.09f}, {5.1e-3f, 0, 0.01f}).has_value());
+    EXPECT_FALSE(met({0, 0, 0.09f}, {0, 0, 0.056f}).has_value());
+    // Overlapping from the start: from the surface on.
+    const auto inside = met({4e-3f, 0, 0.02f}, {-4e-3f, 0, 0.02f});
+    ASSERT_TRUE(inside.has_value());
+    EXPECT_LT((*inside - Vec3f(5e-3f, 0, 0.02f)).norm(), 1e-8f);
+}
+
+TEST(CapsuleContact, AFastTipTakesWhatItMeetsAlongAndASlowOneLetsItSlip) {
+    // A particle 1 mm off the axis of a round tip that advances. Slowly, it is pushed along the sphere's
+    // normal, outwards; at 1 m/s and 1/1440 s it goes ahead of the tip.
+    for (const float move : {0.02e-3f, 0.7e-3f}) {
+        MovingCapsule capsule = still(3e-3f);
+        Vec3f at(1e-3f, 0, 0.0f);
+        at.z() = capsule.b.z() + std::sqrt(16e-6f - 1e-6f);  // touching: reach is 4 mm
+        for (int n = 0; n < 10; ++n) {
+            capsule.a_before = capsule.a;
+            capsule.b_before = capsule.b;
+            capsule.a.z() += move;
+            capsule.b.z() += move;
+            at += push_out_of(capsule, at, at, 1e-3f, 0.0f);
+            EXPECT_NEAR((at - capsule.b).norm(), 4e-3f, 1e-6f);
+        }
+        if (move > 4e-3f / 32.0f) {
+            EXPECT_NEAR(at.x(), 1e-3f, 1e-6f);
+        } else {
+            // Pushed along (1, 0, sqrt 15) / 4: each step takes it 1/16 of the way outwards over sqrt 15.
+            EXPECT_GT(at.x(), 1e-3f + 10.0f * 0.9f * move / 4.0f * std::sqrt(15.0f) / 4.0f);
         }
     }
 }

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/server/pbd/allocations.hpp"
-#include "tests/unit/server/pbd/elastica.hpp"
-#include "tests/unit/server/pbd/rod_fixture.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/elastica.hpp"
+#include "tests/support/rod_fixture.hpp"
 
 namespace eti {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "tests/unit/server/pbd/elastica.hpp"
-#include "tests/unit/server/pbd/rod_fixture.hpp"
+#include "tests/support/elastica.hpp"
+#include "tests/support/rod_fixture.hpp"
 
 namespace eti {
 namespace {

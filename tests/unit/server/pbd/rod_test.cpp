@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "common/math/random.hpp"
-#include "tests/unit/server/pbd/allocations.hpp"
-#include "tests/unit/server/pbd/rod_fixture.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/rod_fixture.hpp"
 
 namespace eti {
 namespace {

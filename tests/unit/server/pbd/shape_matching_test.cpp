@@ -8,7 +8,8 @@
 #include <Eigen/SVD>
 
 #include "common/math/random.hpp"
-#include "server/pbd/soft_body.hpp"
+#include "server/pbd/rotation.hpp"
+#include "tests/support/cluster_block.hpp"
 
 namespace eti::pbd {
 namespace {
@@ -21,54 +22,27 @@ Quatf random_rotation(Random& random) {
     return Quatf(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
 }
 
-/// A free block of `n` cubed particles, 2 mm apart, in clusters of 27 on every second lattice point.
 SoftBody block(int n, float youngs_modulus, const Vec3f& at = Vec3f::Zero()) {
-    constexpr float spacing = 2e-3f;
-    constexpr float mass = 8e-6f;
-    SoftBody body;
-    body.settings.damping = 0.0f;
-    body.particles.resize(static_cast<std::size_t>(n * n * n));
-    ShapeMatching::Description description;
-    const auto index = [n](int x, int y, int z) { return static_cast<std::uint32_t>((z * n + y) * n + x); };
-    for (int z = 0; z < n; ++z) {
-        for (int y = 0; y < n; ++y) {
-            for (int x = 0; x < n; ++x) {
-                const std::uint32_t i = index(x, y, z);
-                body.particles.rest[i] =
-                    at + spacing * Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-                body.particles.inverse_mass[i] = 1.0f / mass;
-            }
-        }
-    }
-    description.first.push_back(0);
-    for (int z = 1; z < n; z += 2) {
-        for (int y = 1; y < n; y += 2) {
-            for (int x = 1; x < n; x += 2) {
-                for (int dz = -1; dz <= 1; ++dz) {
-                    for (int dy = -1; dy <= 1; ++dy) {
-                        for (int dx = -1; dx <= 1; ++dx) {
-                            if (x + dx < n && y + dy < n && z + dz < n) {
-                                description.member.push_back(index(x + dx, y + dy, z + dz));
-                            }
-                        }
-                    }
-                }
-                description.first.push_back(static_cast<std::uint32_t>(description.member.size()));
-                description.youngs_modulus.push_back(youngs_modulus);
-            }
-        }
-    }
-    description.particle_volume.assign(body.particles.size(), spacing * spacing * spacing);
-    description.fitting_mass.assign(body.particles.size(), mass);
-    body.shapes.configure(description, body.particles);
-    body.reset();
-    return body;
+    return test::cluster_block(n, youngs_modulus, at);
 }
 
-void substep(SoftBody& body, float dt) {
-    body.predict(dt, 1.0f);
-    body.project(dt);
-    body.finish(dt);
+using test::substep;
+
+/// The rotation that turn_towards() ends at.
+Quatf extract_rotation(const Mat3f& a, const Quatf& rotation, int iterations) {
+    float columns[3][3];
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < 3; ++i) {
+            columns[c][i] = a(i, c);
+        }
+    }
+    Quatf found = rotation;
+    for (int i = 0; i < iterations; ++i) {
+        float q[4] = {found.x(), found.y(), found.z(), found.w()};
+        turn_towards(columns, q, 1);
+        found = Quatf(q[3], q[0], q[1], q[2]).normalized();
+    }
+    return found;
 }
 
 TEST(ExtractRotation, MatchesSingularValueDecomposition) {
@@ -200,6 +174,21 @@ TEST(ShapeMatching, SameBitsForAnyNumberOfThreads) {
     const auto one = run(1);
     EXPECT_EQ(one, run(2));
     EXPECT_EQ(one, run(8));
+}
+
+TEST(ShapeMatching, SameBitsForAnyInstructionSet) {
+    const auto run = [](bool avx2) {
+        SoftBody body = block(9, 8e3f);
+        if (!avx2) {
+            body.shapes.use_avx2(false);
+        }
+        body.particles.position[17] += Vec3f(1e-3f, 0, 0);
+        for (int n = 0; n < 50; ++n) {
+            substep(body, 1.0f / 1440.0f);
+        }
+        return body.particles.position;
+    };
+    EXPECT_EQ(run(true), run(false));
 }
 
 TEST(ShapeMatching, ForceOfAHeldParticleFollowsTheSpring) {

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/pbd/fluid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace eti::pbd {
+
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+// Kernel radius over spacing. The next value is measured at this one.
+constexpr float support = 2.0f;
+// A settled liquid is not a lattice: at the same number of particles per volume its kernel sums are larger
+// by this much. Without it a lattice would burst as it melts, and poured liquid stand 3 % too high.
+constexpr float settled_volume = 0.968f;
+
+/// Unit, across `axis`.
+Vec3f direction_on_circle(const Vec3f& axis, float turn) {
+    const Vec3f across = axis.unitOrthogonal();
+    return std::cos(turn) * across + std::sin(turn) * axis.cross(across);
+}
+
+Vec3f direction_in_cone(const Vec3f& axis, float angle, Random& random) {
+    // Uniform on the spherical cap: the cosine is uniform (Archimedes).
+    const float cosine = 1.0f - random.uniform() * (1.0f - std::cos(angle));
+    const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
+    return cosine * axis + sine * direction_on_circle(axis, 2.0f * pi * random.uniform());
+}
+
+}  // namespace
+
+Fluid::Fluid(const FluidSettings& settings, std::uint64_t seed)
+    : settings_(settings),
+      kernel_(support * settings.spacing),
+      wall_table_(kernel_),
+      grid_(settings.lower, settings.upper, kernel_.radius, settings.capacity),
+      random_(seed),
+      volume_(settings.spacing * settings.spacing * settings.spacing),
+      mass_(settings.rest_density * volume_),
+      kernel_volume_(settled_volume * kernel_.lattice_volume(settings.spacing)),
+      attraction_(cohesion_strength(settings.surface_tension, volume_, kernel_.radius) / mass_),
+      // Young & Dupre: 1 + cos(angle) is the work of adhesion over the tension, and works go with the
+      // strengths of pairs of one shape; fluid on fluid has angle 0.
+      wall_attraction_(0.5f * (1.0f + std::cos(settings.contact_angle)) * attraction_ / volume_) {
+    const std::size_t n = settings.capacity;
+    for (std::vector<Vec3f>* vectors : {&position_, &predicted_, &velocity_, &vector_scratch_}) {
+        vectors->reserve(n);
+    }
+    for (std::vector<float>* floats : {&multiplier_, &compression_, &float_scratch_}) {
+        floats->reserve(n);
+    }
+    id_.reserve(n);
+    id_scratch_.reserve(n);
+    for (std::vector<Vec4f>* vectors : {&offset_, &displacement_, &own_gradient_}) {
+        vectors->resize(n, Vec4f::Zero());
+    }
+    diagonal_.resize(n, 0.0f);
+    wall_.resize(most_walls * n);
+    capsules_near_.resize(n / crowd + 1, 0);
+    gradient_.resize(most_neighbours * n, Vec4f::Zero());
+    neighbour_.resize(most_neighbours * n, 0);
+    first_pair_.resize(n, 0);
+    neighbours_.resize(n, 0);
+}
+
+void Fluid::resize(std::size_t count) {
+    for (std::vector<Vec3f>* vectors : {&position_, &predicted_, &velocity_, &vector_scratch_}) {
+        vectors->resize(count, Vec3f::Zero());
+    }
+    for (std::vector<float>* floats : {&multiplier_, &compression_, &float_scratch_}) {
+        floats->resize(count, 0.0f);
+    }
+    id_.resize(count, 0);
+    id_scratch_.resize(count, 0);
+}
+
+void Fluid::reset(std::uint64_t seed) {
+    resize(0);
+    random_ = Random(seed);
+    next_id_ = 0;
+    overflow_ = dropped_neighbours_ = left_domain_ = aspirated_ = 0;
+    for (Source& source : sources_) {
+        source.owed = 0.0;
+    }
+}
+
+void Fluid::set_emitters(std::span<const FluidEmitter> emitters) {
+    sources_.clear();
+    for (const FluidEmitter& emitter : emitters) {
+        sources_.push_back({emitter, 0.0});
+    }
+}
+
+void Fluid::place_emitter(std::size_t which, const Vec3f& position, const Vec3f& direction) {
+    sources_[which].emitter.position = position;
+    sources_[which].emitter.direction = direction;
+}
+
+bool Fluid::add(const Vec3f& position, const Vec3f& velocity) {
+    const std::size_t i = count();
+    if (i == settings_.capacity) {
+        ++overflow_;
+        return false;
+    }
+    resize(i + 1);
+    position_[i] = predicted_[i] = position;
+    velocity_[i] = velocity;
+    id_[i] = next_id_++;
+    return true;
+}
+
+float Fluid::pressure(std::size_t i) const {
+    return settings_.rest_density * multiplier_[i] / (dt_ * dt_);
+}
+
+void Fluid::emit(float dt) {
+    for (Source& source : sources_) {
+        const FluidEmitter& e = source.emitter;
+        source.owed += static_cast<double>(e.flow) * static_cast<double>(dt);
+        while (source.owed >= static_cast<double>(volume_)) {
+            source.owed -= static_cast<double>(volume_);
+            const float speed = e.speed * (1.0f + e.speed_spread * (2.0f * random_.uniform() - 1.0f));
+            const Vec3f direction = direction_in_cone(e.direction, e.cone, random_);
+            // Uniform on the disc. A random place also keeps particles from coinciding, which would leave
+            // them no direction to part in.
+            const float away = e.opening * std::sqrt(random_.uniform());
+            const Vec3f aside = direction_on_circle(e.direction, 2.0f * pi * random_.uniform());
+            add(e.position + away * aside, speed * direction);
+        }
+    }
+}
+
+void Fluid::remove(const FluidSurroundings& surroundings) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+        // False for anything that is not a number, too.
+        if (!grid_.contains(predicted_[i])) {
+            ++left_domain_;
+            continue;
+        }
+        const bool sucked = std::any_of(
+            surroundings.suctions.begin(), surroundings.suctions.end(), [&](const FluidSuction& suction) {
+                return suction.strength > 0.0f &&
+                       (predicted_[i] - suction.tip).squaredNorm() < suction.radius * suction.radius;
+            });
+        if (sucked) {
+            ++aspirated_;
+            continue;
+        }
+        position_[kept] = position_[i];
+        predicted_[kept] = predicted_[i];
+        velocity_[kept] = velocity_[i];
+        multiplier_[kept] = multiplier_[i];
+        id_[kept] = id_[i];
+        ++kept;
+    }
+    resize(kept);
+}
+
+void Fluid::sort() {
+    grid_.sort(predicted_);
+    const auto reorder = [this](auto& values, auto& scratch) {
+        const auto order = grid_.order();
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            scratch[i] = values[order[i]];
+        }
+        values.swap(scratch);
+    };
+    reorder(position_, vector_scratch_);
+    reorder(predicted_, vector_scratch_);
+    reorder(velocity_, vector_scratch_);
+    reorder(multiplier_, float_scratch_);
+    reorder(id_, id_scratch_);
+}
+
+}  // namespace eti::pbd

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/math/transform.hpp"
+
+namespace eti::pbd {
+
+/// Sorts points into cubic cells, so that the points near another lie in nine runs of the sorted order.
+/// Cells are counted only within the points' bounding box. Nothing allocates after construction.
+class FluidGrid {
+  public:
+    using Run = std::pair<std::uint32_t, std::uint32_t>;  ///< first and one past the last place
+
+    /// Throws std::invalid_argument if the domain is empty or has more cells than memory is worth.
+    FluidGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size_t capacity);
+
+    /// Counting sort, stable; cells in the order z, y, x whatever the bounding box. Points are to lie within
+    /// the domain. Afterwards order()[place] is the point that belongs there.
+    void sort(std::span<const Vec3f> points);
+    [[nodiscard]] std::span<const std::uint32_t> order() const { return {order_.data(), count_}; }
+    /// The cell of the point at a place of the sorted order.
+    [[nodiscard]] std::uint32_t cell_at(std::size_t place) const { return cell_[order_[place]]; }
+    /// Places of the points in the 27 cells about `cell`.
+    [[nodiscard]] std::array<Run, 9> neighbours(std::uint32_t cell) const;
+
+    [[nodiscard]] bool contains(const Vec3f& point) const {
+        return (point.array() >= lower_.array()).all() && (point.array() < upper_.array()).all();
+    }
+
+  private:
+    [[nodiscard]] Eigen::Vector3i place_of(const Vec3f& point) const {
+        return ((point - lower_) * inverse_cell_).cast<int>();
+    }
+
+    Vec3f lower_, upper_;
+    float inverse_cell_;
+    std::size_t count_ = 0;
+    std::uint32_t row_ = 0;    ///< cells in a row along x, with one empty cell on either side
+    std::uint32_t layer_ = 0;  ///< cells in a layer of rows
+    std::vector<std::uint32_t> start_;
+    std::vector<std::uint32_t> cell_;
+    std::vector<std::uint32_t> order_;
+};
+
+}  // namespace eti::pbd

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace eti::test {
+
+/// The DDS domain that this process has to itself until it ends, so that tests which run at the same
+/// time do not meet: 1 to 100, because the ports of higher domains lie in the range that the kernel
+/// hands out to others. tests/system/support.py takes domains in the same way.
+/// Throws std::runtime_error when all are taken.
+[[nodiscard]] inline int own_domain() {
+    static const int mine = [] {
+        constexpr int domains = 100;
+        for (int tried = 0; tried < domains; ++tried) {
+            const int domain = 1 + (static_cast<int>(::getpid()) + tried) % domains;
+            // A name in the abstract namespace belongs to one socket and goes with its process.
+            const std::string name = "eti-test-domain-" + std::to_string(domain);
+            sockaddr_un address{};
+            address.sun_family = AF_UNIX;
+            std::ranges::copy(name, address.sun_path + 1);
+            const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+            const int token = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+            if (token < 0) {
+                break;
+            }
+            if (::bind(token, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
+                return domain;  // the token stays open
+            }
+            ::close(token);
+        }
+        throw std::runtime_error("no DDS domain from 1 to 100 is free for this test");
+    }();
+    return mine;
+}
+
+}  // namespace eti::test

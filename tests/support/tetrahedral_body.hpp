@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "server/pbd/tetrahedra.hpp"
+#include "tests/support/tetrahedral_lattice.hpp"
+
+namespace eti::test {
+
+/// A lattice of tetrahedra with the density of water, advanced as SoftBody advances its particles.
+struct TetrahedralBody {
+    TetrahedralLattice lattice;
+    pbd::Particles particles;
+    pbd::Tetrahedra tetrahedra;
+    std::vector<Vec3f> force;  ///< [N], per particle
+    Vec3f gravity = Vec3f::Zero();
+    float damping = 0.0f;  ///< [1/s], of velocity
+
+    TetrahedralBody(TetrahedralLattice shape, float youngs_modulus, float poisson_ratio)
+        : lattice(std::move(shape)) {
+        std::vector<double> mass(lattice.position.size(), 0.0);
+        for (const auto& corner : lattice.tetrahedra) {
+            for (const std::uint32_t i : corner) {
+                mass[i] += 1000.0 / 4.0 * std::pow(lattice.cell, 3) / 6.0;
+            }
+        }
+        particles.resize(mass.size());
+        force.assign(mass.size(), Vec3f::Zero());
+        for (std::size_t i = 0; i < mass.size(); ++i) {
+            particles.rest[i] = lattice.position[i].cast<float>();
+            particles.inverse_mass[i] = static_cast<float>(1.0 / mass[i]);
+        }
+        particles.position = particles.predicted = particles.rest;
+        const std::vector<float> modulus(lattice.tetrahedra.size(), youngs_modulus);
+        tetrahedra.configure({lattice.tetrahedra, modulus, poisson_ratio}, particles);
+    }
+
+    void substep(float dt) {
+        pbd::Particles& p = particles;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            if (p.inverse_mass[i] > 0.0f) {
+                p.velocity[i] += dt * (p.inverse_mass[i] * force[i] + gravity);
+            }
+            p.predicted[i] = p.position[i] + dt * p.velocity[i];
+        }
+        tetrahedra.project(p, dt);
+        const float keep = std::exp(-damping * dt) / dt;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            p.velocity[i] = keep * (p.predicted[i] - p.position[i]);
+            p.position[i] = p.predicted[i];
+        }
+    }
+};
+
+}  // namespace eti::test
