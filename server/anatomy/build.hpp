@@ -13,8 +13,10 @@ struct BuildSettings {
     float spacing = 2.0e-3f;       ///< [m], particles of the bulk
     float fine_spacing = 1.0e-3f;  ///< [m], particles of epiglottis and larynx
     float region = 10.0e-3f;       ///< [m], tissue farther from the airway moves with the bones
-    float tissue_stiffness =
-        8.0e3f;  ///< [Pa], Young's modulus of tongue and mucosa (Cheng 2011: about 8 kPa)
+    /// [Pa], Young's modulus of tongue and mucosa. Measured tissue has 8.0 +- 0.9 kPa (Cheng 2011, J Biomech
+    /// 44:450), but here the mouth's floor cannot give way as a whole
+    /// (docs/decisions/0024-tissue-stiffness.md).
+    float tissue_stiffness = 6.6e3f;
     float surface_spacing = 1.0e-3f;  ///< [m], grid of the visible surfaces
     std::size_t body_triangles = 45000;
     std::size_t shell_triangles = 12000;
@@ -27,12 +29,16 @@ struct BuildSettings {
 // The steps of build_patient, each adding its part of the model.
 void build_particles(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
 void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_tetrahedra(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
 void build_links(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
 void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
 void build_shell(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
 void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
 
-/// Tissues that share clusters: 0 body, 1 tongue, 2 epiglottis.
+/// [Pa]; of cartilage the same in every patient.
+[[nodiscard]] float youngs_modulus_of(Tissue tissue, const BuildSettings& settings);
+
+/// Tissues that share clusters and tetrahedra: 0 body, 1 tongue, 2 epiglottis.
 [[nodiscard]] constexpr int family_of(Tissue tissue) {
     return tissue == Tissue::tongue ? 1 : tissue == Tissue::epiglottis ? 2 : 0;
 }

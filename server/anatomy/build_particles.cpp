@@ -63,6 +63,17 @@ Voxel classify(const Newborn& newborn, const NewbornFields& f, const Vec3f& poin
 
 }  // namespace
 
+float youngs_modulus_of(Tissue tissue, const BuildSettings& settings) {
+    switch (tissue) {
+        case Tissue::epiglottis:
+            return 320e3f;  // elastic cartilage
+        case Tissue::larynx:
+            return 32e3f;  // cartilage and cords in one
+        default:
+            return settings.tissue_stiffness;
+    }
+}
+
 void build_particles(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
     ParticleSet& set = patient.particles;
     const float size = newborn.scale() / millimetre;
@@ -101,16 +112,6 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
     const float size = newborn.scale() / millimetre;
     const float coarse = settings.spacing * size;
     const PointGrid grid(set.rest, 2.0f * coarse);
-    const auto stiffness_of = [&](Tissue tissue) {
-        switch (tissue) {
-            case Tissue::epiglottis:
-                return 40.0f * settings.tissue_stiffness;  // elastic cartilage
-            case Tissue::larynx:
-                return 4.0f * settings.tissue_stiffness;  // cartilage and cords in one
-            default:
-                return settings.tissue_stiffness;
-        }
-    };
     clusters.first.push_back(0);
     std::vector<std::uint8_t> covered(set.size(), 0);
     const auto add = [&](const std::vector<std::uint32_t>& members, Tissue tissue) {
@@ -124,7 +125,7 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
         }
         clusters.member.insert(clusters.member.end(), members.begin(), members.end());
         clusters.first.push_back(static_cast<std::uint32_t>(clusters.member.size()));
-        clusters.youngs_modulus.push_back(stiffness_of(tissue));
+        clusters.youngs_modulus.push_back(youngs_modulus_of(tissue, settings));
         clusters.tissue.push_back(tissue);
     };
     // The epiglottis is one cluster over exactly its particles (Xiao et al. 2020, sec. 4.2). Its stalk,

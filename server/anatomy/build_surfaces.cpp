@@ -310,6 +310,7 @@ Patient build_patient(const NewbornParameters& parameters, const BuildSettings& 
     patient.skeleton = newborn.skeleton();
     build_particles(newborn, settings, patient);
     build_clusters(newborn, settings, patient);
+    build_tetrahedra(newborn, settings, patient);
     build_links(newborn, settings, patient);
     build_surfaces(newborn, settings, patient);
     build_shell(newborn, settings, patient);

@@ -22,7 +22,7 @@ using hdf5::read_rows;
 using hdf5::write_rows;
 
 constexpr std::string_view file_kind = "NeoETI patient model";
-constexpr std::uint64_t schema = 1;
+constexpr std::uint64_t schema = 2;
 
 void write_carried(const Group& parent, const std::string& name, std::span<const CarriedPoint> points) {
     const Group group = parent.create(name);
@@ -135,6 +135,21 @@ ClusterSet read_clusters(const Group& group, std::size_t particles) {
     return clusters;
 }
 
+void write(const Group& group, const TetrahedronSet& tetrahedra) {
+    write_rows(group, "corners", tetrahedra.corners, {"1", "particle indices"});
+    group.write<float>("youngs_modulus", tetrahedra.youngs_modulus, {tetrahedra.youngs_modulus.size()},
+                       {"Pa", "Young's modulus"});
+}
+
+TetrahedronSet read_tetrahedra(const Group& group, std::size_t particles) {
+    TetrahedronSet tetrahedra;
+    tetrahedra.corners = read_rows<std::array<std::uint32_t, 4>>(group, "corners");
+    tetrahedra.youngs_modulus = numbers(group, "youngs_modulus", tetrahedra.corners.size());
+    require_indices(group, "corners", numbers_of(tetrahedra.corners), particles, "particles");
+    require_above(group, "youngs_modulus", tetrahedra.youngs_modulus, false);
+    return tetrahedra;
+}
+
 void write(const Group& group, const LinkSet& links) {
     write_rows(group, "ends", links.ends, {"1", "particle indices"});
     group.write<float>("stiffness", links.stiffness, {links.stiffness.size()}, {"N/m", "stiffness"});
@@ -216,6 +231,7 @@ void write(const Group& root, const Patient& patient) {
     skeleton.set_number("jaw_slide_m_per_rad", static_cast<double>(patient.skeleton.jaw_slide_per_radian));
     write(root.create("particles"), patient.particles);
     write(root.create("clusters"), patient.clusters);
+    write(root.create("tetrahedra"), patient.tetrahedra);
     write(root.create("links"), patient.links);
     write_rows(root, "frame_rest_centre", patient.frame_rest_centre, {"m", "bones first, then clusters"});
     const Group surfaces = root.create("surfaces");
@@ -246,6 +262,7 @@ Patient read(const Group& root) {
     }
     patient.particles = read_particles(root.open("particles"));
     patient.clusters = read_clusters(root.open("clusters"), patient.particles.size());
+    patient.tetrahedra = read_tetrahedra(root.open("tetrahedra"), patient.particles.size());
     patient.links = read_links(root.open("links"), patient.particles.size());
     const std::size_t frames = bone_count + patient.clusters.size();
     patient.frame_rest_centre = read_rows<Vec3f>(root, "frame_rest_centre", frames);

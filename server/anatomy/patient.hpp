@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,15 @@ struct ClusterSet {
     std::vector<float> youngs_modulus;  ///< [Pa], one per cluster
     std::vector<Tissue> tissue;
     [[nodiscard]] std::size_t size() const { return first.empty() ? 0 : first.size() - 1; }
+    [[nodiscard]] std::span<const std::uint32_t> members(std::size_t cluster) const {
+        return {member.data() + first[cluster], member.data() + first[cluster + 1]};
+    }
+};
+
+/// The same tissue cut into tetrahedra with particles at their corners: the second way to compute it.
+struct TetrahedronSet {
+    std::vector<std::array<std::uint32_t, 4>> corners;  ///< particle indices, in any orientation
+    std::vector<float> youngs_modulus;                  ///< [Pa], one per tetrahedron
 };
 
 /// Pairs held at their rest distance: tongue to mouth floor, hyoepiglottic ligament.
@@ -94,6 +104,7 @@ struct Patient {
     Skeleton skeleton;
     ParticleSet particles;
     ClusterSet clusters;
+    TetrahedronSet tetrahedra;
     LinkSet links;
     std::vector<Vec3f> frame_rest_centre;  ///< bones first (Bone order), then clusters
     std::vector<Surface> surfaces;         ///< body, tongue, epiglottis, bones

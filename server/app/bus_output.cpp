@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "common/bus/convert.hpp"
+#include "common/bus/fluid_state.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::app {
@@ -26,6 +27,9 @@ constexpr std::uint32_t refresh_states = 45;
 // 24 bytes a frame; the first chunk also carries the tube's nodes. Each chunk fits 1300 bytes.
 constexpr std::size_t frames_per_chunk = 48;
 constexpr std::size_t frames_in_first_chunk = 24;
+
+// Longer than the lease after which a killed reader no longer counts.
+constexpr std::chrono::milliseconds farewell{2000};
 
 std::uint8_t quantised(float weight) {
     return static_cast<std::uint8_t>(std::lround(weight * 255.0f));
@@ -68,7 +72,7 @@ void append(std::vector<float>& to, const Vec3f& v) {
 }  // namespace
 
 BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope,
-                     const Tube& tube, std::string scenario)
+                     const Tube& tube, std::string scenario, bool saliva)
     : session_(node.options().session),
       scenario_(std::move(scenario)),
       scene_(node, bus::topics::scene),
@@ -80,6 +84,9 @@ BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Lar
       summary_(node, bus::topics::attempt_summary),
       result_(node, bus::topics::command_result),
       status_(node, bus::topics::session_status) {
+    if (saliva) {
+        fluid_.emplace(node, bus::topics::fluid);
+    }
     publish_scene(patient, scope, tube);
     thread_ = std::thread([this] { run(); });
 }
@@ -218,6 +225,10 @@ void BusOutput::run() {
         }
         if (ending) {
             publish_status(current_);
+            // Else a busy reader that has not looked yet would never hear that the session has finished.
+            if (!status_.wait_until_received(farewell) || !summary_.wait_until_received(farewell)) {
+                spdlog::warn("not every reader has acknowledged the session's end");
+            }
         }
     }
 }
@@ -283,6 +294,7 @@ void BusOutput::publish_step(const Work& work) {
 
     if (s.step % 2 == 0) {
         publish_deformation(s, deformation_, sent_, refresh_, number_);
+        publish_fluid(s);
     }
     if (s.step % 6 == 0) {
         if (deformation_slow_.matched() > 0) {
@@ -334,6 +346,20 @@ void BusOutput::publish_deformation(const scene::Snapshot& snapshot,
             state.frames().push_back(frame_update(due[next], snapshot.frames[due[next]]));
         }
         to.publish(state);
+    }
+}
+
+void BusOutput::publish_fluid(const scene::Snapshot& snapshot) {
+    const scene::SalivaState& saliva = snapshot.saliva;
+    if (!fluid_ || !saliva.on) {
+        return;
+    }
+    const bus::Liquid liquid{saliva.lower, saliva.upper, saliva.spacing, saliva.positions};
+    msg::FluidState state;
+    state.header(make_header(snapshot.time_ns, number_));
+    for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(saliva.positions.size()); ++chunk) {
+        bus::put_fluid_chunk(liquid, chunk, state);
+        fluid_->publish(state);
     }
 }
 

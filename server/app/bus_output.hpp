@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -42,7 +43,7 @@ struct StatusValues {
 class BusOutput {
   public:
     BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-              std::string scenario);
+              std::string scenario, bool saliva);
     ~BusOutput();
     BusOutput(const BusOutput&) = delete;
     BusOutput& operator=(const BusOutput&) = delete;
@@ -72,6 +73,7 @@ class BusOutput {
     void publish_step(const Work& work);
     void publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
                              std::vector<FramePose>& sent, std::uint32_t& refresh, std::uint32_t number);
+    void publish_fluid(const scene::Snapshot& snapshot);
     void publish_live(const Work& work);
     void publish_status(const Work& work);
     void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries);
@@ -81,6 +83,7 @@ class BusOutput {
     bus::Publisher<msg::ProxyState> proxy_;
     bus::Publisher<msg::TissueContacts> contacts_;
     bus::Publisher<msg::DeformationState> deformation_, deformation_slow_;
+    std::optional<bus::Publisher<msg::FluidState>> fluid_;  // only with secretions
     bus::Publisher<msg::LiveMetrics> live_;
     bus::Publisher<msg::AttemptSummary> summary_;
     bus::Publisher<msg::CommandResult> result_;

@@ -52,7 +52,7 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
                            inputs.posture.jaw_opening);
             break;
         case msg::COMMAND_SUCTION:
-            refusal = take(command.value, 1.0f, "suction", "", 1.0f, inputs.suction);
+            refusal = take(command.value, 1.0f, "suction", "", 1.0f, suction_);
             break;
         default:
             refusal = "unknown command; this server is older than its sender";

@@ -19,12 +19,15 @@ class CommandDesk {
     void handle(const ReceivedCommand& command, scene::Inputs& inputs);
 
     [[nodiscard]] const msg::CommandResult& answer() const { return answer_; }
+    /// As last asked for, 0..1.
+    [[nodiscard]] float suction() const { return suction_; }
     [[nodiscard]] bool stopped() const { return stopped_; }
     /// Whether a reset was asked for since last asked.
     [[nodiscard]] bool take_reset();
 
   private:
     msg::CommandResult answer_;
+    float suction_ = 0.0f;
     bool stopped_ = false;
     bool reset_ = false;
 };

@@ -19,6 +19,11 @@ LocalOperator::LocalOperator(const OperatorScript& script, const Laryngoscope& s
       blade_hand_(HandSettings{}, blade_track_.wanted(start)),
       tube_hand_(HandSettings{}, tube_track_.wanted(start)) {}
 
+void LocalOperator::hold(scene::Inputs& inputs) const {
+    inputs.laryngoscope = blade_hand_.reported();
+    inputs.tube_grip = tube_hand_.reported();
+}
+
 void LocalOperator::advance(const Observation& observation, const scene::Snapshot& snapshot) {
     constexpr float dt = scene::step_duration / ticks_per_step;
     Observation seen = observation;

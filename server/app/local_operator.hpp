@@ -21,8 +21,8 @@ class LocalOperator {
     /// Moves both hands through one simulation step, feeling the forces of the last snapshot.
     void advance(const Observation& observation, const scene::Snapshot& snapshot);
 
-    [[nodiscard]] RigidTransform laryngoscope() const { return blade_hand_.reported(); }
-    [[nodiscard]] RigidTransform tube_grip() const { return tube_hand_.reported(); }
+    /// Puts both tools where the devices report them.
+    void hold(scene::Inputs& inputs) const;
     [[nodiscard]] bool finished() const { return blade_track_.finished() && tube_track_.finished(); }
     [[nodiscard]] const std::string& blade_stage() const { return blade_track_.stage_name(); }
     [[nodiscard]] const std::string& tube_stage() const { return tube_track_.stage_name(); }

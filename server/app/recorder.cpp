@@ -18,7 +18,7 @@ session::PointRecord point(std::string name, const anatomy::CarriedPoint& carrie
 }
 
 session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                              std::size_t tube_nodes) {
+                              std::size_t tube_nodes, bool saliva) {
     session::SceneRecord scene;
     scene.frame_rest_centre = patient.frame_rest_centre;
     for (const anatomy::Surface& surface : patient.surfaces) {
@@ -36,6 +36,7 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
     scene.tube_outer_diameter = tube.outer_diameter;
     scene.tube_inner_diameter = tube.inner_diameter;
     scene.tube_nodes = tube_nodes;
+    scene.liquid = saliva;
     return scene;
 }
 
@@ -103,8 +104,8 @@ std::string build_description() {
 
 Recorder::Recorder(const std::filesystem::path& path, session::SessionInfo info,
                    const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                   std::size_t tube_nodes, bool wait_when_full)
-    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, tube_nodes),
+                   std::size_t tube_nodes, bool saliva, bool wait_when_full)
+    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, tube_nodes, saliva),
               writer_settings(wait_when_full)) {}
 
 void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live,
@@ -132,6 +133,7 @@ void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live
     writer_.push(step_);
     if (snapshot.time_ns >= next_deformation_ns_) {
         record_deformation(snapshot);
+        record_fluid(snapshot);
         next_deformation_ns_ = (snapshot.time_ns / deformation_period_ns + 1) * deformation_period_ns;
     }
 }
@@ -155,6 +157,19 @@ void Recorder::record_deformation(const scene::Snapshot& snapshot) {
         }
         all_frames_ = false;
     }
+}
+
+void Recorder::record_fluid(const scene::Snapshot& snapshot) {
+    if (!snapshot.saliva.on) {
+        return;
+    }
+    // As coarse as a drop's picture bears: 15 um.
+    fluid_.time_ns = snapshot.time_ns;
+    fluid_.position = snapshot.saliva.positions;
+    for (Vec3f& p : fluid_.position) {
+        p = p.unaryExpr([](float v) { return on_grid(v, 0x1p16f); });
+    }
+    writer_.push(fluid_);
 }
 
 void Recorder::command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,

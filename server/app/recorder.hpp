@@ -23,7 +23,8 @@ class Recorder {
     /// `info`: start time, version and build are filled in where empty. `wait_when_full`: for runs that
     /// ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if the file cannot be begun.
     Recorder(const std::filesystem::path& path, session::SessionInfo info, const anatomy::Patient& patient,
-             const Laryngoscope& scope, const Tube& tube, std::size_t tube_nodes, bool wait_when_full);
+             const Laryngoscope& scope, const Tube& tube, std::size_t tube_nodes, bool saliva,
+             bool wait_when_full);
 
     /// Once per step. `eye`: as latched, if one has arrived.
     void record(const scene::Snapshot& snapshot, const metrics::Live& live, const Parameters& parameters,
@@ -41,10 +42,12 @@ class Recorder {
 
   private:
     void record_deformation(const scene::Snapshot& snapshot);
+    void record_fluid(const scene::Snapshot& snapshot);
 
     session::SessionWriter writer_;
     session::StepRecord step_;
     session::DeformationRecord moved_;
+    session::FluidRecord fluid_;
     std::vector<FramePose> recorded_;  // where each frame was when last recorded
     std::uint64_t next_deformation_ns_ = 0;
     bool all_frames_ = true;

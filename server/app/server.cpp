@@ -22,10 +22,8 @@
 #include "server/app/clock.hpp"
 #include "server/app/command_desk.hpp"
 #include "server/app/local_operator.hpp"
-#include "server/app/patient_cache.hpp"
 #include "server/app/recorder.hpp"
-#include "server/metrics/metrics.hpp"
-#include "server/scene/scene.hpp"
+#include "server/app/simulation.hpp"
 
 namespace eti::app {
 
@@ -33,26 +31,14 @@ namespace {
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-// The view is judged at 30 Hz.
-constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
-
-scene::Inputs parked(const Scenario& scenario) {
-    scene::Inputs inputs;
-    // Well clear of the face until a device says otherwise.
-    inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-    inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-    inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening};
-    return inputs;
-}
 
 class Session {
   public:
     explicit Session(const Options& options)
         : options_(options),
           scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
-          scope_(make_laryngoscope(scenario_.blade)),
           inputs_(parked(scenario_)) {
         std::optional<OperatorScript> script;
         if (!options.operator_name.empty()) {
@@ -65,23 +51,14 @@ class Session {
                 spdlog::warn("{}", warning);
             }
         }
-        patient_ = cached_patient(
-            {scenario_.patient.weight, scenario_.patient.gestational_age, scenario_.patient.tongue_scale},
-            {.spacing = scenario_.physics.spacing,
-             .fine_spacing = scenario_.physics.fine_spacing,
-             .region = scenario_.physics.region,
-             .tissue_stiffness = scenario_.patient.tissue_stiffness});
-        scene_ = std::make_unique<scene::Scene>(
-            patient_, scope_, scenario_.tube, inputs_,
-            scene::Settings{.substeps = scenario_.physics.substeps, .rigid = {}});
-        viewer_.emplace(patient_, scope_);
-        metrics_.begin(patient_, scope_, static_cast<double>(scenario_.time_limit));
+        patient_ = patient_of(scenario_);
+        simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
         if (script) {
             const std::uint64_t seed = options.seed.value_or(scenario_.seed ^ script->seed);
-            operator_.emplace(*script, scope_, scenario_.tube, seed, observation());
-            inputs_.laryngoscope = operator_->laryngoscope();
-            inputs_.tube_grip = operator_->tube_grip();
-            scene_->reset(inputs_);
+            operator_.emplace(*script, simulation_->scope(), scenario_.tube, seed,
+                              simulation_->observation());
+            operator_->hold(inputs_);
+            simulation_->scene().reset(inputs_);
         }
         if (!options.record.empty()) {
             session::SessionInfo info;
@@ -92,13 +69,14 @@ class Session {
             info.operator_text =
                 script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
-            recorder_.emplace(options.record, std::move(info), patient_, scope_, scenario_.tube,
-                              scene_->snapshot().tube_nodes.size(), options.fast);
+            recorder_.emplace(options.record, std::move(info), patient_, simulation_->scope(), scenario_.tube,
+                              simulation_->snapshot().tube_nodes.size(), scenario_.saliva, options.fast);
             spdlog::info("recording to {}", options.record.string());
         }
         if (bus_) {
             input_.emplace(*bus_);
-            output_.emplace(*bus_, patient_, scope_, scenario_.tube, scenario_.name);
+            output_.emplace(*bus_, patient_, simulation_->scope(), scenario_.tube, scenario_.name,
+                            scenario_.saliva);
         }
     }
 
@@ -113,9 +91,9 @@ class Session {
             clock.done();
             publish(clock);
         }
-        metrics_.finish();
+        simulation_->metrics().finish();
         post_summaries();
-        const metrics::AttemptSummary run = metrics_.run();
+        const metrics::AttemptSummary run = simulation_->metrics().run();
         bool kept = true;
         if (recorder_) {
             note_events();
@@ -138,22 +116,10 @@ class Session {
     }
 
   private:
-    [[nodiscard]] Observation observation() const {
-        const scene::Snapshot& s = scene_->snapshot();
-        const metrics::Live& live = metrics_.live();
-        return {static_cast<double>(s.time_ns) * 1e-9,
-                s.landmarks,
-                live.glottic_opening_percent,
-                s.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : s.tube_nodes.back(),
-                live.tube_depth_past_glottis,
-                s.proxy};
-    }
-
     void latch() {
         if (operator_) {
-            operator_->advance(observation(), scene_->snapshot());
-            inputs_.laryngoscope = operator_->laryngoscope();
-            inputs_.tube_grip = operator_->tube_grip();
+            operator_->advance(simulation_->observation(), simulation_->snapshot());
+            operator_->hold(inputs_);
         }
         if (!input_) {
             return;
@@ -162,60 +128,59 @@ class Session {
         if (!operator_) {
             if (input_->laryngoscope()) {
                 if (!blade_present_) {
-                    scene_->place_laryngoscope(*input_->laryngoscope());
+                    simulation_->scene().place_laryngoscope(*input_->laryngoscope());
                 }
                 blade_present_ = true;
                 inputs_.laryngoscope = *input_->laryngoscope();
             }
             if (input_->tube()) {
                 if (!tube_present_) {
-                    scene_->place_tube(*input_->tube());
+                    simulation_->scene().place_tube(*input_->tube());
                 }
                 tube_present_ = true;
                 inputs_.tube_grip = *input_->tube();
             }
-            inputs_.suction = input_->suction() ? 1.0f : 0.0f;
         }
         for (const ReceivedCommand& command : input_->take_commands()) {
             desk_.handle(command, inputs_);
             output_->post_result(desk_.answer());
             if (recorder_ && desk_.answer().accepted()) {
-                const scene::Snapshot& s = scene_->snapshot();
+                const scene::Snapshot& s = simulation_->snapshot();
                 recorder_->command(s.time_ns, s.step + 1, std::string(name_of(command.kind)),
                                    static_cast<double>(command.value), command.sender, command.id);
             }
         }
+        // Whoever asks for more: the hand's button, or a command.
+        inputs_.suction = std::max(desk_.suction(), !operator_ && input_->suction() ? 1.0f : 0.0f);
         if (desk_.take_reset()) {
-            scene_->reset(inputs_);
+            simulation_->scene().reset(inputs_);
         }
     }
 
     void step() {
         latch();
-        scene_->step(inputs_);
-        const scene::Snapshot& s = scene_->snapshot();
-        if (s.step % steps_per_look == 0) {
-            const Vec3f eye = input_ && input_->eye() ? input_->eye()->translation : best_eye(s.landmarks);
-            view_ = viewer_->look(s, eye);
-        }
-        metrics_.observe(s, view_);
+        simulation_->step(inputs_,
+                          input_ && input_->eye() ? std::optional(input_->eye()->translation) : std::nullopt);
+        const scene::Snapshot& s = simulation_->snapshot();
+        const metrics::Metrics& metrics = simulation_->metrics();
         if (recorder_) {
             // Rocking and smoothness look back over the attempt: once per look, not per step.
-            if (s.step % steps_per_look == 0) {
-                parameters_ = metrics_.live_parameters();
+            if (simulation_->looked()) {
+                parameters_ = metrics.live_parameters();
             }
-            recorder_->record(s, metrics_.live(), parameters_, input_ ? input_->eye() : std::nullopt);
+            recorder_->record(s, metrics.live(), parameters_, input_ ? input_->eye() : std::nullopt);
             note_events();
         }
-        if (metrics_.attempts().size() > seen_attempts_) {
+        if (metrics.attempts().size() > seen_attempts_) {
             post_summaries();
-            attempt_ended_at_ = time();
+            attempt_ended_at_ = simulation_->time();
         }
     }
 
     void post_summaries() {
-        for (; seen_attempts_ < metrics_.attempts().size(); ++seen_attempts_) {
-            const metrics::AttemptSummary& a = metrics_.attempts()[seen_attempts_];
+        const std::span attempts = simulation_->metrics().attempts();
+        for (; seen_attempts_ < attempts.size(); ++seen_attempts_) {
+            const metrics::AttemptSummary& a = attempts[seen_attempts_];
             spdlog::info("attempt {} ended after {:.1f} s: {}", a.number, a.ended - a.began,
                          a.outcome.reason);
             if (output_) {
@@ -228,8 +193,9 @@ class Session {
     }
 
     void note_events() {
-        for (; noted_ < metrics_.events().size(); ++noted_) {
-            recorder_->event(metrics_.events()[noted_].time_ns, "attempt", metrics_.events()[noted_].text);
+        const std::span events = simulation_->metrics().events();
+        for (; noted_ < events.size(); ++noted_) {
+            recorder_->event(events[noted_].time_ns, "attempt", events[noted_].text);
         }
     }
 
@@ -240,14 +206,21 @@ class Session {
             spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind,
                          100.0 * clock.load());
         }
+        if (simulation_->snapshot().saliva.overflow > 0 && !warned_of_overflow_) {
+            warned_of_overflow_ = true;
+            spdlog::warn(
+                "mouth and throat hold as much saliva as is simulated ({} particles): more is left out. "
+                "Suction makes room",
+                simulation_->snapshot().saliva.positions.size());
+        }
         // The demo reads its progress from this line.
-        if (!options_.fast && scene_->snapshot().step % scene::steps_per_second == 0) {
-            spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", time(), behind);
+        if (!options_.fast && simulation_->snapshot().step % scene::steps_per_second == 0) {
+            spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", simulation_->time(), behind);
         }
         if (!output_) {
             return;
         }
-        const metrics::Live& live = metrics_.live();
+        const metrics::Live& live = simulation_->metrics().live();
         LiveValues values;
         values.attempt = live.attempt;
         values.attempt_running = live.attempt_running;
@@ -255,10 +228,10 @@ class Session {
         values.gum_force = live.gum_force;
         values.tube_depth_past_glottis = live.tube_depth_past_glottis;
         values.message = live.message;
-        if (scene_->snapshot().step % steps_per_look == 0) {
-            values.parameters = metrics_.live_parameters();
+        if (simulation_->looked()) {
+            values.parameters = simulation_->metrics().live_parameters();
         }
-        output_->post(scene_->snapshot(), values, status(clock));
+        output_->post(simulation_->snapshot(), values, status(clock));
     }
 
     [[nodiscard]] static StatusValues status(const StepClock& clock) {
@@ -266,33 +239,32 @@ class Session {
                 clock.late()};
     }
 
-    [[nodiscard]] double time() const { return static_cast<double>(scene_->snapshot().time_ns) * 1e-9; }
-
     [[nodiscard]] bool ended() {
         if (stop_requested != 0 || desk_.stopped()) {
             return true;
         }
-        if (options_.steps && scene_->snapshot().step >= *options_.steps) {
+        if (options_.steps && simulation_->snapshot().step >= *options_.steps) {
             return true;
         }
-        if (options_.duration > 0.0 && time() >= options_.duration) {
+        if (options_.duration > 0.0 && simulation_->time() >= options_.duration) {
             return true;
         }
         if (options_.finish_after_attempt && attempt_ended_at_ >= 0.0 &&
-            time() >= attempt_ended_at_ + linger_after_attempt && !metrics_.live().attempt_running) {
+            simulation_->time() >= attempt_ended_at_ + linger_after_attempt &&
+            !simulation_->metrics().live().attempt_running) {
             return true;
         }
         if (operator_ && operator_->finished()) {
             if (operator_done_at_ < 0.0) {
-                operator_done_at_ = time();
+                operator_done_at_ = simulation_->time();
             }
-            return time() >= operator_done_at_ + linger_after_operator;
+            return simulation_->time() >= operator_done_at_ + linger_after_operator;
         }
         return false;
     }
 
     void report(const StepClock& clock) const {
-        const metrics::AttemptSummary run = metrics_.run();
+        const metrics::AttemptSummary run = simulation_->metrics().run();
         if (clock.behind() > 0.1) {
             spdlog::info("simulation time fell {:.2f} s behind the clock in {} late steps", clock.behind(),
                          clock.late());
@@ -307,14 +279,14 @@ class Session {
         out["scenario"] = scenario_.name;
         out["parameters"] = parameters_to_json(run.parameters);
         out["attempts"] = nlohmann::ordered_json::array();
-        for (const metrics::AttemptSummary& a : metrics_.attempts()) {
+        for (const metrics::AttemptSummary& a : simulation_->metrics().attempts()) {
             out["attempts"].push_back({{"attempt", a.number},
                                        {"success", a.outcome.success},
                                        {"reason", a.outcome.reason},
                                        {"parameters", parameters_to_json(a.parameters)}});
         }
-        out["steps"] = scene_->snapshot().step;
-        out["state_hash"] = fmt::format("{:016x}", scene_->state_hash());
+        out["steps"] = simulation_->snapshot().step;
+        out["state_hash"] = fmt::format("{:016x}", simulation_->scene().state_hash());
         out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
                           {"p99", 1e3 * clock.percentile(0.99)},
                           {"max", 1e3 * clock.most()}};
@@ -325,13 +297,9 @@ class Session {
 
     Options options_;
     Scenario scenario_;
-    Laryngoscope scope_;
     scene::Inputs inputs_;
     anatomy::Patient patient_;
-    std::unique_ptr<scene::Scene> scene_;
-    std::optional<metrics::GlotticViewer> viewer_;
-    metrics::Metrics metrics_;
-    metrics::GlotticView view_;
+    std::unique_ptr<Simulation> simulation_;
     std::optional<LocalOperator> operator_;
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
@@ -344,6 +312,7 @@ class Session {
     std::size_t seen_attempts_ = 0;
     double attempt_ended_at_ = -1.0, operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;
+    bool warned_of_overflow_ = false;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/math/units.hpp"
+#include "common/model/tools.hpp"
 
 namespace eti::metrics {
 namespace {
@@ -97,7 +98,7 @@ Attempt::Attempt(double weight_kg, double time_limit)
       blade_meter_(1.0 / speed_rate) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     parameters_.attempts = 1;
-    parameters_.tube_depth_rule_cm = weight_kg + 6.0;
+    parameters_.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_kg);
     parameters_.tube_speed_max_cm_per_s = unknown;
     parameters_.tube_speed_mean_cm_per_s = unknown;
     parameters_.tube_depth_at_lip_cm = unknown;

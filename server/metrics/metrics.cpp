@@ -237,7 +237,7 @@ AttemptSummary Metrics::run() const {
     AttemptSummary summary;
     summary.ended = now_;
     summary.parameters = combine(parts);
-    summary.parameters.tube_depth_rule_cm = weight_ + 6.0;
+    summary.parameters.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_);
     summary.parameters.tube_depth_at_lip_cm = 100.0 * depth_at_lip_;
     summary.parameters.oesophageal_entries += entries_between_;
     summary.parameters.main_stem_entries += main_stem_between_;

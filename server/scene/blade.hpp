@@ -12,10 +12,13 @@
 
 namespace eti::scene {
 
-/// The laryngoscope's capsules against the soft tissue.
+/// The laryngoscope's capsules against the soft tissue: its particles, and the edges between those on its
+/// surface, so that no blade slips in between particles that it has pressed apart.
 class BladeContact {
   public:
-    explicit BladeContact(const Laryngoscope& scope) : scope_(scope) {}
+    using Edge = std::array<std::uint32_t, 2>;  ///< particles
+
+    explicit BladeContact(const Laryngoscope& scope, std::vector<Edge> edges = {});
 
     /// Starts a step in which the blade goes from `from` to `to`; picks the particles it can reach.
     void begin_step(const pbd::Particles& particles, const RigidTransform& from, const RigidTransform& to);
@@ -31,11 +34,22 @@ class BladeContact {
 
   private:
     [[nodiscard]] RigidTransform pose_at(float share) const;
+    void move(pbd::Particles& particles, std::uint32_t particle, const Vec3f& push);
 
     Laryngoscope scope_;
     RigidTransform from_, to_;
-    std::vector<std::uint32_t> reachable_;
-    std::vector<Vec3f> impulse_;            // [N s] given to each reachable particle in this step
+    /// An edge and a capsule that may meet in this step; for a particle both ends are that particle.
+    struct Meeting {
+        std::uint32_t first, second;
+        std::uint32_t capsule;
+    };
+
+    std::vector<Edge> edges_;
+    std::vector<Meeting> particle_meetings_, edge_meetings_;
+    std::vector<std::uint32_t> reachable_;  // particles
+    std::vector<std::uint32_t> number_of_;  // by particle: its place in reachable_, or none
+    std::vector<Vec3f> push_;               // [m] by which each reachable particle was moved in this substep
+    std::vector<Vec3f> impulse_;            // [N s] given to it in this step
     Vec3f torque_impulse_ = Vec3f::Zero();  // [N m s] on the particles about the tool's origin
 };
 

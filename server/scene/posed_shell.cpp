@@ -52,12 +52,17 @@ void PosedShell::start() {
     stale_ = false;
 }
 
+void PosedShell::take() {
+    distance_ = pending_.get();
+    ++revision_;
+}
+
 void PosedShell::pose_now(const anatomy::BonePoses& bones) {
     pose(bones);
-    distance_ = pending_.get();
+    take();
     if (stale_) {
         start();
-        distance_ = pending_.get();
+        take();
     }
 }
 
@@ -65,7 +70,7 @@ void PosedShell::advance() {
     if (!pending_.valid() || --wait_ > 0) {
         return;
     }
-    distance_ = pending_.get();
+    take();
     if (stale_) {
         start();
     }

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <cstdint>
 #include <future>
 #include <vector>
 
@@ -29,16 +30,20 @@ class PosedShell {
 
     [[nodiscard]] const std::vector<Vec3f>& vertices() const { return vertices_; }
     [[nodiscard]] const DistanceGrid& distance() const { return distance_; }
+    /// Changes whenever distance() does; never 0.
+    [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
     static constexpr int grid_delay = 180;  ///< steps; a second
     static constexpr float band = 4e-3f;    ///< [m], distances are exact within it
 
   private:
     void start();
+    void take();
 
     const anatomy::Patient& patient_;
     std::vector<Vec3f> vertices_;
     DistanceGrid distance_;
+    std::uint64_t revision_ = 0;
     std::future<DistanceGrid> pending_;
     int wait_ = 0;
     bool stale_ = false;

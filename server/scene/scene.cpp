@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "server/pbd/ranges.hpp"
+
 namespace eti::scene {
 
 namespace {
@@ -45,11 +47,20 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
              const Inputs& start, const Settings& settings)
     : patient_(patient),
       settings_(settings),
-      tissue_(patient),
+      tissue_(patient, settings.tissue_model, step_duration / static_cast<float>(settings.substeps)),
       shell_(patient),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
-      blade_(scope),
+      blade_(scope, tissue_.surface_edges()),
       tube_(tube, scope, start.tube_grip) {
+    if (settings.saliva) {
+        saliva_.emplace(patient, scope, 0.5f * tube.outer_diameter, settings.seed);
+    }
+    const pbd::Particles& particles = tissue_.body().particles;
+    for (std::uint32_t i = 0; i < particles.size(); ++i) {
+        if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f) {
+            meets_shell_.push_back(i);
+        }
+    }
     reset(start);
 }
 
@@ -63,6 +74,10 @@ void Scene::reset(const Inputs& start) {
     place_laryngoscope(start.laryngoscope);
     place_tube(start.tube_grip);
     fill_snapshot(start);
+    if (saliva_) {
+        saliva_->reset(about_saliva(start.laryngoscope, 0.0f));
+        fill_saliva();
+    }
 }
 
 void Scene::place_laryngoscope(const RigidTransform& pose) {
@@ -73,6 +88,7 @@ void Scene::place_laryngoscope(const RigidTransform& pose) {
 void Scene::place_tube(const RigidTransform& grip) {
     tube_.reset(grip);
     grip_ = grip;
+    tube_before_.clear();
 }
 
 void Scene::apply_posture(const anatomy::Posture& wanted) {
@@ -92,46 +108,92 @@ void Scene::apply_posture(const anatomy::Posture& wanted) {
 }
 
 void Scene::step(const Inputs& inputs) {
+    if (clock_ != nullptr) {
+        clock_->start();
+    }
     apply_posture(inputs.posture);
     shell_.advance();
 
     const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
+    lap(Stage::rigid);
 
     // The particles meet the blade where it last was without penetrating the shell.
     const RigidTransform blade_to = proxy.last_free;
     pbd::SoftBody& body = tissue_.body();
     blade_.begin_step(body.particles, blade_pose_, blade_to);
     tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to);
+    if (saliva_) {
+        saliva_->begin_step(about_saliva(blade_to, inputs.suction));
+    }
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
+    lap(Stage::reach);
     for (int s = 0; s < substeps; ++s) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
         const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));
         tube_.predict(dt, end);
+        lap(Stage::predict);
         body.project(dt);
+        lap(Stage::tissue);
         blade_.project(body.particles, begin, end, dt);
-        tube_.project(body.particles, shell_.distance(), end);
+        lap(Stage::blade);
+        tube_.project(body.particles, shell_.distance(), begin, end);
+        lap(Stage::tube);
         keep_out_of_shell(body.particles);
+        lap(Stage::shell);
         tube_.finish();
         body.finish(dt);
+        lap(Stage::finish);
     }
     blade_pose_ = blade_to;
     grip_ = inputs.tube_grip;
+    tube_before_ = snapshot_.tube_nodes;
 
     ++snapshot_.step;
     // Whole nanoseconds from the step number: no drift.
     snapshot_.time_ns = snapshot_.step * 1'000'000'000ULL / steps_per_second;
     fill_snapshot(inputs);
+    if (saliva_) {
+        saliva_->end_step();
+        fill_saliva();
+    }
+}
+
+SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suction) const {
+    // Tissue and tube as the last step left them, a tenth of a millimetre behind at most hands.
+    const std::vector<Vec3f>& to = snapshot_.tube_nodes;
+    return {shell_.distance(),
+            shell_.revision(),
+            tissue_.body().particles,
+            anatomy::pose_bones(patient_.skeleton, posture_),
+            snapshot_.landmarks,
+            blade_pose_,
+            blade_to,
+            tube_before_.size() == to.size() ? tube_before_ : to,
+            to,
+            suction};
+}
+
+void Scene::fill_saliva() {
+    const pbd::Fluid& fluid = saliva_->fluid();
+    SalivaState& s = snapshot_.saliva;
+    s.on = true;
+    s.spacing = fluid.settings().spacing;
+    s.lower = fluid.settings().lower;
+    s.upper = fluid.settings().upper;
+    s.positions.assign(fluid.positions().begin(), fluid.positions().end());
+    s.overflow = fluid.overflow();
+    s.left = fluid.left_domain();
+    s.aspirated = fluid.aspirated();
 }
 
 void Scene::keep_out_of_shell(pbd::Particles& particles) const {
-    for (std::size_t i = 0; i < particles.size(); ++i) {
-        if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f) {
-            particles.predicted[i] += pbd::push_out_of(shell_.distance(), particles.position[i],
-                                                       particles.predicted[i], 0.0f, tongue_friction);
-        }
-    }
+    pbd::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
+        const std::uint32_t i = meets_shell_[k];
+        particles.predicted[i] += pbd::push_out_of(shell_.distance(), particles.position[i],
+                                                   particles.predicted[i], 0.0f, tongue_friction);
+    });
 }
 
 void Scene::fill_snapshot(const Inputs& inputs) {
@@ -165,6 +227,7 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     }
     s.head_elevation = posture_.head_elevation;
     s.jaw_opening = posture_.jaw_opening;
+    lap(Stage::snapshot);
 }
 
 std::uint64_t Scene::state_hash() const {
@@ -173,6 +236,7 @@ std::uint64_t Scene::state_hash() const {
     hash.add(tissue_.body().particles.velocity);
     hash.add(snapshot_.tube_nodes);
     hash.add(snapshot_.proxy);
+    hash.add(snapshot_.saliva.positions);
     return hash.value();
 }
 

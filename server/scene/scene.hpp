@@ -3,13 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "server/anatomy/patient.hpp"
 #include "server/anatomy/skeleton.hpp"
 #include "server/rigid/rigid_layer.hpp"
 #include "server/scene/blade.hpp"
 #include "server/scene/posed_shell.hpp"
+#include "server/scene/saliva.hpp"
 #include "server/scene/snapshot.hpp"
+#include "server/scene/stage_clock.hpp"
 #include "server/scene/tissue.hpp"
 #include "server/scene/tube.hpp"
 
@@ -29,12 +32,15 @@ struct Inputs {
 
 struct Settings {
     int substeps = 8;
+    TissueModel tissue_model = TissueModel::clusters;
     float posture_rate = 0.17f;  ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     rigid::Settings rigid;
+    bool saliva = false;     ///< secretions in mouth and throat; without them they cost nothing
+    std::uint64_t seed = 1;  ///< of what the glands give
 };
 
-/// Patient, laryngoscope and tube in one simulation: particles and rod from the particle solver, the
-/// laryngoscope's proxy from the rigid layer.
+/// Patient, laryngoscope, tube and saliva in one simulation: particles, rod and liquid from the particle
+/// solver, the laryngoscope's proxy from the rigid layer.
 class Scene {
   public:
     Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
@@ -46,7 +52,10 @@ class Scene {
     /// State after the last step. Valid until the next.
     [[nodiscard]] const Snapshot& snapshot() const { return snapshot_; }
 
-    /// FNV-1a over the bits of all particle, rod and proxy state.
+    /// Times the stages of every further step with `clock`, which has to outlive them; nullptr: none.
+    void time_stages(StageClock* clock) { clock_ = clock; }
+
+    /// FNV-1a over the bits of all particle, rod, proxy and liquid state.
     [[nodiscard]] std::uint64_t state_hash() const;
 
     /// Patient and tools as at the start, with the tools at `start`. Simulation time goes on.
@@ -61,6 +70,14 @@ class Scene {
     /// The tongue does not go through palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles) const;
     void fill_snapshot(const Inputs& inputs);
+    void lap(Stage stage) {
+        if (clock_ != nullptr) {
+            clock_->lap(stage);
+        }
+    }
+    void fill_saliva();
+    /// What saliva meets while the blade goes to `blade_to`.
+    [[nodiscard]] SalivaSurroundings about_saliva(const RigidTransform& blade_to, float suction) const;
 
     const anatomy::Patient& patient_;
     Settings settings_;
@@ -70,9 +87,13 @@ class Scene {
     rigid::RigidLayer rigid_;
     BladeContact blade_;
     TubeContact tube_;
-    RigidTransform blade_pose_;  // where the particles last met it
+    std::optional<Saliva> saliva_;
+    std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's
+    std::vector<std::uint32_t> meets_shell_;  // particles
+    RigidTransform blade_pose_;               // where the particles last met it
     RigidTransform grip_;
     Snapshot snapshot_;
+    StageClock* clock_ = nullptr;
 };
 
 }  // namespace eti::scene

@@ -29,6 +29,18 @@ struct TissueContact {
     Tissue tissue = Tissue::soft;
 };
 
+/// Liquid in mouth and throat.
+struct SalivaState {
+    bool on = false;               ///< whether the scenario asks for it
+    float spacing = 0.0f;          ///< [m], of particles at rest
+    Vec3f lower = Vec3f::Zero();   ///< [m], of the box that
+    Vec3f upper = Vec3f::Zero();   ///< all positions are in
+    std::vector<Vec3f> positions;  ///< [m]; an index is not the same particle from one step to the next
+    std::uint64_t overflow = 0;    ///< particles that found no room, since the last reset
+    std::uint64_t left = 0;        ///< particles that ran out of the head, since the last reset
+    std::uint64_t aspirated = 0;   ///< particles that suction took, since the last reset
+};
+
 /// The state of the scene after one step: all that metrics, recorder and bus may look at.
 /// Patient frame throughout.
 struct Snapshot {
@@ -50,6 +62,7 @@ struct Snapshot {
     RigidTransform tube_grip;       ///< the tube's tracked grip as latched
     std::vector<Vec3f> tube_nodes;  ///< [m], centre line from connector to tip
     float suction = 0.0f;           ///< 0..1
+    SalivaState saliva;
 
     std::vector<FramePose> frames;  ///< bones, then clusters; index as in the patient model
     Landmarks landmarks{};

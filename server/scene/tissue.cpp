@@ -2,15 +2,39 @@
 // Copyright the NeoETI authors
 #include "server/scene/tissue.hpp"
 
+#include <algorithm>
+
+#include "server/pbd/cluster_calibration.hpp"
+
 namespace eti::scene {
 
-SoftTissue::SoftTissue(const anatomy::Patient& patient) : patient_(patient) {
+namespace {
+
+/// [Pa]. Clusters joined to each other yield more than each of them; the epiglottis is one alone.
+float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, float substep) {
+    const float wanted = patient.clusters.youngs_modulus[cluster];
+    if (patient.clusters.tissue[cluster] == Tissue::epiglottis) {
+        return wanted;
+    }
+    float spacing = 0.0f;  // the coarsest, where two lattices meet
+    for (const std::uint32_t i : patient.clusters.members(cluster)) {
+        spacing = std::max(spacing, 2.0f * patient.particles.radius[i]);
+    }
+    return pbd::cluster_modulus({.spacing = spacing,
+                                 .density = anatomy::tissue_density,
+                                 .substep = substep,
+                                 .load = pbd::ClusterLoad::tongue},
+                                wanted)
+        .put_in;
+}
+
+}  // namespace
+
+SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float substep)
+    : patient_(patient) {
     const anatomy::ParticleSet& set = patient.particles;
     pbd::Particles& p = body_.particles;
     p.resize(set.size());
-    pbd::ShapeMatching::Description shapes;
-    shapes.particle_volume.resize(set.size());
-    shapes.fitting_mass.resize(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) {
         p.rest[i] = p.position[i] = p.predicted[i] = set.rest[i];
         p.inverse_mass[i] = set.mass[i] > 0.0f ? 1.0f / set.mass[i] : 0.0f;
@@ -20,19 +44,37 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient) : patient_(patient) {
         if (set.tissue[i] == Tissue::tongue) {
             p.channels[i] |= pbd::channel::shell;
         }
-        const float spacing = 2.0f * set.radius[i];
-        shapes.particle_volume[i] = spacing * spacing * spacing;
-        shapes.fitting_mass[i] = anatomy::tissue_density * shapes.particle_volume[i];
     }
     // Where the tongue grows out of the mouth floor, links hold it, not the shell.
     for (const auto& ends : patient.links.ends) {
         p.channels[ends[0]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
         p.channels[ends[1]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
     }
-    shapes.first = patient.clusters.first;
-    shapes.member = patient.clusters.member;
-    shapes.youngs_modulus = patient.clusters.youngs_modulus;
-    body_.shapes.configure(shapes, p);
+    pbd::Tetrahedra::Description mesh;
+    std::vector<bool> meshed(set.size(), false);
+    if (model == TissueModel::tetrahedra) {
+        for (std::size_t t = 0; t < patient.tetrahedra.corners.size(); ++t) {
+            const auto& corners = patient.tetrahedra.corners[t];
+            if (std::ranges::all_of(corners,
+                                    [&](std::uint32_t i) { return set.tissue[i] == Tissue::tongue; })) {
+                mesh.tetrahedra.push_back(corners);
+                mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
+                for (const std::uint32_t i : corners) {
+                    meshed[i] = true;
+                }
+            }
+        }
+    }
+    body_.tetrahedra.configure(mesh, p);
+    // Clusters hold what no tetrahedron does, with its neighbours: so they also join the one to the other.
+    for (std::uint32_t c = 0; c < patient.clusters.size(); ++c) {
+        const auto members = patient.clusters.members(c);
+        const bool needed = std::ranges::any_of(
+            members, [&](std::uint32_t i) { return !meshed[i] && p.inverse_mass[i] > 0.0f; });
+        (needed ? held_clusters_ : fitted_clusters_).push_back(c);
+    }
+    body_.shapes.configure(description(held_clusters_, substep), p);
+    fitted_.configure(description(fitted_clusters_, substep), p);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
 
     const anatomy::ClusterSet& clusters = patient.clusters;
@@ -55,6 +97,25 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient) : patient_(patient) {
     reset();
 }
 
+pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uint32_t> wanted,
+                                                        float substep) const {
+    const anatomy::ParticleSet& set = patient_.particles;
+    pbd::ShapeMatching::Description shapes;
+    for (const float radius : set.radius) {
+        const float volume = 8.0f * radius * radius * radius;
+        shapes.particle_volume.push_back(volume);
+        shapes.fitting_mass.push_back(anatomy::tissue_density * volume);
+    }
+    shapes.first.push_back(0);
+    for (const std::uint32_t c : wanted) {
+        const auto members = patient_.clusters.members(c);
+        shapes.member.insert(shapes.member.end(), members.begin(), members.end());
+        shapes.first.push_back(static_cast<std::uint32_t>(shapes.member.size()));
+        shapes.youngs_modulus.push_back(modulus_to_put_in(patient_, c, substep));
+    }
+    return shapes;
+}
+
 void SoftTissue::pose(const anatomy::BonePoses& bones) {
     bones_ = bones;
     pbd::Particles& p = body_.particles;
@@ -62,6 +123,7 @@ void SoftTissue::pose(const anatomy::BonePoses& bones) {
         p.rest[i] = anatomy::pose_point(patient_.particles.rest[i], patient_.particles.bones[i], bones);
     }
     body_.set_rest();
+    fitted_.set_rest(p);
     for (std::size_t c = 0; c < cluster_turn_.size(); ++c) {
         cluster_turn_[c] = anatomy::pose_rotation(cluster_bones_[c], bones);
         cluster_posed_centre_[c] = anatomy::pose_point(patient_.frame_rest_centre[anatomy::bone_count + c],
@@ -69,22 +131,61 @@ void SoftTissue::pose(const anatomy::BonePoses& bones) {
     }
 }
 
-void SoftTissue::frames(std::vector<FramePose>& frames) const {
+void SoftTissue::frames(std::vector<FramePose>& frames) {
     frames.resize(anatomy::bone_count + cluster_turn_.size());
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
-    const pbd::ShapeMatching& shapes = body_.shapes;
-    for (std::size_t c = 0; c < cluster_turn_.size(); ++c) {
-        const Quatf rotation = shapes.rotation()[c];
+    frames_of(body_.shapes, held_clusters_, frames);
+    fitted_.fit(body_.particles.position);
+    frames_of(fitted_, fitted_clusters_, frames);
+}
+
+void SoftTissue::frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
+                           std::vector<FramePose>& frames) const {
+    for (std::size_t k = 0; k < clusters.size(); ++k) {
+        const std::uint32_t c = clusters[k];
+        const Quatf rotation = shapes.rotation()[k];
         frames[anatomy::bone_count + c] = {
-            rotation * (cluster_posed_centre_[c] - shapes.rest_centre()[c]) + shapes.centre()[c],
+            rotation * (cluster_posed_centre_[c] - shapes.rest_centre()[k]) + shapes.centre()[k],
             (rotation * cluster_turn_[c]).normalized()};
     }
 }
 
+std::vector<std::array<std::uint32_t, 2>> SoftTissue::surface_edges() const {
+    // A face of two tetrahedra lies inside.
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    faces.reserve(4 * patient_.tetrahedra.corners.size());
+    for (const auto& corners : patient_.tetrahedra.corners) {
+        for (std::size_t out = 0; out < 4; ++out) {
+            std::array<std::uint32_t, 3> face{};
+            std::ranges::copy_if(corners, face.begin(), [&](std::uint32_t i) { return i != corners[out]; });
+            std::ranges::sort(face);
+            faces.push_back(face);
+        }
+    }
+    std::ranges::sort(faces);
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (auto face = faces.begin(); face != faces.end();) {
+        const auto next = std::find_if(face, faces.end(), [&](const auto& other) { return other != *face; });
+        for (std::size_t out = 0; next - face == 1 && out < 3; ++out) {
+            const std::uint32_t a = (*face)[out == 0 ? 1 : 0];
+            const std::uint32_t b = (*face)[out == 2 ? 1 : 2];
+            if (body_.particles.inverse_mass[a] > 0.0f && body_.particles.inverse_mass[b] > 0.0f) {
+                edges.push_back({a, b});
+            }
+        }
+        face = next;
+    }
+    std::ranges::sort(edges);
+    const auto repeated = std::ranges::unique(edges);
+    edges.erase(repeated.begin(), repeated.end());
+    return edges;
+}
+
 void SoftTissue::reset() {
     body_.reset();
+    fitted_.reset();
 }
 
 }  // namespace eti::scene

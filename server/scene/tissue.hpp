@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -15,13 +16,19 @@ namespace eti::scene {
 /// and read back as frames for skinning.
 class SoftTissue {
   public:
-    explicit SoftTissue(const anatomy::Patient& patient);
+    /// `substep` [s]: what a cluster is given for the stiffness that the patient's tissue shall have
+    /// depends on it.
+    SoftTissue(const anatomy::Patient& patient, TissueModel model, float substep);
 
     /// Carries the unloaded shape to a posture. Particles bound to bone go there over the next step.
     void pose(const anatomy::BonePoses& bones);
 
-    /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once.
-    void frames(std::vector<FramePose>& frames) const;
+    /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
+    /// that tetrahedra stand in for are fitted to the particles here.
+    void frames(std::vector<FramePose>& frames);
+
+    /// Edges of the mesh's surface whose ends both move: pairs of particles.
+    [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> surface_edges() const;
 
     [[nodiscard]] pbd::SoftBody& body() { return body_; }
     [[nodiscard]] const pbd::SoftBody& body() const { return body_; }
@@ -31,8 +38,16 @@ class SoftTissue {
     void reset();
 
   private:
+    /// The patient's clusters that `wanted` names, as the solver takes them.
+    [[nodiscard]] pbd::ShapeMatching::Description description(std::span<const std::uint32_t> wanted,
+                                                              float substep) const;
+    void frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
+                   std::vector<FramePose>& frames) const;
+
     const anatomy::Patient& patient_;
     pbd::SoftBody body_;
+    pbd::ShapeMatching fitted_;  // to particles that tetrahedra move: only for their frames
+    std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // the patient's numbers of both
     anatomy::BonePoses bones_;
     std::vector<anatomy::BoneWeights> cluster_bones_;  // mean over a cluster's members
     std::vector<Quatf> cluster_turn_;                  // model rest to posed rest

@@ -12,26 +12,51 @@ namespace eti::scene {
 namespace {
 
 const Vec3f gravity(0.0f, 9.81f, 0.0f);  // [m/s^2]; the patient lies on its back: +y is posterior
-constexpr float reach = 6e-3f;           // [m]; neither tissue nor tube moves farther within a step
-constexpr float shell_friction = 0.05f;  // Coulomb; a lubricated tube on wet mucosa
-// The shell and the blade meet the tube in points this share of a segment apart: 2.5 mm for 5 mm
-// segments, less than the tube's own radius away from any spot between.
-constexpr float samples[] = {0.5f, 1.0f};
+// [m]; beside the tube's own way, tissue and tube come no closer to each other within a step.
+constexpr float slack = 2e-3f;
+// Coulomb; a lubricated tube on wet mucosa, and on wet steel.
+constexpr float friction = 0.05f;
+// [N/m]; at the newton that a hand puts on a tube the overlap is a third of a millimetre.
+constexpr float stiffness = 3000.0f;
+// Shell and blade meet the tube in points this share of a segment from its rear: 3 mm apart, closer than
+// the tube is thick.
+constexpr float samples[] = {0.25f, 0.75f};
 // The blade's plate as the tube meets it: thicker than steel, so that it is not stepped through.
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
+// The first pass finds which contacts hold, the second with what force.
+constexpr int passes = 2;
 
 RigidTransform between(const RigidTransform& a, const RigidTransform& b, float share) {
     return {a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
 }
 
+Vec3f across(const Vec3f& way, const Vec3f& normal) {
+    return way - way.dot(normal) * normal;
+}
+
 }  // namespace
 
 TubeContact::TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip)
-    : scope_(scope), rod_(tube, pbd::RodSettings{}, grip) {}
+    : scope_(scope), rod_(tube, pbd::RodSettings{}, grip) {
+    static_assert(std::size(samples) == samples_per_segment);
+    contacts_.resize(2 * sites());
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+        pbd::RodContact& c = contacts_[k];
+        c.segment = static_cast<std::uint32_t>(k % sites() / samples_per_segment);
+        c.along = samples[k % samples_per_segment];
+        c.stiffness = stiffness;
+        c.friction = friction;
+    }
+    reset(grip);
+}
 
 void TubeContact::reset(const RigidTransform& grip) {
     rod_.reset(grip);
     grip_from_ = grip_to_ = grip;
+    last_ends_.clear();
+    for (pbd::RodContact& c : contacts_) {
+        c.force.setZero();
+    }
 }
 
 void TubeContact::nodes(std::vector<Vec3f>& out) const {
@@ -46,10 +71,18 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     grip_to_ = grip_to;
     blade_from_ = blade_from;
     blade_to_ = blade_to;
+    // As far as the tube went in the last step and the grip goes in this one: hands do not jump.
+    float way = (grip_to.translation - grip_from.translation).norm();
+    find_ends();
+    for (std::size_t s = 0; s < last_ends_.size(); ++s) {
+        way = std::max(way, (ends_[s].front - last_ends_[s].front).norm());
+    }
+    last_ends_ = ends_;
+    const float reach = slack + 1.5f * way;
     Eigen::AlignedBox3f box;
     near_blade_ = false;
-    for (std::size_t s = 0; s < rod_.size(); ++s) {
-        const Vec3f p = rod_.point(s, 1.0f);
+    for (const Ends& e : ends_) {
+        const Vec3f& p = e.front;
         box.extend(p);
         const Vec3f local = blade_to.inverse() * p;
         near_blade_ = near_blade_ || (std::fabs(local.x()) < 0.02f && std::fabs(local.y()) < 0.02f &&
@@ -58,103 +91,152 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     const Vec3f margin = Vec3f::Constant(rod_.radius() + reach);
     box.min() -= margin;
     box.max() += margin;
-    reachable_.clear();
+    near_.clear();
     for (std::uint32_t i = 0; i < particles.size(); ++i) {
         if ((particles.channels[i] & pbd::channel::tube) == 0 || particles.inverse_mass[i] == 0.0f ||
             !box.contains(particles.position[i])) {
             continue;
         }
         const float far = rod_.radius() + particles.radius[i] + reach;
+        Near near{i, static_cast<std::uint32_t>(rod_.size()), 0};
         for (std::size_t s = 0; s < rod_.size(); ++s) {
-            const Vec3f a = rod_.point(s, 0.0f);
-            const Vec3f b = rod_.point(s, 1.0f);
-            const float t = pbd::closest_on_segment(a, b, particles.position[i]);
-            if ((particles.position[i] - a - t * (b - a)).squaredNorm() < far * far) {
-                reachable_.push_back(i);
-                break;
+            const auto& [a, b] = ends_[s];
+            if (pbd::away_from(a, b, particles.position[i]).squaredNorm() < far * far) {
+                near.first = std::min(near.first, static_cast<std::uint32_t>(s));
+                near.end = static_cast<std::uint32_t>(s + 1);
             }
         }
+        if (near.first < near.end) {
+            near_.push_back(near);
+        }
+    }
+    contacts_.resize(2 * sites());
+    contacts_.resize(2 * sites() + near_.size());
+}
+
+void TubeContact::find_ends() {
+    ends_.resize(rod_.size());
+    for (std::size_t s = 0; s < rod_.size(); ++s) {
+        ends_[s] = {rod_.point(s, 0.0f), rod_.point(s, 1.0f)};
     }
 }
 
-void TubeContact::predict(float dt, float share) {
-    rod_.predict(dt, gravity, between(grip_from_, grip_to_, share));
+void TubeContact::predict(float dt, float end) {
+    dt_ = dt;
+    rod_.predict(dt, gravity, between(grip_from_, grip_to_, end));
 }
 
-void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float share) {
-    meet_shell(shell);
-    rod_.solve();
-    meet_tissue(particles);
-    if (near_blade_) {
-        meet_blade(between(blade_from_, blade_to_, share));
+void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end) {
+    for (int pass = 0; pass < passes; ++pass) {
+        meet_shell(shell);
+        meet_blade(between(blade_from_, blade_to_, begin), between(blade_from_, blade_to_, end));
+        meet_tissue(particles);
+        rod_.solve(contacts_);
     }
-    meet_shell(shell);
+    for (std::size_t n = 0; n < near_.size(); ++n) {
+        const std::uint32_t i = near_[n].particle;
+        particles.predicted[i] -= particles.inverse_mass[i] * dt_ * dt_ * contacts_[2 * sites() + n].force;
+    }
 }
 
 void TubeContact::meet_shell(const DistanceGrid& shell) {
-    for (std::size_t s = 0; s < rod_.size(); ++s) {
-        for (const float along : samples) {
-            const Vec3f push = pbd::push_out_of(shell, rod_.previous_point(s, along), rod_.point(s, along),
-                                                rod_.radius(), shell_friction);
-            if (!push.isZero()) {
-                rod_.displace(s, along, -rod_.radius() * push.normalized(), push);
-            }
-        }
+    for (std::size_t k = 0; k < sites(); ++k) {
+        pbd::RodContact& c = contacts_[k];
+        const Vec3f p = rod_.point(c.segment, c.along);
+        const DistanceSample wall = shell.sample(p);
+        c.gap = wall.distance - rod_.radius();
+        c.normal = wall.normal;
+        c.offset = -rod_.radius() * wall.normal;
+        c.slip = across(p - rod_.previous_point(c.segment, c.along), wall.normal);
     }
 }
 
-void TubeContact::meet_blade(const RigidTransform& blade) {
-    const RigidTransform into = blade.inverse();
+void TubeContact::meet_blade(const RigidTransform& before, const RigidTransform& now) {
+    const RigidTransform into = now.inverse();
     const float crest_base = scope_.capsules[1].radius;
     const float crest_tip = scope_.capsules[2].radius;
-    for (std::size_t s = 0; s < rod_.size(); ++s) {
-        for (const float along : samples) {
-            const Vec3f p = into * rod_.point(s, along);
-            const float u = std::clamp(p.z() / scope_.blade_length, 0.0f, 1.0f);
-            const Vec3f half(crest_base + (crest_tip - crest_base) * u, plate_half_thickness,
-                             0.5f * scope_.blade_length);
-            const Vec3f centre(0.0f, half.x() - plate_half_thickness, 0.5f * scope_.blade_length);
-            // Distance to a box: outside by the clamped offset, inside by the thinnest way out.
-            const Vec3f offset = p - centre;
-            const Vec3f beyond = offset.cwiseAbs() - half;
-            const Vec3f outside = beyond.cwiseMax(0.0f);
-            const float distance = outside.norm();
-            if (distance >= rod_.radius()) {
-                continue;
-            }
-            Vec3f normal;
-            float depth = rod_.radius() - distance;
-            if (distance > 1e-7f) {
-                normal = outside.cwiseProduct(offset.cwiseSign()) / distance;
-            } else {
-                normal = Vec3f(0.0f, offset.y() < 0.0f ? -1.0f : 1.0f, 0.0f);
-                depth = rod_.radius() - beyond.y();
-            }
-            const Vec3f push = blade.rotation * (depth * normal);
-            rod_.displace(s, along, -rod_.radius() * push.normalized(), push);
+    for (std::size_t k = sites(); k < 2 * sites(); ++k) {
+        pbd::RodContact& c = contacts_[k];
+        if (!near_blade_) {
+            c.gap = 1.0f;
+            c.force.setZero();
+            continue;
         }
+        const Vec3f world = rod_.point(c.segment, c.along);
+        const Vec3f p = into * world;
+        const float u = std::clamp(p.z() / scope_.blade_length, 0.0f, 1.0f);
+        const Vec3f half(crest_base + (crest_tip - crest_base) * u, plate_half_thickness,
+                         0.5f * scope_.blade_length);
+        const Vec3f centre(0.0f, half.x() - plate_half_thickness, 0.5f * scope_.blade_length);
+        // Distance to a box: outside by the clamped offset, inside by the way out through the plate.
+        const Vec3f offset = p - centre;
+        const Vec3f beyond = offset.cwiseAbs() - half;
+        const Vec3f outside = beyond.cwiseMax(0.0f);
+        const float distance = outside.norm();
+        Vec3f normal;
+        if (distance > 1e-7f) {
+            normal = outside.cwiseProduct(offset.cwiseSign()) / distance;
+            c.gap = distance - rod_.radius();
+        } else {
+            normal = Vec3f(0.0f, offset.y() < 0.0f ? -1.0f : 1.0f, 0.0f);
+            c.gap = beyond.y() - rod_.radius();
+        }
+        c.normal = now.rotation * normal;
+        c.offset = -rod_.radius() * c.normal;
+        const Vec3f carried = world - before * p;  // by the blade, from where that spot of it was
+        c.slip = across(world - rod_.previous_point(c.segment, c.along) - carried, c.normal);
     }
 }
 
-void TubeContact::meet_tissue(pbd::Particles& particles) {
-    for (const std::uint32_t i : reachable_) {
-        const float meet = rod_.radius() + particles.radius[i];
-        for (std::size_t s = 0; s < rod_.size(); ++s) {
-            const Vec3f a = rod_.point(s, 0.0f);
-            const Vec3f b = rod_.point(s, 1.0f);
-            const float t = pbd::closest_on_segment(a, b, particles.predicted[i]);
-            const Vec3f apart = particles.predicted[i] - a - t * (b - a);
-            const float distance = apart.norm();
-            if (distance >= meet || distance < 1e-7f) {
-                continue;
+void TubeContact::meet_tissue(const pbd::Particles& particles) {
+    find_ends();
+    for (std::size_t n = 0; n < near_.size(); ++n) {
+        const std::uint32_t i = near_[n].particle;
+        pbd::RodContact& c = contacts_[2 * sites() + n];
+        const Vec3f& p = particles.predicted[i];
+        float closest = 1.0f;
+        for (std::uint32_t s = near_[n].first; s < near_[n].end; ++s) {
+            const auto& [a, b] = ends_[s];
+            const float t = pbd::closest_on_segment(a, b, p);
+            const Vec3f from = a + t * (b - a) - p;
+            const float distance = from.norm();
+            if (distance < closest && distance > 1e-7f) {
+                closest = distance;
+                c.segment = s;
+                c.along = t;
+                c.normal = from / distance;
             }
-            const Vec3f normal = apart / distance;
-            const Vec3f offset = rod_.radius() * normal;
-            const float segment = rod_.inverse_mass(s, t, offset, normal);
-            const float impulse = (meet - distance) / (segment + particles.inverse_mass[i]);
-            particles.predicted[i] += particles.inverse_mass[i] * impulse * normal;
-            rod_.push(s, t, offset, -impulse * normal);
         }
+        c.gap = closest - rod_.radius() - particles.radius[i];
+        c.offset = -rod_.radius() * c.normal;
+        stop_head_on(particles.position[i], p, particles.radius[i], c);
+        c.stiffness = stiffness / (1.0f + stiffness * particles.inverse_mass[i] * dt_ * dt_);
+    }
+}
+
+void TubeContact::stop_head_on(const Vec3f& before, const Vec3f& now, float radius,
+                               pbd::RodContact& c) const {
+    const float reach = rod_.radius() + radius;
+    const Vec3f moved = rod_.point(c.segment, c.along) - rod_.previous_point(c.segment, c.along);
+    if (!pbd::runs_head_on(moved, moved.normalized(), reach)) {
+        return;  // too slow
+    }
+    const Vec3f from = before + moved;  // as the tube, where it is now, sees it
+    const auto& [a, b] = ends_[c.segment];
+    const std::optional<Vec3f> met = pbd::first_contact(a, b, reach, from, now);
+    if (!met.has_value()) {
+        return;
+    }
+    const Vec3f normal = pbd::away_from(a, b, *met).normalized();
+    const Vec3f way = now - from;
+    if (way.dot(normal) < 0.0f && pbd::runs_head_on(moved, normal, reach)) {
+        // Passed over altogether, it goes back to where both met.
+        const Vec3f clear =
+            c.gap < 0.0f ? pbd::moved_clear(a, b, reach, now, moved.normalized()) : Vec3f(*met);
+        const Vec3f push = clear - now;
+        c.gap = -push.norm();
+        c.normal = -push.normalized();
+        c.offset = rod_.radius() * normal;
     }
 }
 

@@ -12,7 +12,7 @@
 
 namespace eti::scene {
 
-/// The tube against shell, soft tissue and blade.
+/// The tube against shell, blade and soft tissue. All its contacts are solved together with the rod.
 class TubeContact {
   public:
     TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip);
@@ -21,24 +21,44 @@ class TubeContact {
     void begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
                     const RigidTransform& grip_to, const RigidTransform& blade_from,
                     const RigidTransform& blade_to);
-    /// Moves the rod to where it would be at `share` of the step, `dt` [s] after the last substep.
-    void predict(float dt, float share);
-    /// Joints of the rod and its contacts; contacts last, so that nothing penetrates in the end.
-    void project(pbd::Particles& particles, const DistanceGrid& shell, float share);
+    /// Moves the rod on by `dt` [s], to the grip's pose at share `end` of the step.
+    void predict(float dt, float end);
+    /// Solves rod and contacts for the substep that ends at share `end` of the step; moves the particles
+    /// that the tube presses on.
+    void project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end);
     void finish() { rod_.finish(); }
 
     void reset(const RigidTransform& grip);
     void nodes(std::vector<Vec3f>& out) const;
 
   private:
+    struct Ends {
+        Vec3f rear = Vec3f::Zero(), front = Vec3f::Zero();  ///< [m]
+    };
+    /// A particle that the tube may meet in this step, and with which of its segments.
+    struct Near {
+        std::uint32_t particle = 0, first = 0, end = 0;
+    };
+
+    void find_ends();
     void meet_shell(const DistanceGrid& shell);
-    void meet_blade(const RigidTransform& blade);
-    void meet_tissue(pbd::Particles& particles);
+    void meet_blade(const RigidTransform& before, const RigidTransform& now);
+    void meet_tissue(const pbd::Particles& particles);
+    /// Where the tube runs head-on into a particle of `radius` [m], turns its contact to push that ahead
+    /// (see pbd::runs_head_on).
+    void stop_head_on(const Vec3f& before, const Vec3f& now, float radius, pbd::RodContact& contact) const;
+    /// The contacts of shell and blade, and those of the particles after them.
+    [[nodiscard]] std::size_t sites() const { return rod_.size() * samples_per_segment; }
+
+    static constexpr std::size_t samples_per_segment = 2;
 
     Laryngoscope scope_;
     pbd::Rod rod_;
+    float dt_ = 0.0f;
     RigidTransform grip_from_, grip_to_, blade_from_, blade_to_;
-    std::vector<std::uint32_t> reachable_;  ///< particles near the tube in this step
+    std::vector<pbd::RodContact> contacts_;  ///< shell, blade (one per site each), particles
+    std::vector<Ends> ends_, last_ends_;     ///< of the segments; now, and as this step began
+    std::vector<Near> near_;
     bool near_blade_ = false;
 };
 

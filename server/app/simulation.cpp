@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/simulation.hpp"
+
+#include "server/app/patient_cache.hpp"
+
+namespace eti::app {
+
+namespace {
+
+constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
+
+}  // namespace
+
+scene::Inputs parked(const Scenario& scenario) {
+    scene::Inputs inputs;
+    inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
+    inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
+    inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening};
+    return inputs;
+}
+
+anatomy::Patient patient_of(const Scenario& scenario) {
+    return cached_patient(
+        {scenario.patient.weight, scenario.patient.gestational_age, scenario.patient.tongue_scale},
+        {.spacing = scenario.physics.spacing,
+         .fine_spacing = scenario.physics.fine_spacing,
+         .region = scenario.physics.region,
+         .tissue_stiffness = scenario.patient.tissue_stiffness});
+}
+
+Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
+    : scope_(make_laryngoscope(scenario.blade)),
+      scene_(patient, scope_, scenario.tube, start,
+             scene::Settings{.substeps = scenario.physics.substeps,
+                             .tissue_model = scenario.physics.tissue_model,
+                             .rigid = {},
+                             .saliva = scenario.saliva,
+                             .seed = scenario.seed}),
+      viewer_(patient, scope_),
+      tube_depth_rule_(
+          static_cast<float>(tube_depth_by_weight(static_cast<double>(scenario.patient.weight)))) {
+    metrics_.begin(patient, scope_, static_cast<double>(scenario.time_limit));
+}
+
+void Simulation::step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye) {
+    scene_.step(inputs);
+    if (looked()) {
+        view_ = viewer_.look(snapshot(), eye ? *eye : best_eye(snapshot().landmarks));
+    }
+    metrics_.observe(snapshot(), view_);
+}
+
+bool Simulation::looked() const {
+    return snapshot().step % steps_per_look == 0;
+}
+
+double Simulation::time() const {
+    return static_cast<double>(snapshot().time_ns) * 1e-9;
+}
+
+Observation Simulation::observation() const {
+    const scene::Snapshot& s = snapshot();
+    const metrics::Live& live = metrics_.live();
+    return {time(),
+            s.landmarks,
+            live.glottic_opening_percent,
+            s.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : s.tube_nodes.back(),
+            live.tube_depth_past_glottis,
+            s.proxy,
+            tube_depth_rule_};
+}
+
+}  // namespace eti::app

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/operator/operator.hpp"
+#include "common/scenario/scenario.hpp"
+#include "server/anatomy/patient.hpp"
+#include "server/metrics/metrics.hpp"
+#include "server/scene/scene.hpp"
+
+namespace eti::app {
+
+/// Tools parked well clear of the face, in the scenario's posture: until a device says otherwise.
+[[nodiscard]] scene::Inputs parked(const Scenario& scenario);
+
+/// The scenario's patient, from the cache or built anew (some seconds).
+[[nodiscard]] anatomy::Patient patient_of(const Scenario& scenario);
+
+/// One scenario as it is simulated and judged: the scene, and the metrics that watch it. Without a clock,
+/// bus or record.
+class Simulation {
+  public:
+    /// `patient` has to outlive it.
+    Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start);
+
+    /// One step. The view is judged at 30 Hz from `eye` [m], by default from where it is best.
+    void step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye);
+
+    /// Whether the last step also judged the view.
+    [[nodiscard]] bool looked() const;
+    [[nodiscard]] double time() const;  ///< [s]
+    /// What a person at the scene sees.
+    [[nodiscard]] Observation observation() const;
+
+    [[nodiscard]] const Laryngoscope& scope() const { return scope_; }
+    [[nodiscard]] scene::Scene& scene() { return scene_; }
+    [[nodiscard]] const scene::Scene& scene() const { return scene_; }
+    [[nodiscard]] const scene::Snapshot& snapshot() const { return scene_.snapshot(); }
+    [[nodiscard]] metrics::Metrics& metrics() { return metrics_; }
+    [[nodiscard]] const metrics::Metrics& metrics() const { return metrics_; }
+
+  private:
+    Laryngoscope scope_;
+    scene::Scene scene_;
+    metrics::GlotticViewer viewer_;
+    metrics::GlotticView view_;
+    metrics::Metrics metrics_;
+    float tube_depth_rule_ = 0.0f;  // [m]
+};
+
+}  // namespace eti::app
