@@ -9,6 +9,7 @@ namespace eti::client {
 SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
     : scene_(node, bus::topics::scene),
       deformation_(node, every_state ? bus::topics::deformation : bus::topics::deformation_slow),
+      fluid_(node, bus::topics::fluid),
       proxy_(node, bus::topics::proxy),
       metrics_(node, bus::topics::live_metrics),
       status_(node, bus::topics::session_status) {
@@ -29,6 +30,10 @@ bool SessionInput::take_into(view::SceneView& scene) {
     }
     while (deformation_.take(deformation_message_)) {
         scene.apply(deformation_message_);
+        any = true;
+    }
+    while (fluid_.take(fluid_message_)) {
+        scene.apply(fluid_message_);
         any = true;
     }
     if (proxy_.take_latest(proxy_message_)) {

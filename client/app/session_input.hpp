@@ -44,6 +44,7 @@ class SessionInput {
 
     bus::Subscriber<msg::SceneDescription> scene_;
     bus::Subscriber<msg::DeformationState> deformation_;
+    bus::Subscriber<msg::FluidState> fluid_;
     bus::Subscriber<msg::ProxyState> proxy_;
     bus::Subscriber<msg::LiveMetrics> metrics_;
     bus::Subscriber<msg::SessionStatus> status_;
@@ -53,6 +54,7 @@ class SessionInput {
     // Reused, so that no message allocates anew.
     msg::SceneDescription scene_message_;
     msg::DeformationState deformation_message_;
+    msg::FluidState fluid_message_;
     msg::ProxyState proxy_message_;
     msg::LiveMetrics metrics_message_;
     msg::SessionStatus status_message_;

@@ -82,7 +82,7 @@ Camera laryngoscope_camera(const Landmarks& now) {
     Camera camera;
     camera.eye = best_eye(now);
     camera.target = at(now, Landmark::glottis);
-    camera.vertical_field = 6.5f * degree;
+    camera.vertical_field = 5.0f * degree;
     camera.near_plane = 0.1f;
     camera.far_plane = 0.8f;
     return camera;

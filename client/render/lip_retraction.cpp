@@ -14,9 +14,9 @@ constexpr float lower_clearance = 9.0e-3f;
 
 }  // namespace
 
-LipRetraction lip_retraction(const Camera& camera, const Landmarks& now) {
+LipRetraction lip_retraction(const Camera& sight, const Landmarks& now) {
     LipRetraction retraction;
-    const Eigen::Matrix4f view = camera.view();
+    const Eigen::Matrix4f view = sight.view();
     retraction.to_sight = view;
     const Vec3f gum = (view * at(now, Landmark::upper_gum).homogeneous()).head<3>();
     retraction.to_sight(2, 3) -= gum.z();

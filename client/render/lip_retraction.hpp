@@ -26,6 +26,7 @@ struct LipRetraction {
     void apply(ShaderProgram& program) const;
 };
 
-[[nodiscard]] LipRetraction lip_retraction(const Camera& camera, const Landmarks& now);
+/// `sight`: from the eye onto the glottis.
+[[nodiscard]] LipRetraction lip_retraction(const Camera& sight, const Landmarks& now);
 
 }  // namespace eti::render

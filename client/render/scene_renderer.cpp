@@ -15,7 +15,7 @@ namespace {
 constexpr float cut_plane_x = 0.0f;            // [m], mid-sagittal
 constexpr float cut_reach = 0.4f;              // [m], half of the cap's extent; hides behind the stencil
 constexpr float shadow_radius = 0.15f;         // [m]
-constexpr float glottis_below_centre = 5e-3f;  // [m], in the laryngoscope view
+constexpr float glottis_below_centre = 7e-3f;  // [m], in the laryngoscope view
 constexpr float ghost_opacity = 0.22f;         // of tools behind the cut
 
 const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
@@ -69,7 +69,7 @@ Viewport pixels_of(const std::vector<CutVertex>& vertices, const Eigen::Matrix4f
 }
 
 std::string lit(std::string_view body) {
-    return std::string(source::lighting) + std::string(body);
+    return std::string(source::mesh_inputs) + std::string(source::lighting) + std::string(body);
 }
 
 }  // namespace
@@ -103,6 +103,7 @@ SceneRenderer::SceneRenderer()
 
 void SceneRenderer::sync(const view::SceneView& scene) {
     meshes_.sync(scene);
+    liquid_.upload(scene.liquid(), scene.liquid_spacing());
 }
 
 Camera SceneRenderer::camera(View view, const view::SceneView& scene, const Orbit& orbit) {
@@ -189,6 +190,13 @@ void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport
     glBindVertexArray(0);
 }
 
+void SceneRenderer::draw_liquid(const Frame& frame) {
+    if (!frame.ids) {
+        const Viewport& area = frame.viewport;
+        liquid_.draw(frame.camera, frame.lighting, frame.clip_plane, area.x, area.y, area.width, area.height);
+    }
+}
+
 void SceneRenderer::draw_shadows(const Frame& frame) {
     GLint bound = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
@@ -245,15 +253,17 @@ void SceneRenderer::draw_overview(const Frame& frame) {
     flat_.set("clip_plane", no_clipping);
     draw_skin(frame, frame.ids ? flat_ : tissue_shadowed_);
     draw_tools(frame, 1.0f);
+    draw_liquid(frame);
 }
 
 void SceneRenderer::draw_laryngoscope(const Frame& frame) {
     ShaderProgram& program = frame.ids ? flat_retracted_ : tissue_retracted_;
     program.use();
     program.set("clip_plane", no_clipping);
-    lip_retraction(frame.camera, frame.scene.landmarks()).apply(program);
+    lip_retraction(laryngoscope_camera(frame.scene.landmarks()), frame.scene.landmarks()).apply(program);
     draw_skin(frame, program);
     draw_tools(frame, 1.0f);
+    draw_liquid(frame);
     if (!frame.ids) {
         glDisable(GL_DEPTH_TEST);
         glEnable(GL_BLEND);
@@ -278,6 +288,7 @@ void SceneRenderer::draw_section(const Frame& frame) {
     draw_skin(frame, frame.ids ? flat_ : tissue_);
     glDisable(GL_CLIP_DISTANCE0);
     draw_tools(frame, 1.0f);
+    draw_liquid(frame);
     if (!frame.ids) {
         glDepthFunc(GL_GREATER);
         draw_tools(frame, ghost_opacity);

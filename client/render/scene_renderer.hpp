@@ -7,6 +7,7 @@
 
 #include "client/render/camera.hpp"
 #include "client/render/lighting.hpp"
+#include "client/render/liquid_surface.hpp"
 #include "client/render/scene_meshes.hpp"
 #include "client/render/section_cut.hpp"
 #include "client/render/shader_program.hpp"
@@ -60,11 +61,13 @@ class SceneRenderer {
     void draw_cap(const Frame& frame, SurfaceMesh& surface);
     void draw_tools(const Frame& frame, float opacity);
     void draw_shadows(const Frame& frame);
+    void draw_liquid(const Frame& frame);
 
     SceneMeshes meshes_;
     ShaderProgram tissue_, tissue_shadowed_, tissue_retracted_, metal_, tube_, flat_, flat_retracted_,
         flat_tube_, cut_, vignette_;
     CutMesh cut_mesh_;
+    LiquidSurface liquid_;
     ShadowMap shadow_map_;
     VertexArray no_attributes_;
 };

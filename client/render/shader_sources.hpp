@@ -63,10 +63,14 @@ void main() {
 }
 )";
 
-/// Lights and the sum of what they give; colours are linear.
-inline constexpr std::string_view lighting = R"(
+/// Goes before the lighting of a mesh.
+inline constexpr std::string_view mesh_inputs = R"(
 in vec3 world;
 in vec3 normal_at;
+)";
+
+/// Lights and the sum of what they give at `world`; colours are linear.
+inline constexpr std::string_view lighting = R"(
 out vec4 pixel;
 uniform vec3 eye;
 uniform vec3 ambient_high;

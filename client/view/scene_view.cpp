@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "common/bus/fluid_state.hpp"
+
 namespace eti::view {
 namespace {
 
@@ -140,6 +142,8 @@ void SceneView::note_time(std::uint64_t time_ns) {
     if (time_ns + restart_gap_ns < simulation_time_ns_) {
         std::fill(frame_time_ns_.begin(), frame_time_ns_.end(), std::uint64_t{0});
         tube_time_ns_ = 0;
+        liquid_time_ns_ = 0;
+        liquid_chunks_.clear();
         simulation_time_ns_ = time_ns;
     }
     simulation_time_ns_ = std::max(simulation_time_ns_, time_ns);
@@ -189,6 +193,29 @@ bool SceneView::apply(const msg::DeformationState& message) {
             moved_[f] = 1;
             any_moved_ = true;
         }
+    }
+    return true;
+}
+
+bool SceneView::apply(const msg::FluidState& message) {
+    arriving_.clear();
+    if (!bus::take_fluid_chunk(message, farthest_coordinate, arriving_)) {
+        return refuse("eti/fluid", fmt::format("impossible chunk {} of {} with {} numbers", message.chunk(),
+                                               message.chunks(), message.places().size()));
+    }
+    const std::uint64_t time = message.header().simulation_time_ns();
+    note_time(time);
+    if (time >= liquid_time_ns_) {
+        liquid_time_ns_ = time;
+        liquid_chunks_.resize(message.chunks());
+        liquid_spacing_ = message.spacing();
+    }
+    // A chunk that was lost leaves its part of the liquid where it was.
+    if (message.chunk() < liquid_chunks_.size() && time >= liquid_chunks_[message.chunk()].time_ns) {
+        LiquidChunk& chunk = liquid_chunks_[message.chunk()];
+        chunk.time_ns = time;
+        chunk.positions.swap(arriving_);
+        liquid_moved_ = true;
     }
     return true;
 }
@@ -245,6 +272,13 @@ void SceneView::update() {
         }
         std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
         any_moved_ = false;
+    }
+    if (liquid_moved_) {
+        liquid_.clear();
+        for (const LiquidChunk& chunk : liquid_chunks_) {
+            liquid_.insert(liquid_.end(), chunk.positions.begin(), chunk.positions.end());
+        }
+        liquid_moved_ = false;
     }
     if (tube_moved_ && tube_) {
         tube_->update(tube_nodes_);

@@ -26,6 +26,7 @@ class SceneView {
   public:
     bool apply(const msg::SceneDescription& message);
     bool apply(const msg::DeformationState& message);
+    bool apply(const msg::FluidState& message);
     bool apply(const msg::ProxyState& message);
     bool apply(const msg::LiveMetrics& message);
     bool apply(const msg::SessionStatus& message);
@@ -44,6 +45,9 @@ class SceneView {
     /// The tube once its course is known, else null.
     [[nodiscard]] const TubeSweep* tube() const;
     [[nodiscard]] std::span<const Vec3f> tube_nodes() const { return tube_nodes_; }
+    /// Liquid particles [m] as of the last update(), none while there are no secretions.
+    [[nodiscard]] std::span<const Vec3f> liquid() const { return liquid_; }
+    [[nodiscard]] float liquid_spacing() const { return liquid_spacing_; }  ///< [m], of particles at rest
     /// Newest landmarks; those of the rest posture until live ones come.
     [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
 
@@ -59,6 +63,12 @@ class SceneView {
     [[nodiscard]] std::span<const FramePose> frames() const { return frames_; }
 
   private:
+    /// A part of the liquid, and when it was so.
+    struct LiquidChunk {
+        std::uint64_t time_ns = 0;
+        std::vector<Vec3f> positions;
+    };
+
     bool refuse(const char* topic, const std::string& why);
     void keep(const std::string& name, FrameModel&& object);
     void keep(const std::string& name, SurfaceModel&& object);
@@ -86,6 +96,12 @@ class SceneView {
     std::vector<Vec3f> tube_nodes_;
     std::uint64_t tube_time_ns_ = 0;
     bool tube_moved_ = false;
+    std::vector<LiquidChunk> liquid_chunks_;
+    std::uint64_t liquid_time_ns_ = 0;
+    std::vector<Vec3f> arriving_;
+    std::vector<Vec3f> liquid_;
+    float liquid_spacing_ = 0.0f;
+    bool liquid_moved_ = false;
     Landmarks landmarks_{};
     Landmarks rest_landmarks_{};
     bool live_landmarks_ = false;

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string_view>
+
+namespace eti::render::source {
+
+/// A particle as a point that covers its sphere.
+inline constexpr std::string_view sphere_vertex = R"(
+layout(location = 0) in vec3 position;
+uniform mat4 view;
+uniform mat4 projection;
+uniform vec4 clip_plane;
+uniform float radius;       // [m]
+uniform float height;       // of the picture, pixels
+out vec3 centre;
+void main() {
+    vec4 p = view * vec4(position, 1.0);
+    centre = p.xyz;
+    gl_Position = projection * p;
+    gl_PointSize = height * projection[1][1] * radius / gl_Position.w;
+    // Nothing of it sticks out of the cut.
+    if (dot(clip_plane, vec4(position, 1.0)) < radius) {
+        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    }
+}
+)";
+
+/// Distance [m] from the camera's plane to the sphere; with THICKNESS the way [mm] through it.
+inline constexpr std::string_view sphere_fragment = R"(
+in vec3 centre;
+uniform mat4 projection;
+uniform float radius;
+out float value;
+void main() {
+    vec2 c = 2.0 * gl_PointCoord - 1.0;
+    float squared = dot(c, c);
+    if (squared > 1.0) {
+        discard;
+    }
+    float front = radius * sqrt(1.0 - squared);
+#ifdef THICKNESS
+    value = 2000.0 * front;
+#else
+    float z = centre.z + front;
+    value = -z;
+    gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * z + projection[3][2]) / z;
+#endif
+}
+)";
+
+inline constexpr std::string_view quad_vertex = R"(
+out vec2 at;
+void main() {
+    at = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+    gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
+}
+)";
+
+/// One direction of a smoothing that does not mix near with far: a difference of more than a few radii is
+/// another surface.
+inline constexpr std::string_view smooth_fragment = R"(
+in vec2 at;
+uniform sampler2D depth;
+uniform vec2 pixel;             // step to the next, along one direction
+uniform float radius;           // [m]
+uniform float sphere_pixels;    // across, of a sphere at one metre
+uniform float width;            // to either side, in spheres
+out float value;
+void main() {
+    float here = texture(depth, at).r;
+    value = here;
+    if (here <= 0.0) {
+        return;
+    }
+    float stride = clamp(sphere_pixels / here * width / 6.0, 1.0, 8.0);
+    float sum = here, weights = 1.0;
+    for (int i = 1; i <= 6; ++i) {
+        for (int side = -1; side <= 1; side += 2) {
+            float other = texture(depth, at + float(i * side) * stride * pixel).r;
+            float apart = (other - here) / (2.0 * radius);
+            float weight = other > 0.0 ? exp(-float(i * i) / 12.0 - apart * apart) : 0.0;
+            sum += weight * other;
+            weights += weight;
+        }
+    }
+    value = sum / weights;
+}
+)";
+
+/// Goes before the lighting: the surface's place is computed.
+inline constexpr std::string_view liquid_surface_inputs = R"(
+in vec2 at;
+vec3 world;
+)";
+
+/// The surface over what was drawn before: alpha is what comes through from there.
+inline constexpr std::string_view liquid_surface_fragment = R"(
+uniform sampler2D depth;
+uniform sampler2D thickness;
+uniform mat4 projection;
+uniform mat4 to_world;
+uniform vec2 next_pixel;
+uniform float sphere_pixels;    // across, of a sphere at one metre
+uniform float radius;           // [m]
+vec3 place(vec2 where) {
+    float z = texture(depth, where).r;
+    return vec3((2.0 * where - 1.0) * z / vec2(projection[0][0], projection[1][1]), -z);
+}
+// Between both neighbours, but where one of them lies on another surface.
+vec3 slope(vec3 p, vec2 aside) {
+    vec3 after = place(at + aside) - p;
+    vec3 before = p - place(at - aside);
+    if (abs(after.z - before.z) < radius) {
+        return 0.5 * (after + before);
+    }
+    return abs(before.z) < abs(after.z) ? before : after;
+}
+void main() {
+    vec3 p = place(at);
+    if (p.z >= 0.0) {
+        discard;
+    }
+    gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * p.z + projection[3][2]) / p.z;
+    // Over a third of a sphere's radius: what smoothing leaves from pixel to pixel does not show.
+    vec2 aside = max(1.0, round(sphere_pixels / -p.z / 6.0)) * next_pixel;
+    vec3 n = mat3(to_world) * normalize(cross(slope(p, vec2(aside.x, 0.0)), slope(p, vec2(0.0, aside.y))));
+    world = (to_world * vec4(p, 1.0)).xyz;
+    vec3 v = normalize(eye - world);
+    float through = texture(thickness, at).r;
+    float edge = smoothstep(0.05, 0.5, through);
+    float nv = clamp(dot(n, v), 0.0, 1.0);
+    // Less at the rim than a smooth sphere's: what is mirrored there is the throat, not the room.
+    float fresnel = 0.02 + 0.35 * pow(1.0 - nv, 5.0);
+    // Mucus and froth scatter a little: a sixth of the light within a millimetre.
+    float milky = 1.0 - exp(-0.18 * min(through, 5.0));
+    const vec3 albedo = vec3(0.62, 0.66, 0.64);
+    vec3 scattered = 1.2 * albedo * ambient(n);
+    vec3 mirrored = fresnel * 1.5 * ambient(reflect(-v, n));
+    for (int i = 0; i < 2; ++i) {
+        Arriving light = arriving(i);
+        scattered += albedo * light.colour * (0.10 + 0.20 * max(dot(n, light.direction), 0.0));
+        float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
+        float nh8 = pow(nh, 8.0);
+        float nh64 = pow(nh8, 8.0);
+        mirrored += light.colour * (0.01 * nh8 * nh8 * nh8 + 0.25 * nh64 * nh64 * nh64 * nh64);
+    }
+    pixel = vec4(edge * tone(milky * scattered + mirrored), 1.0 - edge * (1.0 - (1.0 - milky) * (1.0 - fresnel)));
+}
+)";
+
+}  // namespace eti::render::source

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/liquid_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "client/render/liquid_shaders.hpp"
+#include "client/render/shader_sources.hpp"
+
+namespace eti::render {
+namespace {
+
+// Of a sphere over the particles' spacing: neighbours then overlap into one surface.
+constexpr float sphere_size = 1.0f;
+// The liquid's own pictures have half of the view's pixels along each side, from this height on.
+constexpr int halved_from = 800;
+// Widths of the rounds of smoothing, over a sphere's: the second fills the steps that the first leaves.
+constexpr float smoothing_widths[] = {0.45f, 0.18f};
+
+void make_texture(const Texture& texture, GLenum format, int width, int height) {
+    glBindTexture(GL_TEXTURE_2D, texture.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0, GL_RED, GL_FLOAT, nullptr);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+        // Depths are not mixed: half-way between two surfaces there is none.
+        glTexParameteri(GL_TEXTURE_2D, filter, format == GL_R32F ? GL_NEAREST : GL_LINEAR);
+    }
+    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
+        glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+    }
+}
+
+void attach(const Framebuffer& target, const Texture& texture) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+        throw std::runtime_error(
+            "the OpenGL driver draws into no floating-point texture; it does not support OpenGL 3.3");
+    }
+}
+
+/// The pixels [left, bottom, width, height] of a picture that spheres about `positions` may touch.
+std::array<int, 4> pixels_of(std::span<const Vec3f> positions, float radius,
+                             const Eigen::Matrix4f& view_projection, float steepness, int width, int height) {
+    Eigen::AlignedBox2f box;
+    for (const Vec3f& p : positions) {
+        const Eigen::Vector4f clip = view_projection * p.homogeneous();
+        if (clip.w() <= radius) {
+            return {0, 0, width, height};  // about the eye
+        }
+        const Eigen::Vector2f reach =
+            Eigen::Vector2f(static_cast<float>(height) / static_cast<float>(width), 1.0f) *
+            (steepness * radius / clip.w());
+        box.extend(Eigen::Vector2f(clip.head<2>() / clip.w() - reach));
+        box.extend(Eigen::Vector2f(clip.head<2>() / clip.w() + reach));
+    }
+    const auto pixel = [](float place, int side) {
+        return static_cast<int>(
+            std::lround(std::clamp(0.5f + 0.5f * place, 0.0f, 1.0f) * static_cast<float>(side)));
+    };
+    const int left = std::max(pixel(box.min().x(), width) - 1, 0);
+    const int bottom = std::max(pixel(box.min().y(), height) - 1, 0);
+    return {left, bottom, std::min(pixel(box.max().x(), width) + 1, width) - left,
+            std::min(pixel(box.max().y(), height) + 1, height) - bottom};
+}
+
+void bind(GLenum unit, const Texture& texture) {
+    glActiveTexture(unit);
+    glBindTexture(GL_TEXTURE_2D, texture.name());
+}
+
+}  // namespace
+
+LiquidSurface::Layers::Layers(int wide, int high) : width(wide), height(high) {
+    make_texture(depth, GL_R32F, width, height);
+    make_texture(smoothed, GL_R32F, width, height);
+    make_texture(thickness, GL_R16F, width, height);
+    glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
+    attach(smoothed_target, smoothed);
+    attach(thickness_target, thickness);
+    attach(depth_target, depth);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffer.name());
+}
+
+LiquidSurface::LiquidSurface()
+    : spheres_("liquid's spheres", {}, source::sphere_vertex, source::sphere_fragment),
+      thickness_("liquid's thickness", {"THICKNESS"}, source::sphere_vertex, source::sphere_fragment),
+      smooth_("liquid's smoothing", {}, source::quad_vertex, source::smooth_fragment),
+      surface_("liquid's surface", {}, source::quad_vertex,
+               std::string(source::liquid_surface_inputs) + std::string(source::lighting) +
+                   std::string(source::liquid_surface_fragment)) {
+    glBindVertexArray(array_.name());
+    glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
+    glEnableVertexAttribArray(0);
+    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+    glBindVertexArray(0);
+}
+
+void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing) {
+    particles_.assign(positions.begin(), positions.end());
+    radius_ = sphere_size * spacing;
+    if (!empty()) {
+        glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
+        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size_bytes()), positions.data(),
+                     GL_STREAM_DRAW);
+    }
+}
+
+void LiquidSurface::draw_quad() const {
+    glBindVertexArray(no_attributes_.name());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+void LiquidSurface::draw_spheres(ShaderProgram& program, const Camera& camera,
+                                 const Eigen::Matrix4f& projection, const Eigen::Vector4f& clip_plane) {
+    program.use();
+    program.set("view", camera.view());
+    program.set("projection", projection);
+    program.set("clip_plane", clip_plane);
+    program.set("radius", radius_);
+    program.set("height", static_cast<float>(layers_->height));
+    glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glBindVertexArray(array_.name());
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particles_.size()));
+}
+
+void LiquidSurface::smooth(float sphere_pixels_at_one_metre) {
+    smooth_.use();
+    smooth_.set("depth", 0);
+    smooth_.set("radius", radius_);
+    smooth_.set("sphere_pixels", sphere_pixels_at_one_metre);
+    for (const float width : smoothing_widths) {
+        smooth_.set("width", width);
+        glBindFramebuffer(GL_FRAMEBUFFER, layers_->smoothed_target.name());
+        bind(GL_TEXTURE0, layers_->depth);
+        smooth_.set("pixel", Eigen::Vector2f(1.0f / static_cast<float>(layers_->width), 0.0f));
+        draw_quad();
+        glBindFramebuffer(GL_FRAMEBUFFER, layers_->depth_target.name());
+        bind(GL_TEXTURE0, layers_->smoothed);
+        smooth_.set("pixel", Eigen::Vector2f(0.0f, 1.0f / static_cast<float>(layers_->height)));
+        draw_quad();
+    }
+}
+
+void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const Eigen::Vector4f& clip_plane,
+                         int x, int y, int width, int height) {
+    if (empty()) {
+        return;
+    }
+    GLint bound = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+    const int part = height >= halved_from ? 2 : 1;
+    const int layer_width = std::max(width / part, 1);
+    const int layer_height = std::max(height / part, 1);
+    if (!layers_ || layers_->width != layer_width || layers_->height != layer_height) {
+        layers_.emplace(layer_width, layer_height);
+    }
+    const Eigen::Matrix4f projection =
+        camera.projection(static_cast<float>(width) / static_cast<float>(height));
+    const auto [left, bottom, across, up] = pixels_of(particles_, radius_, projection * camera.view(),
+                                                      projection(1, 1), layer_width, layer_height);
+    if (across <= 0 || up <= 0) {
+        return;
+    }
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(left, bottom, across, up);
+    glDisable(GL_CULL_FACE);
+    glViewport(0, 0, layer_width, layer_height);
+    glEnable(GL_PROGRAM_POINT_SIZE);
+    glBindFramebuffer(GL_FRAMEBUFFER, layers_->depth_target.name());
+    draw_spheres(spheres_, camera, projection, clip_plane);
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    glBindFramebuffer(GL_FRAMEBUFFER, layers_->thickness_target.name());
+    draw_spheres(thickness_, camera, projection, clip_plane);
+    glDisable(GL_BLEND);
+    glDisable(GL_PROGRAM_POINT_SIZE);
+    smooth(projection(1, 1) * radius_ * static_cast<float>(layer_height));
+
+    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
+    glViewport(x, y, width, height);
+    glScissor(x + part * left, y + part * bottom, part * across, part * up);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_SRC_ALPHA);
+    surface_.use();
+    lighting.apply(surface_, camera.eye);
+    surface_.set("projection", projection);
+    surface_.set("to_world", Eigen::Matrix4f(camera.view().inverse()));
+    surface_.set("next_pixel", Eigen::Vector2f(1.0f / static_cast<float>(layer_width),
+                                               1.0f / static_cast<float>(layer_height)));
+    surface_.set("sphere_pixels", projection(1, 1) * radius_ * static_cast<float>(layer_height));
+    surface_.set("radius", radius_);
+    surface_.set("depth", 0);
+    surface_.set("thickness", 1);
+    bind(GL_TEXTURE1, layers_->thickness);
+    bind(GL_TEXTURE0, layers_->depth);
+    draw_quad();
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+    glEnable(GL_CULL_FACE);
+    glScissor(x, y, width, height);
+}
+
+}  // namespace eti::render

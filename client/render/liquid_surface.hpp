@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "client/render/camera.hpp"
+#include "client/render/gl_object.hpp"
+#include "client/render/lighting.hpp"
+#include "client/render/shader_program.hpp"
+
+namespace eti::render {
+
+/// Draws liquid particles as one wet, translucent surface, in screen space (van der Laan et al. 2009): depths
+/// of spheres, smoothed where they belong to one surface, then lit as a surface whose normals are those of
+/// the smoothed depths. The cost goes with the pixels that a view has, not with the particles.
+class LiquidSurface {
+  public:
+    LiquidSurface();
+
+    /// What is to be drawn from now on. `spacing` [m] of particles at rest.
+    void upload(std::span<const Vec3f> positions, float spacing);
+    [[nodiscard]] bool empty() const { return particles_.empty(); }
+
+    /// Draws over the bound framebuffer's pixels from (x, y) on, which are not farther than the liquid; after
+    /// everything opaque. What lies beyond `clip_plane` is left out.
+    void draw(const Camera& camera, const Lighting& lighting, const Eigen::Vector4f& clip_plane, int x, int y,
+              int width, int height);
+
+  private:
+    /// Pictures of the liquid alone.
+    struct Layers {
+        Layers(int width, int height);
+        int width, height;
+        Texture depth, smoothed, thickness;
+        Renderbuffer buffer;
+        Framebuffer depth_target, smoothed_target, thickness_target;
+    };
+
+    void draw_spheres(ShaderProgram& program, const Camera& camera, const Eigen::Matrix4f& projection,
+                      const Eigen::Vector4f& clip_plane);
+    void smooth(float sphere_pixels_at_one_metre);
+    void draw_quad() const;
+
+    ShaderProgram spheres_, thickness_, smooth_, surface_;
+    VertexArray array_, no_attributes_;
+    Buffer positions_;
+    std::vector<Vec3f> particles_;
+    float radius_ = 0.0f;  // [m], of the spheres
+    std::optional<Layers> layers_;
+};
+
+}  // namespace eti::render
