@@ -1,0 +1,275 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Draws the charts of eti-bench. Usage: plot.py FOLDER, where its tables lie; writes SVG beside them.
+
+Needs Debian's python3-matplotlib.
+"""
+
+import csv
+import math
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+COLOURS = {"shape matching, PBD": "#c44e52", "shape matching, XPBD": "#4c72b0", "tetrahedra, XPBD": "#55a868",
+           "clusters, calibrated by traction": "#64b5cd", "clusters, calibrated by indentation": "#dd8452",
+           "clusters, calibrated on the tongue": "#8c613c",
+           "mass-spring, explicit": "#937860", "rod": "#8172b2", "fluid": "#4c72b0"}
+MARKERS = ["o", "s", "^", "D", "v", "P"]
+# What the scenarios ship: spacing [mm], substeps and passes, on the spacing nearest to the scene's 2 mm; for the
+# fluid, its own defaults.
+SHIPPED = {"clusters, calibrated on the tongue": (2.5, 8, 1), "rod": (5.0, 8, 1), "fluid": (1.0, 8, 5)}
+# The same where the case is the scene itself.
+SHIPPED_TONGUE = (2.0, 8, 1)
+# What is not a block of tissue, and does not enter the chart of all blocks.
+APART = ("rod", "fluid")
+TONGUE = ("tongue-force", "tongue-shape")
+TITLES = {"cantilever": "bar under its weight: displacements", "traction": "bar under traction: displacements",
+          "stretch": "bar drawn out: displacements", "twist": "bar turned by 90°: displacements",
+          "sphere": "sphere of 5 mm, 0.5 to 2 mm deep: force", "blade": "blade of 5 mm, 0.5 to 2 mm deep: force",
+          "hertz": "large sphere, lightly pressed: force (Hertz)", "tongue-force": "the patient's tongue under the blade: force",
+          "tongue-shape": "the patient's tongue under the blade: displacements", "tube": "tube held by its connector: tip",
+          "tube-bending": "tube over two supports: force", "fluid-pressure": "column of water: pressure",
+          "fluid-volume": "column of water: volume", "dam-break": "dam break: front (Martin & Moyce 1952)"}
+
+
+def read(file):
+    with file.open(newline="") as table:
+        return [{**row, "cost": float(row["ms_per_frame"]), "error": float(row["relative_error"]),
+                 "spacing": float(row["spacing_mm"]), "substeps": int(row["substeps"]),
+                 "iterations": int(row["iterations"])} for row in csv.DictReader(table)]
+
+
+def setting(row):
+    return row["spacing"], row["substeps"], row["iterations"]
+
+
+def pareto(points):
+    """Those of (cost, error) that nothing beats in both."""
+    front, best = [], math.inf
+    for cost, error in sorted(points):
+        if error < best:
+            front.append((cost, error))
+            best = error
+    return front
+
+
+def pyplot():
+    """Loaded only for drawing: the tests read the tables without it."""
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+    plt.rcParams.update({"svg.hashsalt": "neoeti", "font.size": 9, "axes.grid": True, "grid.alpha": 0.3})
+    return plt
+
+
+def lines_of(rows):
+    """Settings that differ in substeps only; for PBD, whose passes are of one substep, in passes only."""
+    lines = defaultdict(list)
+    for row in rows:
+        passes = row["iterations"] if row["method"] == "fluid" else 0
+        lines[row["method"], row["spacing"], passes].append(row)
+    return sorted(lines.items())
+
+
+def draw(rows, title, file):
+    plt = pyplot()
+    figure, axes = plt.subplots(figsize=(9.4, 5.0))
+    shown = [row for row in rows if math.isfinite(row["error"])]
+    spacings = sorted({row["spacing"] for row in rows})
+    styles = {0: "-", **dict(zip(sorted({row["iterations"] for row in rows}), ("-", "--", ":", "-.", "-")))}
+    for (method, spacing, passes), line in lines_of(shown):
+        line.sort(key=lambda row: row["substeps"] * row["iterations"])
+        label = f"{method}, {spacing:.3g} mm" + (f", {passes} passes" if passes else "")
+        axes.plot([row["cost"] for row in line], [max(row["error"], 1e-5) for row in line], color=COLOURS[method],
+                  lw=1, ls=styles[passes] if passes else "-", marker=MARKERS[spacings.index(spacing)], ms=4,
+                  label=label)
+    front = pareto((row["cost"], max(row["error"], 1e-5)) for row in shown)
+    axes.plot(*zip(*front), color="black", lw=3, alpha=0.25, zorder=0, label="nothing is cheaper and better")
+    for row in shown:
+        shipped = SHIPPED_TONGUE if row.get("case") in TONGUE and row["method"] in SHIPPED else \
+            SHIPPED.get(row["method"])
+        if shipped == setting(row):
+            axes.plot(row["cost"], max(row["error"], 1e-5), marker="*", ms=15, color="gold", mec="black", ls="none",
+                      label="shipped")
+    axes.set(xscale="log", yscale="log", title=title, xlabel="wall time per simulated 1/90 s [ms], one thread",
+             ylabel="relative error")
+    axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0))     # beside the lines, not over them
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
+
+
+def overall(rows):
+    """Geometric means over the cases of blocks, setting by setting; none where the body flew apart in one."""
+    settings = defaultdict(list)
+    for row in rows:
+        if row["method"] not in APART and row["case"] not in TONGUE:
+            settings[row["method"], setting(row)].append(row)
+    cases = max(len(line) for line in settings.values())
+
+    def mean(line, key):
+        return math.exp(sum(math.log(max(row[key], 1e-4)) for row in line) / len(line))
+
+    return [{"method": method, "spacing": spacing, "substeps": substeps, "iterations": iterations,
+             "cost": mean(line, "cost"), "error": mean(line, "error")}
+            for (method, (spacing, substeps, iterations)), line in settings.items()
+            if len(line) == cases and all(math.isfinite(row["error"]) for row in line)]
+
+
+def draw_forces(file, to):
+    """Force over depth at eight substeps, one panel per case and spacing, against the reference."""
+    with file.open(newline="") as table:
+        rows = [row for row in csv.DictReader(table)
+                if int(row["substeps"]) * int(row["iterations"]) == 8]
+    plt = pyplot()
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    spacings = sorted({float(row["spacing_mm"]) for row in rows if float(row["spacing_mm"]) < 4}, reverse=True)
+    figure, panels = plt.subplots(len(spacings), len(cases), figsize=(3.6 * len(cases), 3.2 * len(spacings)),
+                                  squeeze=False)
+    for column, case in enumerate(cases):
+        for line, spacing in enumerate(spacings):
+            axes = panels[line][column]
+            curves = defaultdict(list)
+            for row in rows:
+                if row["case"] == case and float(row["spacing_mm"]) == spacing:
+                    curves[row["method"]].append((float(row["depth_mm"]), 1e3 * float(row["force_n"])))
+                    curves[""].append((float(row["depth_mm"]), 1e3 * float(row["reference_n"])))
+            if not curves:
+                axes.set_visible(False)
+                continue
+            for method, curve in curves.items():
+                # A body that flew apart has no force worth drawing.
+                points = [p for p in sorted(set(curve)) if math.isfinite(p[1])]
+                if points:
+                    axes.plot(*zip(*points), marker="o", ms=3, lw=1 if method else 4, zorder=2 if method else 1,
+                              color=COLOURS.get(method, "lightgrey"), label=method or "reference")
+            axes.set(title=f"{case}, spacing {spacing:g} mm", xlabel="depth [mm]", ylabel="force [mN]")
+            axes.set_ylim(0.0, 1.5 * max(force for _, force in curves[""]))
+    # Of the panel with most methods: not every case has all.
+    handles, labels = max((axes.get_legend_handles_labels() for line in panels for axes in line),
+                          key=lambda legend: len(legend[1]))
+    figure.legend(handles, labels, loc="lower center", ncol=4, fontsize=8)
+    figure.tight_layout(rect=(0, 0.08, 1, 1))
+    figure.savefig(to, metadata={"Date": None})
+    plt.close(figure)
+
+
+def draw_calibration(file, to):
+    """Modulus measured over the modulus put in, one panel per kind of load."""
+    with file.open(newline="") as table:
+        rows = list(csv.DictReader(table))
+    plt = pyplot()
+    loads = {"traction": ["traction"], "indentation": ["sphere", "blade", "narrow blade", "hertz"]}
+    figure, panels = plt.subplots(1, 2, figsize=(10, 4.6), sharex=True, sharey=True)
+    for axes, (title, names) in zip(panels, loads.items()):
+        for name in names:
+            for radius in sorted({row["radius_spacings"] for row in rows}):
+                for spacing in sorted({row["spacing_mm"] for row in rows}, key=float):
+                    points = sorted((float(row["group"]), float(row["ratio"])) for row in rows
+                                    if (row["load"], row["radius_spacings"], row["spacing_mm"]) ==
+                                    (name, radius, spacing))
+                    if points:
+                        axes.plot(*zip(*points), lw=0.8, ms=3, marker=MARKERS[["1.8", "2.01", "2.5"].index(radius)],
+                                  label=f"{name}, reach {radius}, {spacing} mm")
+        axes.set(xscale="log", yscale="log", title=title,
+                 xlabel="modulus put in · substep² / (density · spacing²)", ylabel="modulus measured / put in")
+        axes.legend(fontsize=7, loc="lower left")
+    figure.tight_layout()
+    figure.savefig(to, metadata={"Date": None})
+    plt.close(figure)
+
+
+FATES = {"fails": (0, "F", "#d9786c"), "recovers": (1, "R", "#e5c469"), "survives": (2, "", "#7fbf8f")}
+# What lies across, and what of it the scenarios ship.
+ACROSS = {"walls": "speed of the hand"}
+SHIPPED_STEP = f"1/{180 * SHIPPED['clusters, calibrated on the tongue'][1]} s"
+
+
+def read_maps(file):
+    with file.open(newline="") as table:
+        return list(csv.DictReader(table))
+
+
+def is_shipped(row):
+    """Whether a cell of the maps is computed as the scenarios are."""
+    if row["figure"] == "walls":
+        return row["method"] == SHIPPED_STEP
+    return row["column"] == SHIPPED_STEP and row["method"] not in \
+        ("shape matching, PBD", "tetrahedra, XPBD", "mass-spring, explicit")
+
+
+def draw_map(axes, cells, figure):
+    """One panel. A letter says the fate too, so that nobody has to tell colours apart."""
+    from matplotlib.colors import ListedColormap
+    columns = list(dict.fromkeys(row["column"] for row in cells))
+    names = list(dict.fromkeys(row["row"] for row in cells))
+    fate = {(row["row"], row["column"]): FATES[row["fate"]] for row in cells}
+    axes.imshow([[fate[r, c][0] for c in columns] for r in names], vmin=0, vmax=2, aspect="auto",
+                cmap=ListedColormap([colour for _, _, colour in FATES.values()]))
+    for y, r in enumerate(names):
+        for x, c in enumerate(columns):
+            axes.text(x, y, fate[r, c][1], ha="center", va="center", fontsize=7)
+    shipped = [columns.index(row["column"]) for row in cells if is_shipped(row)]
+    if shipped:
+        axes.add_patch(plt_rectangle((min(shipped) - 0.5, -0.5), max(shipped) - min(shipped) + 1, len(names)))
+    axes.set_xticks(range(len(columns)), columns, rotation=45, fontsize=7)
+    axes.set_yticks(range(len(names)), names, fontsize=7)
+    axes.set_xlabel(ACROSS.get(figure, "substep"), fontsize=8)
+    axes.grid(False)
+
+
+def plt_rectangle(corner, width, height):
+    from matplotlib.patches import Rectangle
+    return Rectangle(corner, width, height, fill=False, lw=2.5, ec="black", clip_on=False)
+
+
+def draw_maps(rows, figure, file):
+    """One line of panels per map, one panel per method."""
+    plt = pyplot()
+    from matplotlib.patches import Patch
+    maps = {}
+    for row in rows:
+        maps.setdefault(row["map"], {}).setdefault(row["method"], []).append(row)
+    heights = [len({row["row"] for cells in methods.values() for row in cells}) for methods in maps.values()]
+    wide = max(len(methods) for methods in maps.values())
+    sheet, panels = plt.subplots(len(maps), wide, squeeze=False, gridspec_kw={"height_ratios": heights},
+                                 figsize=(3.7 * wide + 1.0, 0.19 * sum(heights) + 1.05 * len(maps) + 0.8))
+    for line, (name, methods) in zip(panels, maps.items()):
+        for axes in line[len(methods):]:
+            axes.set_visible(False)
+        for axes, (method, cells) in zip(line, methods.items()):
+            draw_map(axes, cells, figure)
+            axes.set_title(f"{name}\n{method}", fontsize=8)
+    handles = [Patch(color=colour, label=f"{letter or 'no letter'}: {fate}")
+               for fate, (_, letter, colour) in reversed(FATES.items())]
+    handles.append(plt_rectangle((0, 0), 1, 1))
+    handles[-1].set_label("frame: as shipped")
+    sheet.tight_layout(rect=(0, 0.5 / sheet.get_figheight(), 1, 1))
+    sheet.legend(handles=handles, loc="lower center", ncol=4, fontsize=8)
+    sheet.savefig(file, metadata={"Date": None})
+    plt.close(sheet)
+
+
+def main(folder):
+    if (folder / "stability.csv").exists():
+        cells = read_maps(folder / "stability.csv")
+        for figure in dict.fromkeys(row["figure"] for row in cells):
+            draw_maps([row for row in cells if row["figure"] == figure], figure, folder / f"stability-{figure}.svg")
+    if (folder / "calibration.csv").exists():
+        draw_calibration(folder / "calibration.csv", folder / "calibration.svg")
+    if not (folder / "accuracy.csv").exists():
+        return
+    rows = read(folder / "accuracy.csv")
+    for case in dict.fromkeys(row["case"] for row in rows):
+        draw([row for row in rows if row["case"] == case], TITLES[case], folder / f"accuracy-{case}.svg")
+    draw(overall(rows), "all blocks, geometric mean", folder / "accuracy-all.svg")
+    if (folder / "accuracy-forces.csv").exists():
+        draw_forces(folder / "accuracy-forces.csv", folder / "accuracy-forces.svg")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]))

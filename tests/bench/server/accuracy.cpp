@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/bench/server/accuracy.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "tests/bench/server/accuracy_table.hpp"
+#include "tests/bench/server/block_cases.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+std::vector<Setting> settings(bool quick) {
+    std::vector<Setting> list;
+    const std::vector<double> cells = quick ? std::vector{5e-3} : std::vector{5e-3, 2.5e-3, 1.25e-3};
+    const std::vector<int> counts = quick ? std::vector{4, 8} : std::vector{1, 2, 4, 8, 16};
+    for (const double cell : cells) {
+        for (const int n : counts) {
+            list.push_back({Method::shape_matching_pbd, cell, 1, n});
+            for (const Method clusters : {Method::shape_matching_xpbd, Method::clusters_for_traction,
+                                          Method::clusters_for_indentation, Method::clusters_for_tongue}) {
+                Setting as_shipped{clusters, cell, n, 1};
+                as_shipped.cluster_radius = test::patient_radius;
+                list.push_back(as_shipped);
+            }
+            list.push_back({Method::tetrahedra, cell, n, 1});
+            // Explicit steps have to be short enough: begin where the others do well, and go on.
+            list.push_back({Method::mass_springs, cell, 2 * n, 1});
+        }
+    }
+    return list;
+}
+
+}  // namespace
+
+int accuracy(const AccuracyOptions& options) {
+    AccuracyTable table(options.out);
+    Table forces(options.out, "accuracy-forces.csv",
+                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
+    bend_tubes(table, options.quick);
+    spdlog::info("tube done");
+    press_tongue(table, forces, options.quick);
+    spdlog::info("tongue done");
+    pour_water(table, options.quick);
+    spdlog::info("fluid done; solving the references of the blocks");
+    const std::vector<Setting> all = settings(options.quick);
+    for (const auto& block : block_cases(options.quick)) {
+        for (const Setting& setting : all) {
+            if (!block->fits(setting)) {
+                continue;
+            }
+            const std::string name = block->name();
+            const std::string_view method = name_of(setting.method);
+            const Outcome outcome = block->run(setting);
+            table.add({name, method, setting.cell, setting.substeps, setting.iterations, outcome.particles,
+                       outcome.error, outcome.frame_ms});
+            for (const Press& p : outcome.curve) {
+                forces.row(fmt::format("{},\"{}\",{:g},{},{},{:g},{:.6g},{:.6g}", name, method,
+                                       1e3 * setting.cell, setting.substeps, setting.iterations,
+                                       1e3 * p.depth, p.force, p.expected));
+            }
+        }
+        spdlog::info("{} done", block->name());
+    }
+    spdlog::info("wrote {} and {}", table.path().string(), forces.path().string());
+    return 0;
+}
+
+}  // namespace eti::bench

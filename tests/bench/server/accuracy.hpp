@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+
+namespace eti::bench {
+
+struct AccuracyOptions {
+    std::filesystem::path out = "out/bench";
+    bool quick = false;  ///< a corner of the sweep, for tests
+};
+
+/// Error against cost of every method, spacing, number of substeps and of iterations, in cases with a
+/// reference: writes accuracy.csv, and accuracy-forces.csv with the forces over depth behind the errors of
+/// the indentations. Returns the program's exit code.
+[[nodiscard]] int accuracy(const AccuracyOptions& options);
+
+}  // namespace eti::bench

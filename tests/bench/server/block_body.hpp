@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "server/pbd/cluster_calibration.hpp"
+#include "server/pbd/shape_matching.hpp"
+#include "server/pbd/tetrahedra.hpp"
+#include "tests/support/lattice_clusters.hpp"
+#include "tests/support/mass_springs.hpp"
+#include "tests/support/tetrahedral_lattice.hpp"
+
+namespace eti::bench {
+
+enum class Method {
+    shape_matching_pbd,
+    shape_matching_xpbd,
+    clusters_for_traction,     ///< the same, with the modulus put in that makes a bar's modulus right
+    clusters_for_indentation,  ///< or the force on an indenter,
+    clusters_for_tongue,       ///< or the force of the patient's tongue, as shipped
+    tetrahedra,
+    mass_springs
+};
+
+[[nodiscard]] constexpr std::string_view name_of(Method method) {
+    switch (method) {
+        case Method::shape_matching_pbd:
+            return "shape matching, PBD";
+        case Method::shape_matching_xpbd:
+            return "shape matching, XPBD";
+        case Method::clusters_for_traction:
+            return "clusters, calibrated by traction";
+        case Method::clusters_for_indentation:
+            return "clusters, calibrated by indentation";
+        case Method::clusters_for_tongue:
+            return "clusters, calibrated on the tongue";
+        case Method::tetrahedra:
+            return "tetrahedra, XPBD";
+        case Method::mass_springs:
+            break;
+    }
+    return "mass-spring, explicit";
+}
+
+/// What the modulus put into clusters is calibrated by; nothing where it is put in as it is.
+[[nodiscard]] constexpr std::optional<pbd::ClusterLoad> calibration_of(Method method) {
+    switch (method) {
+        case Method::clusters_for_traction:
+            return pbd::ClusterLoad::traction;
+        case Method::clusters_for_indentation:
+            return pbd::ClusterLoad::indentation;
+        case Method::clusters_for_tongue:
+            return pbd::ClusterLoad::tongue;
+        default:
+            return std::nullopt;
+    }
+}
+
+/// How a body is computed.
+struct Setting {
+    Method method = Method::shape_matching_xpbd;
+    double cell = 2.5e-3;         ///< [m]
+    int substeps = 8;             ///< per step
+    int iterations = 1;           ///< passes per substep
+    double step = 1.0 / 180.0;    ///< [s]
+    double youngs_modulus = 8e3;  ///< [Pa], of tongue and mucosa
+    /// [1/s], of velocity; by default no faster than the slowest mode of the loaded cases.
+    double damping = 40.0;
+    double cluster_radius = test::cube_radius;  ///< in cells
+};
+
+/// What all methods compute: the material, and how heavy its particles are.
+inline constexpr double poisson_ratio = 0.45;
+inline constexpr double particle_density = 4e3;  ///< [kg/m^3], as of the patient's particles
+
+/// A block of soft tissue, one corner at the origin, on a lattice that all methods share: particles at its
+/// nodes, tetrahedra in its cells, clusters around every second node, springs along edges and diagonals.
+class BlockBody {
+  public:
+    /// Size along x, y, z [mm]: an even number of cells each, so that clusters cover the block.
+    BlockBody(int x_mm, int y_mm, int z_mm, const Setting& setting);
+
+    [[nodiscard]] const test::TetrahedralLattice& lattice() const { return lattice_; }
+    [[nodiscard]] pbd::Particles& particles() { return particles_; }
+    [[nodiscard]] double mass(std::size_t i) const { return mass_[i]; }
+    void scale_mass(std::size_t i, double factor);
+    /// Its clusters while settle() runs; none with tetrahedra.
+    [[nodiscard]] const pbd::ShapeMatching& shapes() const { return shapes_; }
+
+    /// Holds a particle at its rest position plus `displacement` [m], reached over the first half second.
+    void hold(std::size_t i, const Vec3d& displacement = Vec3d::Zero());
+    /// The same for particles that are displaced along a path: position at share 0..1 of the way.
+    void hold_along(std::size_t i, std::function<Vec3d(double)> path);
+
+    Vec3d gravity = Vec3d::Zero();  ///< [m/s^2], as if the density were 1000 kg/m^3
+    std::vector<Vec3d> force;       ///< [N], per particle
+
+    /// After the constraints of a substep; moves predicted positions. Arguments: substep [s], share of the
+    /// loading reached.
+    std::function<void(pbd::Particles&, double, double)> contact;
+
+    /// After every step.
+    std::function<void(const pbd::Particles&)> watch;
+
+    /// Simulates `seconds` under strong damping; returns the wall time [ms] per 1/90 s. Loads and
+    /// displacements grow over the first half second. Stops early when the body has flown apart.
+    double settle(double seconds);
+
+  private:
+    void substep(float dt, double share);
+
+    struct Held {
+        std::size_t particle;
+        std::function<Vec3d(double)> path;
+    };
+
+    Setting setting_;
+    test::TetrahedralLattice lattice_;
+    pbd::Particles particles_;
+    std::vector<double> mass_, volume_;
+    std::vector<Held> held_;
+    pbd::ShapeMatching shapes_;
+    pbd::Tetrahedra tetrahedra_;
+    test::MassSprings springs_;
+};
+
+}  // namespace eti::bench

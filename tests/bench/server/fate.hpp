@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "server/pbd/particles.hpp"
+#include "tests/bench/server/table.hpp"
+
+namespace eti::bench {
+
+/// What becomes of a body that was treated badly. It survives if it comes back and never moves farther away
+/// than it was thrown; it recovers if it comes back by a detour.
+enum class Fate { fails, recovers, survives };
+
+[[nodiscard]] constexpr std::string_view name_of(Fate fate) {
+    switch (fate) {
+        case Fate::fails:
+            return "fails";
+        case Fate::recovers:
+            return "recovers";
+        case Fate::survives:
+            break;
+    }
+    return "survives";
+}
+
+/// One cell of a map, with what was measured; not-a-number where a measure makes no sense.
+struct Course {
+    static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    Fate fate = Fate::fails;
+    double return_time = none;     ///< [s], after which all stays within 1 % of the body's size from rest
+    double residual = none;        ///< distance from rest in the end, in parts of the body's size
+    double kinetic_growth = none;  ///< greatest kinetic energy in the second half over that in the first
+    double rotation_error = none;  ///< how far a cluster's rotation ever was from a proper one
+};
+
+/// Watches a body on its way back to rest.
+class Follower {
+  public:
+    /// `size` [m] is the body's, `duration` [s] how long it is watched.
+    Follower(double size, double duration) : size_(size), duration_(duration) {}
+
+    /// `away` [m]: the greatest distance of a particle from where it belongs; `kinetic` [J].
+    void look(double time, double away, double kinetic) {
+        now_ = std::isfinite(away) ? away : lost;
+        farthest_ = std::max(farthest_, now_);
+        if (now_ > tolerance * size_) {
+            back_since_ = Course::none;
+        } else if (std::isnan(back_since_)) {
+            back_since_ = time;
+        }
+        double& peak = time < 0.5 * duration_ ? first_peak_ : second_peak_;
+        peak = std::isfinite(kinetic) ? std::max(peak, kinetic) : std::numeric_limits<double>::infinity();
+    }
+
+    /// A rotation found at any time; proper ones are unit quaternions.
+    void look(const Quatf& rotation) {
+        const double error = std::fabs(static_cast<double>(rotation.coeffs().squaredNorm()) - 1.0);
+        rotation_error_ = std::fmax(rotation_error_, std::isfinite(error) ? error : lost);
+    }
+
+    /// `thrown` [m]: how far away the body was taken. Farther than that plus a tenth of its size is a detour.
+    [[nodiscard]] Course course(double thrown) const {
+        Course out;
+        out.return_time = back_since_;
+        out.residual = now_ / size_;
+        out.kinetic_growth = first_peak_ > 0.0 ? second_peak_ / first_peak_ : Course::none;
+        out.rotation_error = rotation_error_;
+        // A quaternion normalised in float32 misses the unit by a few roundings of 6e-8.
+        const bool proper = !(rotation_error_ > 1e-6);
+        if (!std::isnan(back_since_) && proper) {
+            out.fate = farthest_ > thrown + 0.1 * size_ ? Fate::recovers : Fate::survives;
+        }
+        return out;
+    }
+
+    static constexpr double tolerance = 0.01;  ///< of the size, counts as at rest
+
+  private:
+    static constexpr double lost = 1e9;
+    double size_, duration_;
+    double now_ = lost;
+    double farthest_ = 0.0;
+    double back_since_ = Course::none;
+    double first_peak_ = 0.0, second_peak_ = 0.0;
+    double rotation_error_ = Course::none;
+};
+
+/// The greatest distance [m] of a particle from its rest position; infinite where one is not a number.
+[[nodiscard]] inline double farthest_from_rest(const pbd::Particles& particles) {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        const double away = static_cast<double>((particles.position[i] - particles.rest[i]).norm());
+        worst = std::isfinite(away) ? std::max(worst, away) : std::numeric_limits<double>::infinity();
+    }
+    return worst;
+}
+
+/// [J], of the particles that can move.
+[[nodiscard]] inline double kinetic_energy(const pbd::Particles& particles) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        if (particles.inverse_mass[i] > 0.0f) {
+            sum += 0.5 * static_cast<double>(particles.velocity[i].squaredNorm() / particles.inverse_mass[i]);
+        }
+    }
+    return sum;
+}
+
+/// The maps, written cell by cell.
+class Maps {
+  public:
+    explicit Maps(const std::filesystem::path& folder)
+        : table_(folder, "stability.csv",
+                 "figure,map,method,row,column,fate,return_s,residual,kinetic_growth,rotation_error") {}
+
+    /// `figure` holds the panels of its maps, one line of panels per map, one panel per method.
+    void add(std::string_view figure, std::string_view map, std::string_view method, std::string_view row,
+             std::string_view column, const Course& c) {
+        table_.row(fmt::format("{},\"{}\",\"{}\",\"{}\",{},{},{},{},{},{}", figure, map, method, row, column,
+                               name_of(c.fate), number(c.return_time), number(c.residual),
+                               number(c.kinetic_growth), number(c.rotation_error)));
+    }
+
+    [[nodiscard]] const std::filesystem::path& path() const { return table_.path(); }
+
+  private:
+    [[nodiscard]] static std::string number(double value) {
+        return std::isnan(value) ? "" : fmt::format("{:.3g}", value);
+    }
+    Table table_;
+};
+
+}  // namespace eti::bench

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <thread>
+
+#include "tests/bench/server/accuracy.hpp"
+#include "tests/bench/server/calibration.hpp"
+#include "tests/bench/server/speed.hpp"
+#include "tests/bench/server/stability.hpp"
+#include "tests/bench/server/sufficiency.hpp"
+
+int main(int argc, char** argv) {
+    // Standard output belongs to the result.
+    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench"));
+    CLI::App app("Benchmarks of the physics: charts and tables that decide the shipped settings.",
+                 "eti-bench");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.require_subcommand(1);
+    int threads = 0;
+    app.add_option("--threads", threads, "Solver threads; 0: one per core (speed: one, then two)")
+        ->check(CLI::Range(0, 256));
+
+    eti::bench::SufficiencyOptions sufficiency;
+    CLI::App* shrink = app.add_subcommand(
+        "sufficiency",
+        "How the outcome of a scripted intubation changes as the model shrinks (half an hour)");
+    shrink->add_option("--out", sufficiency.out, "Folder for the table")->capture_default_str();
+    shrink->add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path")
+        ->capture_default_str();
+    shrink->add_option("--seeds", sufficiency.seeds, "Runs of the shipped model, for the tremor's scatter")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 100));
+    shrink->add_flag("--quick", sufficiency.quick, "Two variants only");
+    eti::bench::AccuracyOptions accuracy;
+    CLI::App* errors =
+        app.add_subcommand("accuracy", "Error against cost of every method, in cases with a reference");
+    errors->add_option("--out", accuracy.out, "Folder for the table")->capture_default_str();
+    errors->add_flag("--quick", accuracy.quick, "A corner of the sweep");
+    eti::bench::CalibrationOptions calibration;
+    CLI::App* moduli = app.add_subcommand(
+        "calibration", "What modulus bodies of clusters have, against the modulus that is put in");
+    moduli->add_option("--out", calibration.out, "Folder for the table")->capture_default_str();
+    moduli->add_flag("--quick", calibration.quick, "A corner of the sweep");
+    eti::bench::StabilityOptions stability;
+    CLI::App* limits = app.add_subcommand("stability", "Where every method survives, recovers or fails");
+    limits->add_option("--out", stability.out, "Folder for the table")->capture_default_str();
+    limits->add_flag("--quick", stability.quick, "The shipped setting only");
+    limits->add_option("--only", stability.only, "One part of the maps")
+        ->check(CLI::IsMember(eti::bench::stability_part_names()));
+    eti::bench::SpeedOptions speed;
+    CLI::App* costs = app.add_subcommand(
+        "speed", "Cost of the solver's parts, with one thread and two, or with as many as --threads says");
+    costs->add_flag("--json", speed.json, "Print one JSON object");
+    costs->add_flag("--quick", speed.quick, "Fewer repetitions");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism,
+        threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency()));
+    try {
+        if (errors->parsed()) {
+            return eti::bench::accuracy(accuracy);
+        }
+        if (moduli->parsed()) {
+            return eti::bench::calibration(calibration);
+        }
+        if (costs->parsed()) {
+            if (threads > 0) {
+                speed.threads = {threads};
+            }
+            return eti::bench::speed(speed);
+        }
+        return limits->parsed() ? eti::bench::stability(stability) : eti::bench::sufficiency(sufficiency);
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

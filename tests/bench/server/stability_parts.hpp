@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scenario/scenario.hpp"
+#include "server/scene/scene.hpp"
+#include "tests/bench/server/block_body.hpp"
+#include "tests/bench/server/fate.hpp"
+
+namespace eti::bench {
+
+/// Substeps per second that scenarios run by default.
+[[nodiscard]] inline double shipped_rate() {
+    return scene::steps_per_second * Scenario::Physics{}.substeps;
+}
+
+/// What is swept: everything, or the shipped setting alone.
+struct Sweep {
+    bool quick = false;
+    std::vector<Method> methods = {Method::shape_matching_pbd, Method::shape_matching_xpbd,
+                                   Method::tetrahedra, Method::mass_springs};
+    std::vector<double> rates = {30, 60, 180, 360, 720, 1440, 2000};  ///< substeps per second
+};
+
+[[nodiscard]] inline std::string step_name(double rate) {
+    return fmt::format("1/{:g} s", rate);
+}
+
+inline constexpr double tissue_damping = 12.0;  ///< [1/s], as of the patient's tissue
+
+/// A block's setting with one pass per step of 1 / `rate` [s].
+[[nodiscard]] inline Setting with_rate(Method method, double rate,
+                                       double youngs_modulus = Setting{}.youngs_modulus) {
+    return {.method = method,
+            .cell = 2.5e-3,
+            .substeps = 1,
+            .iterations = 1,
+            .step = 1.0 / rate,
+            .youngs_modulus = youngs_modulus,
+            .damping = tissue_damping};
+}
+
+// Each part adds its maps.
+void blocks_thrown_and_released(const Sweep& sweep, Maps& maps);
+void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps);
+void blade_into_tissue_on_bone(const Sweep& sweep, Maps& maps);
+void tools_against_thin_walls(const Sweep& sweep, Maps& maps);
+void head_in_one_step(const Sweep& sweep, Maps& maps);
+void fluid_in_a_closing_gap(const Sweep& sweep, Maps& maps);
+
+}  // namespace eti::bench

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+// The patient's head and jaw moved through their whole range in one step.
+#include "common/math/units.hpp"
+#include "server/anatomy/build.hpp"
+#include "tests/bench/server/stability_parts.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+constexpr double watched = 4.0;  // [s]; the shell's distances follow after one
+constexpr double size = 10e-3;   // [m], what 1 % refers to
+
+struct Move {
+    std::string name;
+    anatomy::Posture from, to;
+};
+
+scene::Inputs parked(const anatomy::Posture& posture) {
+    scene::Inputs inputs;
+    inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
+    inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
+    inputs.posture = posture;
+    return inputs;
+}
+
+/// The patient put to rest in a posture at once.
+std::vector<FramePose> settled(const anatomy::Patient& patient, const Laryngoscope& scope,
+                               const anatomy::Posture& posture, const scene::Settings& settings) {
+    scene::Scene scene(patient, scope, Tube{}, parked(posture), settings);
+    for (int k = 0; k < static_cast<int>(watched) * scene::steps_per_second; ++k) {
+        scene.step(parked(posture));
+    }
+    return scene.snapshot().frames;
+}
+
+/// Follows the frames of bones and clusters to where they are in a patient that was built in the posture.
+Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
+    const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
+    scene::Settings settings;
+    settings.substeps = substeps;
+    settings.posture_rate = 1e6f;
+    const std::vector<FramePose> expected = settled(patient, scope, move.to, settings);
+    scene::Scene scene(patient, scope, Tube{}, parked(move.from), settings);
+    Follower follower(size, watched);
+    double thrown = 0.0;
+    for (int k = 0; k <= static_cast<int>(watched) * scene::steps_per_second; ++k) {
+        double away = 0.0;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            const FramePose& frame = scene.snapshot().frames[i];
+            const double d = static_cast<double>((frame.centre - expected[i].centre).norm());
+            away = std::isfinite(d) ? std::max(away, d) : std::numeric_limits<double>::infinity();
+            follower.look(frame.rotation);
+        }
+        thrown = k == 0 ? away : thrown;
+        follower.look(static_cast<double>(k) / scene::steps_per_second, away, 0.0);
+        scene.step(parked(move.to));
+    }
+    return follower.course(thrown);
+}
+
+}  // namespace
+
+void head_in_one_step(const Sweep& sweep, Maps& maps) {
+    const anatomy::Posture rest{}, head{anatomy::max_head_elevation, 0.0f},
+        jaw{0.0f, anatomy::max_jaw_opening}, both{anatomy::max_head_elevation, anatomy::max_jaw_opening};
+    const std::vector<Move> moves = {{"head 0 to 30 deg", rest, head},
+                                     {"head 30 to 0 deg", head, rest},
+                                     {"jaw 0 to 35 deg", rest, jaw},
+                                     {"head and jaw, there", rest, both},
+                                     {"head and jaw, back", both, rest}};
+    const int shipped = Scenario::Physics{}.substeps;
+    const anatomy::Patient coarse =
+        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
+    for (const Move& m : moves) {
+        if (sweep.quick && m.name != "head and jaw, there") {
+            continue;
+        }
+        for (const int substeps : sweep.quick ? std::vector{shipped} : std::vector{1, 2, 4, shipped, 16}) {
+            maps.add("scene", "head in one step", "coarse patient", m.name,
+                     step_name(scene::steps_per_second * substeps), move(coarse, m, substeps));
+        }
+    }
+    if (!sweep.quick) {
+        const anatomy::Patient shipped_model = anatomy::build_patient({}, {});
+        for (const Move& m : moves) {
+            maps.add("scene", "head in one step", "shipped patient", m.name,
+                     step_name(scene::steps_per_second * shipped), move(shipped_model, m, shipped));
+        }
+    }
+}
+
+}  // namespace eti::bench

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace eti::bench {
+
+struct SufficiencyOptions {
+    std::filesystem::path out = "out/bench";
+    std::vector<std::string> scenarios = {"term", "premature"};
+    bool quick = false;  ///< two variants instead of all, for tests
+    int seeds = 3;       ///< of the operator's tremor, for the scatter
+};
+
+/// How the outcome of a scripted intubation changes as the model shrinks: writes sufficiency.csv, one
+/// row per scenario and variant. Returns the program's exit code.
+[[nodiscard]] int sufficiency(const SufficiencyOptions& options);
+
+}  // namespace eti::bench

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "server/anatomy/skeleton.hpp"
+#include "server/app/simulation.hpp"
+#include "server/pbd/cluster_calibration.hpp"
+#include "server/pbd/contact.hpp"
+#include "server/pbd/soft_body.hpp"
+#include "server/scene/scene.hpp"
+#include "tests/bench/server/accuracy_table.hpp"
+#include "tests/bench/server/block_cases.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+constexpr double seconds = 2.0;     // [s] of which the blade goes down in the first half;
+constexpr double measured = 0.2;    // [s], at the end, over which its force is averaged
+constexpr double penalty = 2000.0;  // [N/m] per node of the finite elements: some 0.02 mm under the blade
+
+/// The patient's tongue at the scenario's posture, held where it is fixed to bone or to the mouth's floor,
+/// and the blade's distal capsule laid along the tongue's back as it lies in the lift, pressed in.
+struct Tongue {
+    std::vector<Vec3f> rest;  // [m]
+    std::vector<float> volume;
+    std::vector<bool> held;
+    std::vector<std::array<std::uint32_t, 4>> tetrahedra;
+    std::vector<std::vector<std::uint32_t>> clusters;
+    float spacing = 0.0f;         // [m]
+    Vec3d down, touching;         // the blade's way, and a point of its axis where it begins to touch
+    Vec3d along = Vec3d::Zero();  // its axis
+    double radius = 0.0;          // [m]
+
+    [[nodiscard]] Vec3d axis_at(double depth) const { return touching + depth * down; }
+};
+
+Tongue tongue_of(const Scenario& scenario) {
+    const anatomy::Patient patient = app::patient_of(scenario);
+    const anatomy::BonePoses bones = anatomy::pose_bones(
+        patient.skeleton, {scenario.patient.head_elevation, scenario.patient.jaw_opening});
+    const anatomy::ParticleSet& set = patient.particles;
+    Tongue tongue;
+    std::vector<std::uint32_t> number(set.size(), ~0u);
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        if (set.tissue[i] == Tissue::tongue) {
+            number[i] = static_cast<std::uint32_t>(tongue.rest.size());
+            tongue.rest.push_back(anatomy::pose_point(set.rest[i], set.bones[i], bones));
+            tongue.volume.push_back(8.0f * set.radius[i] * set.radius[i] * set.radius[i]);
+            tongue.held.push_back(set.mass[i] == 0.0f);
+            tongue.spacing = 2.0f * set.radius[i];
+        }
+    }
+    for (const auto& ends : patient.links.ends) {
+        for (const std::uint32_t i : ends) {
+            if (number[i] != ~0u) {
+                tongue.held[number[i]] = true;
+            }
+        }
+    }
+    std::vector<bool> meshed(tongue.rest.size(), false);
+    for (auto corners : patient.tetrahedra.corners) {
+        if (set.tissue[corners[0]] == Tissue::tongue) {
+            for (std::uint32_t& i : corners) {
+                i = number[i];
+                meshed[i] = true;
+            }
+            tongue.tetrahedra.push_back(corners);
+        }
+    }
+    for (std::size_t i = 0; i < meshed.size(); ++i) {  // a few stand alone
+        tongue.held[i] = tongue.held[i] || !meshed[i];
+    }
+    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
+        if (patient.clusters.tissue[c] != Tissue::tongue) {
+            continue;
+        }
+        std::vector<std::uint32_t> members;
+        for (const std::uint32_t i : patient.clusters.members(c)) {
+            members.push_back(number[i]);
+        }
+        tongue.clusters.push_back(std::move(members));
+    }
+    // The axis of the expert's blade in the lift.
+    tongue.along = Vec3d(0.0, 0.8, -0.6);
+    tongue.down = Vec3d(0.0, -0.6, -0.8);
+    tongue.radius = static_cast<double>(make_laryngoscope(scenario.blade).capsules[2].radius);
+    double highest = -1.0;
+    for (std::size_t i = 0; i < tongue.rest.size(); ++i) {
+        const Vec3d p = tongue.rest[i].cast<double>();
+        if (!tongue.held[i] && std::fabs(p.x()) < 1e-3 && -p.dot(tongue.down) > highest) {
+            highest = -p.dot(tongue.down);
+            tongue.touching = Vec3d(0.0, p.y(), p.z()) - tongue.radius * tongue.down;
+        }
+    }
+    return tongue;
+}
+
+/// Positions [m], and the force on the blade along its way [N].
+struct Pressed {
+    std::vector<Vec3d> position;
+    double force = 0.0;
+    double frame_ms = 0.0;
+};
+
+Pressed by_finite_elements(const Tongue& tongue, double depth, double youngs_modulus) {
+    fem::Problem problem;
+    for (const Vec3f& p : tongue.rest) {
+        problem.rest.push_back(p.cast<double>());
+    }
+    problem.tetrahedra = tongue.tetrahedra;
+    problem.youngs_modulus = youngs_modulus;
+    problem.poisson_ratio = poisson_ratio;
+    for (std::uint32_t i = 0; i < tongue.rest.size(); ++i) {
+        if (tongue.held[i]) {
+            problem.hold(i);
+        }
+    }
+    Pressed out;
+    constexpr int stages = 4;
+    for (int k = 1; k <= stages; ++k) {
+        const Vec3d centre = tongue.axis_at(depth * k / stages);
+        problem.obstacles = {
+            {centre - 0.03 * tongue.along, centre + 0.03 * tongue.along, tongue.radius, penalty}};
+        const fem::Solution solution = fem::solve(problem, out.position);
+        if (!solution.converged) {
+            throw std::runtime_error(
+                fmt::format("the reference of the tongue did not converge at stage {}", k));
+        }
+        out.position = solution.position;
+    }
+    Eigen::VectorXd x(3 * static_cast<Eigen::Index>(out.position.size()));
+    for (std::size_t i = 0; i < out.position.size(); ++i) {
+        x.segment<3>(3 * static_cast<Eigen::Index>(i)) = out.position[i];
+    }
+    out.force = -fem::Potential(problem).force_on_obstacles(x).dot(tongue.down);
+    return out;
+}
+
+Pressed by_particles(const Tongue& tongue, double depth, Method method, int substeps, double youngs_modulus) {
+    pbd::SoftBody body;
+    body.settings.damping = 40.0f;
+    pbd::Particles& p = body.particles;
+    p.resize(tongue.rest.size());
+    p.rest = p.position = p.predicted = tongue.rest;
+    pbd::ShapeMatching::Description clusters;
+    clusters.first.push_back(0);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        const float mass = anatomy::tissue_density * tongue.volume[i];
+        p.inverse_mass[i] = tongue.held[i] ? 0.0f : 1.0f / mass;
+        clusters.particle_volume.push_back(tongue.volume[i]);
+        clusters.fitting_mass.push_back(mass);
+    }
+    const float dt = scene::step_duration / static_cast<float>(substeps);
+    const auto wanted = static_cast<float>(youngs_modulus);
+    pbd::Tetrahedra::Description mesh;
+    if (method == Method::tetrahedra) {
+        mesh.tetrahedra = tongue.tetrahedra;
+        mesh.youngs_modulus.assign(mesh.tetrahedra.size(), wanted);
+        mesh.poisson_ratio = static_cast<float>(poisson_ratio);
+    } else {
+        const std::optional<pbd::ClusterLoad> load = calibration_of(method);
+        const float modulus = load ? pbd::cluster_modulus({.spacing = tongue.spacing,
+                                                           .density = anatomy::tissue_density,
+                                                           .substep = dt,
+                                                           .load = *load},
+                                                          wanted)
+                                         .put_in
+                                   : wanted;
+        for (const auto& members : tongue.clusters) {
+            clusters.member.insert(clusters.member.end(), members.begin(), members.end());
+            clusters.first.push_back(static_cast<std::uint32_t>(clusters.member.size()));
+            clusters.youngs_modulus.push_back(modulus);
+        }
+    }
+    body.shapes.configure(clusters, p);
+    body.tetrahedra.configure(mesh, p);
+    body.links.configure({}, {}, p);
+
+    const int steps = static_cast<int>(std::lround(seconds * scene::steps_per_second));
+    const int averaged = static_cast<int>(std::lround(measured * scene::steps_per_second));
+    Pressed out;
+    const auto start = std::chrono::steady_clock::now();
+    for (int step = 0; step < steps; ++step) {
+        for (int s = 0; s < substeps; ++s) {
+            const double share = (step + static_cast<double>(s + 1) / substeps) / (0.5 * steps);
+            const Vec3d centre = tongue.axis_at(depth * std::min(1.0, share));
+            const Vec3f a = Vec3d(centre - 0.03 * tongue.along).cast<float>();
+            const Vec3f b = Vec3d(centre + 0.03 * tongue.along).cast<float>();
+            const pbd::MovingCapsule capsule{a, b, a, b, static_cast<float>(tongue.radius)};
+            body.predict(dt, 1.0f);
+            body.project(dt);
+            for (std::size_t i = 0; i < p.size(); ++i) {
+                if (p.inverse_mass[i] == 0.0f) {
+                    continue;
+                }
+                const Vec3f push = pbd::push_out_of(capsule, p.position[i], p.predicted[i], 0.0f, 0.0f);
+                p.predicted[i] += push;
+                if (step >= steps - averaged) {
+                    out.force += push.cast<double>().dot(tongue.down) /
+                                 static_cast<double>(p.inverse_mass[i] * dt * dt) / (averaged * substeps);
+                }
+            }
+            body.finish(dt);
+        }
+    }
+    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
+    out.frame_ms = wall.count() / steps * scene::steps_per_second / 90.0;
+    for (const Vec3f& x : p.position) {
+        out.position.push_back(x.cast<double>());
+    }
+    return out;
+}
+
+/// Root mean square difference in parts of the root mean square displacement.
+double difference(const Tongue& tongue, const Pressed& found, const Pressed& expected) {
+    double apart = 0.0;
+    double moved = 0.0;
+    for (std::size_t i = 0; i < tongue.rest.size(); ++i) {
+        apart += (found.position[i] - expected.position[i]).squaredNorm();
+        moved += (expected.position[i] - tongue.rest[i].cast<double>()).squaredNorm();
+    }
+    return std::sqrt(apart / moved);
+}
+
+}  // namespace
+
+void press_tongue(AccuracyTable& table, Table& forces, bool quick) {
+    Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
+    const auto modulus = static_cast<double>(scenario.patient.tissue_stiffness);
+    const std::vector<double> depths = quick ? std::vector{4e-3} : std::vector{2e-3, 4e-3, 6e-3};
+    for (const double spacing : quick ? std::vector{2.5e-3} : std::vector{2.5e-3, 2.0e-3}) {
+        scenario.physics.spacing = static_cast<float>(spacing);
+        const Tongue tongue = tongue_of(scenario);
+        std::vector<Pressed> expected;
+        for (const double depth : depths) {
+            expected.push_back(by_finite_elements(tongue, depth, modulus));
+        }
+        for (const Method method : {Method::shape_matching_xpbd, Method::clusters_for_indentation,
+                                    Method::clusters_for_tongue, Method::tetrahedra}) {
+            const std::string_view name = name_of(method);
+            for (const int substeps : quick ? std::vector{8} : std::vector{4, 8, 16}) {
+                double force = 0.0;
+                double shape = 0.0;
+                double frame_ms = 0.0;
+                for (std::size_t k = 0; k < depths.size(); ++k) {
+                    const Pressed found = by_particles(tongue, depths[k], method, substeps, modulus);
+                    force += std::pow(found.force / expected[k].force - 1.0, 2);
+                    shape += std::pow(difference(tongue, found, expected[k]), 2);
+                    frame_ms += found.frame_ms;
+                    forces.row(fmt::format("tongue,\"{}\",{:g},{},1,{:g},{:.6g},{:.6g}", name, 1e3 * spacing,
+                                           substeps, 1e3 * depths[k], found.force, expected[k].force));
+                }
+                const auto n = static_cast<double>(depths.size());
+                const std::size_t particles = tongue.rest.size();
+                table.add({"tongue-force", name, spacing, substeps, 1, particles, std::sqrt(force / n),
+                           frame_ms / n});
+                table.add({"tongue-shape", name, spacing, substeps, 1, particles, std::sqrt(shape / n),
+                           frame_ms / n});
+            }
+        }
+    }
+}
+
+}  // namespace eti::bench
