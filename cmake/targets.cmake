@@ -17,7 +17,7 @@ if(ETI_SANITIZE)
   target_link_options(eti_options INTERFACE -fsanitize=${ETI_SANITIZE})
 endif()
 
-add_custom_target(programs COMMENT "Every eti-* program")
+add_custom_target(programs COMMENT "Every eti-* program that a session needs")
 add_custom_target(unit_tests COMMENT "Every test program under tests/unit")
 
 # A room: a static library named after its folder, e.g. eti_library(server_pbd SOURCES ... LINK ...).
@@ -27,13 +27,15 @@ function(eti_library name)
   target_link_libraries(${name} PUBLIC eti_options Eigen3::Eigen ${ARG_LINK})
 endfunction()
 
-# A program in build/<preset>/bin.
+# A program in build/<preset>/bin. ASIDE: no session needs it, so it is not among `programs`.
 function(eti_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "ASIDE" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE eti_options ${ARG_LINK})
   target_include_directories(${name} SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
-  add_dependencies(programs ${name})
+  if(NOT ARG_ASIDE)
+    add_dependencies(programs ${name})
+  endif()
   install(TARGETS ${name} RUNTIME DESTINATION bin)
 endfunction()
 

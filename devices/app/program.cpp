@@ -91,6 +91,7 @@ std::unique_ptr<Sensor> Program::open_sensor() {
         }
         setup.start = around->seen;
         setup.tool_length = tool_ == Tool::tube ? around->grip_to_tip : around->blade_length;
+        setup.curvature = tool_ == Tool::tube ? around->tube_curvature : 0.0f;
     }
     spdlog::info("device '{}' in session '{}'{}", driver_.name, options_.bus.session,
                  script_ ? ", moved by '" + script_->name + "'" : ", held still");

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/bus/convert.hpp"
+#include "common/model/parameters.hpp"
 #include "devices/haptics/timing.hpp"
 
 namespace eti::devices {
@@ -23,6 +24,15 @@ constexpr std::int64_t silence_ns = 500'000'000;  // worth a message to the pers
 constexpr std::int64_t pace_window_ns = 250'000'000;
 constexpr float fastest_pace = 4.0f;
 constexpr float most_force = 1000.0f;  // [N]; more is a fault of the sender
+
+/// [m]; 0 when the parameters do not tell, or tell nonsense.
+float depth_rule_in(const std::vector<double>& parameters) {
+    const auto field =
+        std::ranges::find(parameter_fields, &Parameters::tube_depth_rule_cm, &ParameterField::value);
+    const auto index = static_cast<std::size_t>(field - parameter_fields.begin());
+    const double depth = index < parameters.size() ? 0.01 * parameters[index] : 0.0;
+    return depth > 0.0 && depth < 0.3 ? static_cast<float>(depth) : 0.0f;
+}
 
 bool is_motion(const msg::ProxyState& m) {
     return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) && bus::is_finite(m.velocity()) &&
@@ -170,6 +180,7 @@ bool SceneLink::take_live() {
     state_.seen.glottic_opening_percent = live_.glottic_opening_percent();
     state_.seen.tube_tip = from_msg(live_.tube_tip());
     state_.seen.tube_depth_past_glottis = live_.tube_depth_past_glottis();
+    state_.seen.tube_depth_rule = depth_rule_in(live_.parameters());
     const std::lock_guard lock(mutex_);
     surroundings_.seen = state_.seen;
     surroundings_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
@@ -190,8 +201,10 @@ void SceneLink::take_scene() {
                 surroundings_.blade_length = tip;
                 state_.blade = make_laryngoscope(blade_of(scene_, tip)).capsules;
             }
-        } else if (scene_.kind() == msg::OBJECT_TUBE && v.size() >= 2 && v[1] > 0.0f && v[1] < 1.0f) {
+        } else if (scene_.kind() == msg::OBJECT_TUBE && v.size() >= 3 && v[1] > 0.0f && v[1] < 1.0f &&
+                   v[2] > 0.01f) {
             surroundings_.grip_to_tip = v[1];
+            surroundings_.tube_curvature = 1.0f / v[2];
         }
     }
 }

@@ -16,8 +16,9 @@ namespace eti::devices {
 /// What a scripted hand needs before it can begin.
 struct Surroundings {
     Observation seen;
-    float blade_length = 0.0f;  ///< [m]
-    float grip_to_tip = 0.0f;   ///< [m], of the tube
+    float blade_length = 0.0f;    ///< [m]
+    float grip_to_tip = 0.0f;     ///< [m], of the tube
+    float tube_curvature = 0.0f;  ///< [1/m]
 };
 
 /// Follows the server over the bus on a thread of its own and leaves the newest scene in a triple

@@ -24,6 +24,7 @@ struct SensorSetup {
     Tool tool = Tool::laryngoscope;
     std::optional<OperatorScript> script;  ///< for scripted hands; without it they hold still
     float tool_length = 0.1f;              ///< [m], from the tool frame's origin to its tip
+    float curvature = 0.0f;                ///< [1/m], of a tube; see TrackPlayer
     Observation start;                     ///< what the scripted hand sees first
 };
 

@@ -27,8 +27,8 @@ std::optional<TrackPlayer> player_of(const SensorSetup& setup) {
         return std::nullopt;
     }
     const Track& track = setup.tool == Tool::tube ? setup.script->tube : setup.script->laryngoscope;
-    return TrackPlayer(track, setup.tool_length, setup.script->tremor, setup.script->reaction,
-                       seed_of(setup));
+    return TrackPlayer(track, setup.tool_length, setup.script->tremor, setup.script->reaction, seed_of(setup),
+                       setup.curvature);
 }
 
 RigidTransform first_pose(std::optional<TrackPlayer>& player, const SensorSetup& setup) {

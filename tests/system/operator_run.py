@@ -14,23 +14,24 @@ import support
 
 FOLDER = support.BIN.parent / "operator-runs"
 
-# Name: operator, threads, and what is changed in the shipped term scenario.
+# Name: scenario, operator, threads, and what is changed in the shipped scenario.
 RUNS = {
-    "expert": ("expert", 1, {}),
-    "expert_two_threads": ("expert", 2, {}),
-    "novice": ("novice", 2, {}),
-    "oesophageal": ("oesophageal", 2, {}),
-    "no_lift": ("no_lift", 2, {}),
-    "jaw_closed": ("expert", 2, {"jaw_opening_deg": 0}),
+    "expert": ("term", "expert", 1, {}),
+    "expert_two_threads": ("term", "expert", 2, {}),
+    "novice": ("term", "novice", 2, {}),
+    "oesophageal": ("term", "oesophageal", 2, {}),
+    "no_lift": ("term", "no_lift", 2, {}),
+    "jaw_closed": ("term", "expert", 2, {"jaw_opening_deg": 0}),
+    "premature": ("premature", "expert_premature", 2, {}),
 }
 
 
-def scenario_for(name, changes):
-    """The term scenario with some values changed, as a file."""
-    text = (support.ROOT / "deploy/scenarios/term.yaml").read_text()
+def scenario_for(name, shipped, changes):
+    """A shipped scenario with some values changed, as a file."""
+    text = (support.ROOT / f"deploy/scenarios/{shipped}.yaml").read_text()
     for key, value in changes.items():
         text, count = re.subn(rf"^(\s*{key}:).*$", rf"\1 {value}", text, flags=re.MULTILINE)
-        assert count == 1, f"the term scenario has no line for {key}"
+        assert count == 1, f"scenario {shipped} has no line for {key}"
     file = FOLDER / f"{name}.yaml"
     file.write_text(text)
     return file
@@ -42,9 +43,9 @@ def result(name):
 
 
 def main(name):
-    operator, threads, changes = RUNS[name]
+    shipped, operator, threads, changes = RUNS[name]
     FOLDER.mkdir(exist_ok=True)
-    scenario = scenario_for(name, changes) if changes else "term"
+    scenario = scenario_for(name, shipped, changes) if changes else shipped
     done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--threads", threads, "--fast",
                        "--no-dds", "--json", timeout=900)
     (FOLDER / f"{name}.json").write_text(done.stdout)

@@ -39,6 +39,11 @@ class Operators(support.Case):
         self.assertEqual(result("expert")["state_hash"], result("expert_two_threads")["state_hash"])
         self.assertEqual(without_timing(result("expert")), without_timing(result("expert_two_threads")))
 
+    def test_expert_intubates_a_premature_newborn(self):
+        run = result("premature")
+        self.assertTrue(run["success"], run["reason"])
+        self.assert_parameters(run["parameters"])
+
     def test_novice_presses_and_rocks_more_than_the_expert(self):
         novice, expert = result("novice")["parameters"], result("expert")["parameters"]
         self.assert_parameters(novice)

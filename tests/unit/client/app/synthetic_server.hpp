@@ -12,13 +12,14 @@
 
 #include "common/bus/bus.hpp"
 #include "synthetic_scene.hpp"
+#include "tests/support/bus_domain.hpp"
 
 namespace eti::synthetic {
 
 [[nodiscard]] inline bus::Options bus_options(const std::string& name) {
     bus::Options options;
     options.session = "client-test-" + std::to_string(::getpid());
-    options.domain = 60 + ::getpid() % 40;
+    options.domain = test::own_domain();
     options.name = name;
     return options;
 }

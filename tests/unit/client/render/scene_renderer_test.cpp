@@ -6,10 +6,12 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "client/render/headless_context.hpp"
 #include "client/render/render_target.hpp"
+#include "common/bus/fluid_state.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -130,6 +132,47 @@ TEST_F(SceneRendererTest, PicturesAreLitAndTheSameBitByBit) {
         }
         EXPECT_GT(std::count(seen.begin(), seen.end(), true), 60) << render::name_of(view);
     }
+}
+
+TEST_F(SceneRendererTest, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
+    // A drop of 5 mm before the mouth, on the half that the section keeps.
+    view::SceneView wet = scene_;
+    const Vec3f before_mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    std::vector<Vec3f> drop;
+    for (int k = 0; k < 5 * 5 * 5; ++k) {
+        drop.push_back(before_mouth + 1e-3f * Eigen::Vector3i(k % 5, k / 5 % 5, k / 25).cast<float>());
+    }
+    msg::FluidState message;
+    bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, 0, message);
+    ASSERT_TRUE(wet.apply(message));
+    wet.update();
+    for (const View view : {View::overview, View::section, View::laryngoscope}) {
+        const render::Image dry_picture = picture(view, scene_, Shading::lit);
+        const render::Image wet_picture = picture(view, wet, Shading::lit);
+        const Eigen::Matrix4f projection =
+            render::SceneRenderer::camera(view, wet, {}).projection(static_cast<float>(width) / height) *
+            render::SceneRenderer::camera(view, wet, {}).view();
+        const Eigen::Vector4f clip = projection * (drop.front() + Vec3f::Constant(2e-3f)).homogeneous();
+        const Eigen::Vector2f centre = Eigen::Vector2f(0.5f * width * (1.0f + clip.x() / clip.w()),
+                                                       0.5f * height * (1.0f - clip.y() / clip.w()));
+        // Half the drop's diagonal and a sphere beyond it.
+        const float reach = 0.5f * height * projection.block<1, 3>(1, 0).norm() * 7e-3f / clip.w() + 2.0f;
+        int changed = 0;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                if (std::memcmp(dry_picture.pixel(x, y), wet_picture.pixel(x, y), 3) != 0) {
+                    ++changed;
+                    EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
+                              reach)
+                        << render::name_of(view) << " at " << x << ", " << y;
+                }
+            }
+        }
+        EXPECT_GT(changed, 20) << render::name_of(view);
+    }
+    // What is measured on flat colours does not see it.
+    EXPECT_EQ(picture(View::section, scene_, Shading::object_id).rgba,
+              picture(View::section, wet, Shading::object_id).rgba);
 }
 
 TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "common/bus/fluid_state.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -90,6 +91,53 @@ TEST_F(SceneViewTest, DeformationBeforeTheSceneIsHarmless) {
     view.update();
     EXPECT_EQ(view.dropped(), 0u);
     EXPECT_EQ(view.tube(), nullptr);
+}
+
+class LiquidView : public SceneViewTest {
+  protected:
+    /// Chunk `which` of `particles` particles that all lie `height` [m] high.
+    [[nodiscard]] static msg::FluidState chunk(std::size_t which, std::size_t particles, float height,
+                                               std::uint64_t time_ns) {
+        const std::vector<Vec3f> positions(particles, Vec3f(0.0f, 0.0f, height));
+        msg::FluidState message;
+        message.header().simulation_time_ns(time_ns);
+        bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 0.7e-3f, positions}, which,
+                             message);
+        return message;
+    }
+};
+
+TEST_F(LiquidView, ChunksMakeOneLiquidAndALostOneLeavesItsPart) {
+    const std::size_t all = bus::fluid_chunk_particles + 10;
+    EXPECT_TRUE(view_.liquid().empty());
+    ASSERT_TRUE(view_.apply(chunk(1, all, 0.01f, 4'000'000)));
+    ASSERT_TRUE(view_.apply(chunk(0, all, 0.01f, 4'000'000)));
+    view_.update();
+    ASSERT_EQ(view_.liquid().size(), all);
+    EXPECT_FLOAT_EQ(view_.liquid_spacing(), 0.7e-3f);
+    // Of the next state only the second chunk arrives, and then one that is late.
+    ASSERT_TRUE(view_.apply(chunk(1, all, 0.02f, 5'000'000)));
+    ASSERT_TRUE(view_.apply(chunk(1, all, 0.01f, 4'500'000)));
+    view_.update();
+    ASSERT_EQ(view_.liquid().size(), all);
+    // Within half a 65535th of 0.2 m.
+    EXPECT_NEAR(view_.liquid().front().z(), 0.01f, 1.6e-6f);
+    EXPECT_NEAR(view_.liquid().back().z(), 0.02f, 1.6e-6f);
+    // Sucked away.
+    ASSERT_TRUE(view_.apply(chunk(0, 0, 0.0f, 6'000'000)));
+    view_.update();
+    EXPECT_TRUE(view_.liquid().empty());
+}
+
+TEST_F(LiquidView, HostileChunksAreDroppedAndCounted) {
+    auto message = chunk(0, 10, 0.01f, 4'000'000);
+    message.chunks(65535);
+    expect_refused(view_.apply(message));
+    message = chunk(0, 10, 0.01f, 4'000'000);
+    message.upper().x(not_a_number);
+    expect_refused(view_.apply(message));
+    view_.update();
+    EXPECT_TRUE(view_.liquid().empty());
 }
 
 TEST_F(SceneViewTest, HostileDeformationIsDroppedAndCounted) {

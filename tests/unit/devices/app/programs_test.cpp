@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "tests/support/bus_domain.hpp"
 
 namespace eti::devices {
 namespace {
@@ -22,11 +23,6 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-// Each test process has a domain of its own, below those whose ports the kernel hands out.
-int domain() {
-    return 1 + static_cast<int>(::getpid() % 100);
-}
 
 /// A program that runs, its output going to files.
 class Running {
@@ -101,7 +97,7 @@ class Running {
 
 std::vector<std::string> with(const std::string& device, std::vector<std::string> more = {}) {
     more.insert(more.begin(),
-                {"--device", device, "--session", "test", "--domain", std::to_string(domain())});
+                {"--device", device, "--session", "test", "--domain", std::to_string(test::own_domain())});
     return more;
 }
 
@@ -184,7 +180,7 @@ TEST_P(EitherProgram, EndsAfterItsDuration) {
 TEST_P(EitherProgram, EndsWithItsSession) {
     bus::Options options;
     options.session = "test";
-    options.domain = domain();
+    options.domain = test::own_domain();
     options.name = "eti-server";
     bus::Node node(options);
     bus::Publisher<msg::SessionStatus> topic(node, bus::topics::session_status);

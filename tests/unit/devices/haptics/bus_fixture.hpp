@@ -3,7 +3,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -11,16 +10,16 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/convert.hpp"
+#include "tests/support/bus_domain.hpp"
 
 namespace eti::devices {
 
 using namespace std::chrono_literals;
 
-/// Each test process has a domain of its own, below those whose ports the kernel hands out.
 [[nodiscard]] inline bus::Options options(const std::string& name) {
     bus::Options out;
     out.session = "test";
-    out.domain = 1 + static_cast<int>(::getpid() % 100);
+    out.domain = test::own_domain();
     out.name = name;
     return out;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bus_fixture.hpp"
+#include "common/model/parameters.hpp"
 #include "devices/haptics/timing.hpp"
 
 namespace eti::devices {
@@ -41,6 +42,11 @@ struct Server {
         out.glottic_opening_percent(44.0f);
         out.tube_depth_past_glottis(-0.02f);
         out.tube_tip(bus::to_msg(Vec3f(0.1f, 0.2f, 0.3f)));
+        Parameters values;
+        values.tube_depth_rule_cm = 7.1;
+        for (const ParameterField& field : parameter_fields) {
+            out.parameters().push_back(values.*field.value);
+        }
         for (std::size_t i = 0; i < landmark_count; ++i) {
             out.landmarks().push_back(bus::to_msg(Vec3f(static_cast<float>(i), 0, 0)));
         }
@@ -87,6 +93,8 @@ TEST_F(LinkTest, GathersWhatAScriptNeeds) {
     const Surroundings around = *link_.surroundings();
     EXPECT_FLOAT_EQ(around.blade_length, 0.076f);
     EXPECT_FLOAT_EQ(around.grip_to_tip, 0.09f);
+    EXPECT_FLOAT_EQ(around.tube_curvature, 1.0f / 0.14f);
+    EXPECT_FLOAT_EQ(around.seen.tube_depth_rule, 0.071f);
     EXPECT_FLOAT_EQ(around.seen.glottic_opening_percent, 44.0f);
     EXPECT_FLOAT_EQ(around.seen.tube_depth_past_glottis, -0.02f);
     EXPECT_EQ(around.seen.tube_tip, Vec3f(0.1f, 0.2f, 0.3f));

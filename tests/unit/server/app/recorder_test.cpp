@@ -44,10 +44,11 @@ class RecorderTest : public ::testing::Test {
     }
     ~RecorderTest() override { std::filesystem::remove_all(folder); }
 
-    [[nodiscard]] Recorder recorder() const {
+    [[nodiscard]] Recorder recorder(bool saliva = false) const {
         session::SessionInfo info;
         info.session = "test";
-        return {path, info, small_patient(), make_laryngoscope(Blade::miller_0), Tube{}, tube_nodes, true};
+        return {path,   info,       small_patient(), make_laryngoscope(Blade::miller_0),
+                Tube{}, tube_nodes, saliva,          true};
     }
 
     /// Moves the snapshot on to step `number` at 180 Hz.
@@ -156,6 +157,26 @@ TEST_F(RecorderTest, DeformationHoldsWhatMovedFifteenTimesASecond) {
         const auto& frames = deformations[k].frame;
         EXPECT_EQ(deformations[k].time_ns, 12 * k * 1'000'000'000 / 180);
         EXPECT_EQ(frames, k % 3 == 0 ? (std::vector<std::uint16_t>{3, 4}) : (std::vector<std::uint16_t>{3}));
+    }
+}
+
+TEST_F(RecorderTest, LiquidIsKeptFifteenTimesASecond) {
+    Recorder kept = recorder(true);
+    snapshot.saliva.on = true;
+    for (std::uint64_t i = 0; i < 180; ++i) {
+        advance(i);
+        snapshot.saliva.positions.assign(i, Vec3f(0.01f, -0.02f, 1e-4f * static_cast<float>(i)));
+        kept.record(snapshot, live, {}, std::nullopt);
+    }
+    EXPECT_TRUE(kept.finish());
+    const auto fluids = session::SessionReader(path).fluids();
+    ASSERT_EQ(fluids.size(), 15u);
+    for (std::size_t k = 1; k < fluids.size(); ++k) {
+        EXPECT_EQ(fluids[k].time_ns, 12 * k * 1'000'000'000 / 180);
+        ASSERT_EQ(fluids[k].position.size(), 12 * k);
+        // Half a cell of 2^-16 m in each of three directions.
+        const Vec3f truth(0.01f, -0.02f, 1e-4f * static_cast<float>(12 * k));
+        EXPECT_LE((fluids[k].position.front() - truth).norm(), 0.87f * 0x1p-16f);
     }
 }
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/bus_output.hpp"
+
+#include "common/bus/fluid_state.hpp"
+#include "tests/unit/common/bus/bus_fixture.hpp"
+
+namespace eti::app {
+namespace {
+
+using bus::eventually;
+using std::chrono_literals::operator""ms;
+
+class BusOutputTest : public ::testing::Test {
+  protected:
+    BusOutputTest()
+        : server_(bus::options("server")),
+          client_(bus::options("client")),
+          fluid_(client_, bus::topics::fluid),
+          proxy_(client_, bus::topics::proxy) {}
+
+    [[nodiscard]] std::unique_ptr<BusOutput> output(bool saliva) {
+        return std::make_unique<BusOutput>(server_, anatomy::Patient{}, make_laryngoscope(Blade::miller_0),
+                                           Tube{}, "test", saliva);
+    }
+
+    bus::Node server_, client_;
+    bus::Subscriber<msg::FluidState> fluid_;
+    bus::Subscriber<msg::ProxyState> proxy_;
+};
+
+TEST_F(BusOutputTest, NobodyWritesLiquidForAScenarioWithoutSaliva) {
+    const auto writes = output(false);
+    // Writers are announced in the order in which they are made; that of the liquid would come before this.
+    bus::Subscriber<msg::SessionStatus> status(client_, bus::topics::session_status);
+    ASSERT_TRUE(eventually([&] { return proxy_.matched() == 1 && status.matched() == 1; }));
+    EXPECT_EQ(fluid_.matched(), 0);
+}
+
+TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {
+    const auto writes = output(true);
+    ASSERT_TRUE(eventually([&] { return fluid_.matched() == 1; }));
+    scene::Snapshot snapshot;
+    snapshot.saliva.on = true;
+    snapshot.saliva.spacing = 0.7e-3f;
+    snapshot.saliva.lower = Vec3f::Constant(-0.1f);
+    snapshot.saliva.upper = Vec3f::Constant(0.1f);
+    snapshot.saliva.positions.assign(bus::fluid_chunk_particles + 1, Vec3f(0.01f, 0.02f, 0.03f));
+    std::vector<Vec3f> arrived;
+    msg::FluidState message;
+    // Best effort: a reader may match a moment after the writer thinks so.
+    const bool whole = eventually([&] {
+        snapshot.step += 1;
+        snapshot.time_ns += 5'000'000;
+        writes->post(snapshot, {}, {});
+        std::this_thread::sleep_for(10ms);
+        while (fluid_.take(message)) {
+            EXPECT_EQ(message.header().simulation_time_ns() % 10'000'000, 0u) << "an odd step";
+            EXPECT_TRUE(bus::take_fluid_chunk(message, 1.0f, arrived));
+        }
+        return arrived.size() >= snapshot.saliva.positions.size();
+    });
+    ASSERT_TRUE(whole);
+    // Half of a 65535th of 0.2 m in each direction.
+    EXPECT_LT((arrived.back() - Vec3f(0.01f, 0.02f, 0.03f)).norm(), 1.74f * 0.2f / 131070.0f);
+}
+
+}  // namespace
+}  // namespace eti::app

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/tube.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/scene/scene.hpp"
+
+namespace eti::scene {
+namespace {
+
+constexpr int substeps = 8;
+constexpr float dt = step_duration / substeps;
+const Vec3f far_away(0.0f, 0.5f, 0.5f);  // [m], for a blade that shall not matter
+
+/// Solid below z = 0, on a grid of 1 mm.
+DistanceGrid floor_grid() {
+    DistanceGrid grid;
+    grid.origin = Vec3f(-0.05f, -0.05f, -0.02f);
+    grid.spacing = 1e-3f;
+    grid.size = {101, 101, 201};
+    for (int z = 0; z < grid.size[2]; ++z) {
+        for (int y = 0; y < grid.size[1]; ++y) {
+            for (int x = 0; x < grid.size[0]; ++x) {
+                grid.value.push_back(grid.node(x, y, z).z());
+            }
+        }
+    }
+    return grid;
+}
+
+/// Nothing solid anywhere near.
+DistanceGrid empty_grid() {
+    DistanceGrid grid;
+    grid.size = {2, 2, 2};
+    grid.value.assign(8, 1.0f);
+    return grid;
+}
+
+Tube straight_tube() {
+    Tube tube;
+    tube.curve_radius = 1e3f;
+    return tube;
+}
+
+RigidTransform pointing_down(const Vec3f& grip) {
+    return {Quatf(Eigen::AngleAxisf(std::numbers::pi_v<float>, Vec3f::UnitX())), grip};
+}
+
+class TubeContactTest : public ::testing::Test {
+  protected:
+    /// One step of the scene's scheme with the tube alone.
+    void step(TubeContact& contact, const RigidTransform& to) { step(contact, to, blade_, blade_); }
+    void step(TubeContact& contact, const RigidTransform& to, const RigidTransform& blade_from,
+              const RigidTransform& blade_to) {
+        contact.begin_step(particles_, grip_, to, blade_from, blade_to);
+        for (int s = 0; s < substeps; ++s) {
+            const float begin = static_cast<float>(s) / substeps;
+            const float end = static_cast<float>(s + 1) / substeps;
+            for (std::size_t i = 0; i < particles_.size(); ++i) {
+                particles_.predicted[i] = particles_.position[i] + dt * particles_.velocity[i];
+            }
+            contact.predict(dt, end);
+            contact.project(particles_, shell_, begin, end);
+            contact.finish();
+            for (std::size_t i = 0; i < particles_.size(); ++i) {
+                particles_.velocity[i] = (particles_.predicted[i] - particles_.position[i]) / dt;
+                particles_.position[i] = particles_.predicted[i];
+            }
+        }
+        grip_ = to;
+        contact.nodes(nodes_);
+    }
+
+    Tube tube_ = straight_tube();
+    Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
+    RigidTransform blade_{Quatf::Identity(), far_away};
+    RigidTransform grip_;
+    DistanceGrid shell_ = empty_grid();
+    pbd::Particles particles_;
+    std::vector<Vec3f> nodes_;
+};
+
+TEST_F(TubeContactTest, DoesNotGoThroughAWallAtAHandsGreatestSpeed) {
+    shell_ = floor_grid();
+    grip_ = pointing_down({0, 0, tube_.grip_from_tip + 0.01f});
+    TubeContact contact(tube_, scope_, grip_);
+    // 1 m/s for 30 mm: the wall is met after 8 mm, and the tube has to bend for the rest.
+    const float way = 1.0f * step_duration;
+    const int steps = static_cast<int>(30e-3f / way) + 60;
+    for (int k = 0; k < steps; ++k) {
+        RigidTransform to = grip_;
+        to.translation.z() = std::max(to.translation.z() - way, tube_.grip_from_tip - 0.02f);
+        step(contact, to);
+        for (const Vec3f& node : nodes_) {
+            ASSERT_TRUE(node.allFinite());
+            ASSERT_GT(node.z(), 0.0f) << "in step " << k << " the centre line is in the wall";
+        }
+    }
+    // A chain whose segments came apart would be longer than it was made.
+    float length = 0.0f;
+    for (std::size_t i = 1; i < nodes_.size(); ++i) {
+        length += (nodes_[i] - nodes_[i - 1]).norm();
+    }
+    EXPECT_NEAR(length, tube_.length, 1e-3f * tube_.length);
+}
+
+TEST_F(TubeContactTest, ABladeSweptAcrossDoesNotPassThrough) {
+    // Along x, so that it cannot give way sideways around the blade, whose plate faces y.
+    grip_ = {Quatf(Eigen::AngleAxisf(0.5f * std::numbers::pi_v<float>, Vec3f::UnitY())),
+             {-0.03f, 0.012f, 0.05f}};
+    TubeContact contact(tube_, scope_, grip_);
+    RigidTransform blade{Quatf::Identity(), Vec3f::Zero()};
+    for (int k = 0; k < 6; ++k) {
+        RigidTransform to = blade;
+        to.translation.y() += 1.0f * step_duration;  // 1 m/s
+        step(contact, grip_, blade, to);
+        blade = to;
+    }
+    for (const Vec3f& node : nodes_) {
+        const Vec3f local = blade.inverse() * node;
+        if (std::fabs(local.x()) < 3e-3f) {
+            EXPECT_GT(local.y(), 0.0f) << "on the side it was on";
+        }
+    }
+}
+
+TEST_F(TubeContactTest, PushesTissueOutOfItsWayAndIsPushedBack) {
+    // A free particle beside the tip, overlapping by half a millimetre.
+    // The second one lies at the origin, in no channel, and is met by nothing.
+    particles_.resize(2);
+    particles_.radius[0] = 0.5e-3f;
+    particles_.inverse_mass[0] = 1.0f / 8e-6f;
+    particles_.channels[0] = pbd::channel::tube;
+    grip_ = pointing_down({0, 0, tube_.grip_from_tip});
+    TubeContact contact(tube_, scope_, grip_);
+    const float meet = 0.5f * tube_.outer_diameter + particles_.radius[0];
+    particles_.position[0] = Vec3f(meet - 0.5e-3f, 0, 4e-3f);
+    step(contact, grip_);
+    EXPECT_GT(particles_.position[0].x() - nodes_.back().x(), meet - 0.02e-3f);
+    EXPECT_LT(nodes_.back().x(), 0.0f) << "Newton's third law; later the tip swings";
+}
+
+TEST_F(TubeContactTest, SagsUnderItsOwnWeightAsABeamDoes) {
+    tube_.length = 0.1f;
+    tube_.grip_from_tip = 0.1f;
+    // Gravity is +y: the patient lies on its back.
+    grip_ = {Quatf::Identity(), Vec3f::Zero()};
+    TubeContact contact(tube_, scope_, grip_);
+    for (int k = 0; k < 3 * steps_per_second; ++k) {
+        step(contact, grip_);
+    }
+    // Euler-Bernoulli cantilever: w L^4 / (8 E I); PVC of 1300 kg/m^3.
+    const float area =
+        0.25f * std::numbers::pi_v<float> *
+        (tube_.outer_diameter * tube_.outer_diameter - tube_.inner_diameter * tube_.inner_diameter);
+    const float weight = 1300.0f * area * 9.81f;
+    const float sag = weight * std::pow(tube_.length, 4.0f) / (8.0f * tube_.bending_stiffness());
+    EXPECT_NEAR(nodes_.back().y(), sag, 0.05f * sag);
+}
+
+}  // namespace
+}  // namespace eti::scene
