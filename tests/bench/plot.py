@@ -94,7 +94,12 @@ def draw(rows, title, file):
             axes.plot(row["cost"], max(row["error"], 1e-5), marker="*", ms=15, color="gold", mec="black", ls="none",
                       label="shipped")
     axes.set(xscale="log", yscale="log", title=title, xlabel="wall time per simulated 1/90 s [ms], one thread",
-             ylabel="relative error")
+             ylabel="relative error [%]")
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    for axis, factor in ((axes.xaxis, 1), (axes.yaxis, 100)):       # numbers on it even where it spans no decade
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _, factor=factor: f"{factor * value:.3g}"))
+        axis.set_minor_formatter(NullFormatter())
     axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0))     # beside the lines, not over them
     figure.tight_layout()
     figure.savefig(file, metadata={"Date": None})
@@ -162,16 +167,18 @@ def draw_calibration(file, to):
         rows = list(csv.DictReader(table))
     plt = pyplot()
     loads = {"traction": ["traction"], "indentation": ["sphere", "blade", "narrow blade", "hertz"]}
+    styles = {"1.25": ":", "2.5": "-", "5": "--"}
     figure, panels = plt.subplots(1, 2, figsize=(10, 4.6), sharex=True, sharey=True)
     for axes, (title, names) in zip(panels, loads.items()):
-        for name in names:
+        for number, name in enumerate(names):
             for radius in sorted({row["radius_spacings"] for row in rows}):
                 for spacing in sorted({row["spacing_mm"] for row in rows}, key=float):
                     points = sorted((float(row["group"]), float(row["ratio"])) for row in rows
                                     if (row["load"], row["radius_spacings"], row["spacing_mm"]) ==
                                     (name, radius, spacing))
                     if points:
-                        axes.plot(*zip(*points), lw=0.8, ms=3, marker=MARKERS[["1.8", "2.01", "2.5"].index(radius)],
+                        axes.plot(*zip(*points), color=f"C{number}", lw=0.8, ls=styles[spacing], ms=3,
+                                  marker=MARKERS[["1.8", "2.01", "2.5"].index(radius)],
                                   label=f"{name}, reach {radius}, {spacing} mm")
         axes.set(xscale="log", yscale="log", title=title,
                  xlabel="modulus put in · substep² / (density · spacing²)", ylabel="modulus measured / put in")
