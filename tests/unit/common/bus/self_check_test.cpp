@@ -44,7 +44,7 @@ TEST(SelfCheck, ASecondServerIsRefusedByName) {
     ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
     Node second(options("another-server"));
     EXPECT_THAT(refusal_of(second, 20s), AllOf(HasSubstr("session 'test'"), HasSubstr("host:42"),
-                                          HasSubstr("--session"), HasSubstr("stop that one")));
+                                               HasSubstr("--session"), HasSubstr("stop that one")));
     Node elsewhere(options("eti-server", "other"));
     EXPECT_EQ(refusal_of(elsewhere), "no BusError") << "another session is free";
 }
