@@ -24,7 +24,7 @@ struct Scenario {
         float tongue_scale = 1.0f;        ///< 0.8-1.4
         float head_elevation = 0.0f;      ///< [rad], 0-30 deg
         float jaw_opening = 0.0f;         ///< [rad], 0-35 deg
-        float tissue_stiffness = 6.6e3f;  ///< [Pa], Young's modulus of tongue and mucosa
+        float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     } patient;
 
     Blade blade = Blade::miller_1;
@@ -35,7 +35,7 @@ struct Scenario {
             8;  ///< per 1/180 s step; cost grows linearly, error of contact forces falls quadratically
         float spacing = 2.0e-3f;       ///< [m], particles in the bulk; cost grows with its -3rd power
         float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx
-        TissueModel tissue_model = TissueModel::clusters;
+        TissueModel tissue_model = TissueModel::tetrahedra;
         float region = 10e-3f;  ///< [m], tissue farther than this from the airway moves with the bones
     } physics;
 

@@ -16,7 +16,7 @@ struct BuildSettings {
     /// [Pa], Young's modulus of tongue and mucosa. Measured tissue has 8.0 +- 0.9 kPa (Cheng 2011, J Biomech
     /// 44:450), but here the mouth's floor cannot give way as a whole
     /// (docs/decisions/0024-tissue-stiffness.md).
-    float tissue_stiffness = 6.6e3f;
+    float tissue_stiffness = 8e3f;
     float surface_spacing = 1.0e-3f;  ///< [m], grid of the visible surfaces
     std::size_t body_triangles = 45000;
     std::size_t shell_triangles = 12000;

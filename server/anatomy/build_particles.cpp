@@ -50,13 +50,15 @@ Voxel classify(const Newborn& newborn, const NewbornFields& f, const Vec3f& poin
     }
     // Blade and tube do not reach above the soft palate, and below the cricoid the tube meets the shell.
     const bool in_reach = model.z() > -46.0f && !(model.z() > 3.0f && model.y() < 24.0f);
-    if (f.cavity < 0.0f || f.cavity > region || bone < 0.0f || !in_reach) {
+    // What the tongue is pressed into counts as much as what tools meet.
+    const float depth = std::min(f.cavity, f.tongue);
+    if (depth < 0.0f || depth > region || bone < 0.0f || !in_reach) {
         return voxel;
     }
     voxel.filled = true;
     voxel.tissue = body_tissue(f);
     voxel.fine = f.larynx < 0.0f && model.z() > -44.0f;
-    voxel.fixed = bone < 0.7f * spacing || f.cavity > region - spacing || model.z() < -44.0f ||
+    voxel.fixed = bone < 0.7f * spacing || depth > region - spacing || model.z() < -44.0f ||
                   voxel.tissue == Tissue::upper_gum || voxel.tissue == Tissue::lower_gum;
     return voxel;
 }

@@ -17,6 +17,8 @@ const Vec3f gum_crest(0.0f, 45.5f, -6.9f);
 // The mouth is sampled slightly open, so that the lips are apart; posture adds to this.
 constexpr float rest_jaw_deg = 4.0f;
 constexpr float jaw_slide_per_deg = 0.12f;
+// How far a tongue can be pressed into the floor of the mouth where nothing firm is nearer.
+constexpr float soft_floor = 9.0f;
 
 // Larynx and trachea: the glottis lies at z = -37.5, the carina 50 mm below it (vocal cord to carina
 // 5.04 cm under three months, Ann Otol Rhinol Laryngol 2001;110:268).
@@ -370,6 +372,16 @@ float Newborn::shell_offset(const Vec3f& point, const NewbornFields& fields) con
     const float lips = smoothstep(45.5f, 49.0f, p.y()) * (1.0f - smoothstep(18.0f, 24.0f, std::fabs(p.x()))) *
                        smoothstep(-26.0f, -20.0f, p.z()) * (1.0f - smoothstep(2.0f, 8.0f, p.z()));
     offset += 5.0f * lips * smoothstep(0.5f, 2.0f, bony);
+    // Floor of the mouth and the tissue before the tongue's root are as soft as the tongue that is pressed
+    // into them: the shell keeps a tongue from mandible and skin, not from them.
+    const Vec3f half = turn_about_jaw(p, rest_jaw_deg * 0.5f);
+    const float depth = std::min(fields.cavity, fields.tongue) / scale_;
+    const float firm = std::min({fields.mandible, fields.skull, fields.spine, fields.lower_gum}) / scale_;
+    const float soft = std::min({soft_floor, depth - fields.skin / scale_ - 2.5f, depth + firm - 1.0f});
+    const float floor = smoothstep(2.0f, 8.0f, p.y()) * (1.0f - smoothstep(38.0f, 43.0f, p.y())) *
+                        (1.0f - smoothstep(-12.0f, -7.0f, half.z())) * smoothstep(-40.0f, -34.0f, p.z()) *
+                        (1.0f - smoothstep(14.0f, 18.0f, fields.tongue / scale_));
+    offset += floor * std::max(soft - offset, 0.0f);
     // Cricoid and trachea are stiff rings; the cords between them part for a tube.
     const float laryngeal = 1.0f - smoothstep(0.0f, 1.5f, fields.larynx / scale_);
     const float cords = smoothstep(-43, -40, p.z()) * (1.0f - smoothstep(-35, -31, p.z()));

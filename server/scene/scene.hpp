@@ -32,7 +32,7 @@ struct Inputs {
 
 struct Settings {
     int substeps = 8;
-    TissueModel tissue_model = TissueModel::clusters;
+    TissueModel tissue_model = TissueModel::tetrahedra;
     float posture_rate = 0.17f;  ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     rigid::Settings rigid;
     bool saliva = false;     ///< secretions in mouth and throat; without them they cost nothing
