@@ -2,6 +2,11 @@
 // Copyright the NeoETI authors
 #include "server/app/simulation.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
 #include "server/app/patient_cache.hpp"
 
 namespace eti::app {
@@ -9,6 +14,28 @@ namespace eti::app {
 namespace {
 
 constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
+
+/// Substeps short enough for a tongue of tetrahedra.
+int checked_substeps(const Scenario& scenario, const anatomy::Patient& patient) {
+    const int substeps = scenario.physics.substeps;
+    const anatomy::ParticleSet& set = patient.particles;
+    const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
+    if (scenario.physics.tissue_model == TissueModel::tetrahedra && tongue != set.tissue.end()) {
+        const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
+        const float stiffest = pbd::Tetrahedra::stiffest(spacing, anatomy::tissue_density,
+                                                         scene::step_duration / static_cast<float>(substeps));
+        const float wanted = scenario.patient.tissue_stiffness;
+        if (wanted > stiffest) {
+            throw InputError(fmt::format(
+                "scenario '{}': patient.tissue_stiffness_kpa is {:g}, but tetrahedra of {:.3g} mm bear at most "
+                "{:.3g} with {} substeps; raise physics.substeps to {} or physics.spacing_mm, or set "
+                "physics.tissue_model to clusters",
+                scenario.name, 1e-3f * wanted, 1e3f * spacing, 1e-3f * stiffest, substeps,
+                static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / stiffest)))));
+        }
+    }
+    return substeps;
+}
 
 }  // namespace
 
@@ -32,7 +59,7 @@ anatomy::Patient patient_of(const Scenario& scenario) {
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
       scene_(patient, scope_, scenario.tube, start,
-             scene::Settings{.substeps = scenario.physics.substeps,
+             scene::Settings{.substeps = checked_substeps(scenario, patient),
                              .tissue_model = scenario.physics.tissue_model,
                              .rigid = {},
                              .saliva = scenario.saliva,

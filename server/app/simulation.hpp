@@ -23,7 +23,7 @@ namespace eti::app {
 /// bus or record.
 class Simulation {
   public:
-    /// `patient` has to outlive it.
+    /// `patient` has to outlive it. Throws InputError where the solver's settings cannot bear its tissue.
     Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start);
 
     /// One step. The view is judged at 30 Hz from `eye` [m], by default from where it is best.

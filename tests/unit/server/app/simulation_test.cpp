@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/simulation.hpp"
+
+#include <gmock/gmock.h>
+
+#include "server/anatomy/build.hpp"
+
+namespace eti::app {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const anatomy::Patient& coarse() {
+    static const anatomy::Patient patient =
+        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
+    return patient;
+}
+
+Scenario stiff(float modulus, int substeps, TissueModel model) {
+    Scenario scenario;
+    scenario.name = "stiff";
+    scenario.patient.tissue_stiffness = modulus;
+    scenario.physics.substeps = substeps;
+    scenario.physics.tissue_model = model;
+    return scenario;
+}
+
+std::string refusal_of(const Scenario& scenario) {
+    try {
+        const Simulation simulation(scenario, coarse(), parked(scenario));
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "none";
+}
+
+TEST(Simulation, RefusesTissueThatItsTetrahedraCannotBear) {
+    // 0.8 * 4000 kg/m^3 * (3.5 mm * 720 / s)^2 = 20.3 kPa.
+    EXPECT_THAT(refusal_of(stiff(21e3f, 4, TissueModel::tetrahedra)),
+                AllOf(HasSubstr("'stiff'"), HasSubstr("tissue_stiffness_kpa is 21"), HasSubstr("at most 20.3"),
+                      HasSubstr("physics.substeps to 5"), HasSubstr("clusters")));
+    EXPECT_EQ(refusal_of(stiff(20e3f, 4, TissueModel::tetrahedra)), "none");
+    EXPECT_EQ(refusal_of(stiff(21e3f, 5, TissueModel::tetrahedra)), "none");
+    EXPECT_EQ(refusal_of(stiff(21e3f, 4, TissueModel::clusters)), "none");
+}
+
+}  // namespace
+}  // namespace eti::app
