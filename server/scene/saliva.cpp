@@ -247,11 +247,13 @@ void Saliva::begin_step(const SalivaSurroundings& during) {
     place_emitters(during.bones);
     suction_[0].strength = during.suction;
     suction_[0].tip = during.blade_to * scope_.tip();
-    wall_.update(during.shell, during.shell_revision, during.tissue, fluid_.positions());
-    beside_.run([this] { run(); });
+    tissue_.position = during.tissue.position;
+    tissue_.radius = during.tissue.radius;
+    beside_.run([this, &shell = during.shell, revision = during.shell_revision] { run(shell, revision); });
 }
 
-void Saliva::run() {
+void Saliva::run(const DistanceGrid& shell, std::uint64_t shell_revision) {
+    wall_.update(shell, shell_revision, tissue_, fluid_.positions());
     pbd::FluidSurroundings surroundings;
     surroundings.solid = &wall_.distance();
     surroundings.suctions = suction_;

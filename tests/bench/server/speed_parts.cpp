@@ -139,7 +139,7 @@ void rod(SpeedMeter& meter) {
         tube.finish();
     };
     const double free = meter.fastest([&] { substep({}); });
-    meter.add("tube of 32 segments, per substep", 1e-3 * free, "us");
+    meter.add(fmt::format("tube of {} segments, per substep", tube.size()), 1e-3 * free, "us");
     // Four a segment, all pressed by 0.1 mm.
     std::vector<pbd::RodContact> touching(4 * tube.size());
     for (std::size_t k = 0; k < touching.size(); ++k) {
