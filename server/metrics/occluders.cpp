@@ -15,8 +15,6 @@ constexpr float near_plane = 1e-3f;
 
 // Triangles per block: halving it doubles the bounds to test, doubling it the triangles skinned in vain.
 constexpr std::size_t block_size = 16;
-// Blocks per group: most of a patient is told to be aside by groups alone.
-constexpr std::size_t group_size = 16;
 
 std::uint32_t spread_bits(std::uint32_t v) {
     v = (v | (v << 16)) & 0x030000ffu;
@@ -193,81 +191,44 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     for (const std::size_t index : order) {
         triangles_.push_back(mesh.triangles[index]);
     }
-    const std::span<const Triangle> all = triangles_;
-    for (std::size_t first = 0; first < all.size(); first += block_size) {
-        const std::size_t count = std::min(block_size, all.size() - first);
-        blocks_.push_back({bound_of(all.subspan(first, count)), static_cast<std::uint32_t>(first),
-                           static_cast<std::uint32_t>(first + count)});
-    }
-    for (std::size_t first = 0; first < blocks_.size(); first += group_size) {
-        const std::size_t end = std::min(first + group_size, blocks_.size());
-        const std::size_t triangle = blocks_[first].first;
-        groups_.push_back({bound_of(all.subspan(triangle, blocks_[end - 1].end - triangle)),
-                           static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)});
-    }
-}
-
-Occluder::Bound Occluder::bound_of(std::span<const Triangle> members) {
-    Bound bound;
-    Vec3f low = rest_[members[0][0]];
-    Vec3f high = low;
-    std::vector<std::uint16_t> used;
-    for (const Triangle& t : members) {
-        for (const std::uint32_t vertex : t) {
-            low = low.cwiseMin(rest_[vertex]);
-            high = high.cwiseMax(rest_[vertex]);
-            for (std::size_t k = 0; k < 4; ++k) {
-                if (skin_[vertex].weight[k] > 0.0f) {
-                    used.push_back(skin_[vertex].frame[k]);
+    for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
+        Block block;
+        block.first_triangle = static_cast<std::uint32_t>(first);
+        block.end_triangle = static_cast<std::uint32_t>(std::min(first + block_size, triangles_.size()));
+        block.first_frame = static_cast<std::uint32_t>(frames_.size());
+        const std::span<const Triangle> members(triangles_.data() + first,
+                                                block.end_triangle - block.first_triangle);
+        Vec3f block_low = rest_[members[0][0]];
+        Vec3f block_high = block_low;
+        std::vector<std::uint16_t> used;
+        for (const Triangle& t : members) {
+            for (const std::uint32_t vertex : t) {
+                block_low = block_low.cwiseMin(rest_[vertex]);
+                block_high = block_high.cwiseMax(rest_[vertex]);
+                for (std::size_t k = 0; k < 4; ++k) {
+                    if (skin_[vertex].weight[k] > 0.0f) {
+                        used.push_back(skin_[vertex].frame[k]);
+                    }
                 }
             }
         }
-    }
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    bound.first_frame = static_cast<std::uint32_t>(frames_.size());
-    frames_.insert(frames_.end(), used.begin(), used.end());
-    bound.end_frame = static_cast<std::uint32_t>(frames_.size());
-    bound.centre = 0.5f * (low + high);
-    for (const Triangle& t : members) {
-        for (const std::uint32_t vertex : t) {
-            bound.radius = std::max(bound.radius, (rest_[vertex] - bound.centre).norm());
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        frames_.insert(frames_.end(), used.begin(), used.end());
+        block.end_frame = static_cast<std::uint32_t>(frames_.size());
+        block.centre = 0.5f * (block_low + block_high);
+        for (const Triangle& t : members) {
+            for (const std::uint32_t vertex : t) {
+                block.radius = std::max(block.radius, (rest_[vertex] - block.centre).norm());
+            }
         }
+        blocks_.push_back(block);
     }
-    return bound;
-}
-
-bool Occluder::may_meet(const SightLines& lines, const PosedFrames& frames, const Bound& bound) const {
-    Vec3f low = Vec3f::Constant(1e9f);
-    Vec3f high = Vec3f::Constant(-1e9f);
-    for (std::uint32_t k = bound.first_frame; k < bound.end_frame; ++k) {
-        const Vec3f image = frames.place(frames_[k], bound.centre);
-        low = low.cwiseMin(image);
-        high = high.cwiseMax(image);
-    }
-    const float radius = bound.radius + 0.5f * (high - low).norm();
-    return lines.may_meet(lines.seen_from_eye(0.5f * (low + high)), radius);
 }
 
 void Occluder::block(SightLines& lines, const PosedFrames& frames) {
     ++call_;
     tested_ = 0;
-    for (const Block& group : groups_) {
-        if (!may_meet(lines, frames, group.bound)) {
-            continue;
-        }
-        for (std::uint32_t b = group.first; b < group.end; ++b) {
-            if (lines.all_blocked()) {
-                return;
-            }
-            if (may_meet(lines, frames, blocks_[b].bound)) {
-                block_by(blocks_[b], lines, frames);
-            }
-        }
-    }
-}
-
-void Occluder::block_by(const Block& block, SightLines& lines, const PosedFrames& frames) {
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
@@ -275,11 +236,27 @@ void Occluder::block_by(const Block& block, SightLines& lines, const PosedFrames
         }
         return seen_[vertex];
     };
-    for (std::uint32_t t = block.first; t < block.end; ++t) {
-        const Triangle& triangle = triangles_[t];
-        lines.block_by_triangle(see(triangle[0]), see(triangle[1]), see(triangle[2]));
+    for (const Block& block : blocks_) {
+        if (lines.all_blocked()) {
+            return;
+        }
+        Vec3f low = Vec3f::Constant(1e9f);
+        Vec3f high = Vec3f::Constant(-1e9f);
+        for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
+            const Vec3f image = frames.place(frames_[k], block.centre);
+            low = low.cwiseMin(image);
+            high = high.cwiseMax(image);
+        }
+        const float radius = block.radius + 0.5f * (high - low).norm();
+        if (!lines.may_meet(lines.seen_from_eye(0.5f * (low + high)), radius)) {
+            continue;
+        }
+        for (std::uint32_t t = block.first_triangle; t < block.end_triangle; ++t) {
+            const Triangle& triangle = triangles_[t];
+            lines.block_by_triangle(see(triangle[0]), see(triangle[1]), see(triangle[2]));
+        }
+        tested_ += block.end_triangle - block.first_triangle;
     }
-    tested_ += block.end - block.first;
 }
 
 }  // namespace eti::metrics

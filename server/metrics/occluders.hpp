@@ -78,28 +78,18 @@ class Occluder {
     [[nodiscard]] std::size_t tested() const { return tested_; }
 
   private:
-    /// A ball about triangles at rest, and the frames that carry them.
-    struct Bound {
-        Vec3f centre = Vec3f::Zero();  // [m]
-        float radius = 0.0f;           // [m]
-        std::uint32_t first_frame = 0, end_frame = 0;
-    };
-    /// Triangles, or blocks of them.
     struct Block {
-        Bound bound;
-        std::uint32_t first = 0, end = 0;
+        Vec3f centre = Vec3f::Zero();  // [m], rest
+        float radius = 0.0f;           // [m], rest
+        std::uint32_t first_frame = 0, end_frame = 0;
+        std::uint32_t first_triangle = 0, end_triangle = 0;
     };
-
-    [[nodiscard]] Bound bound_of(std::span<const Triangle> members);
-    [[nodiscard]] bool may_meet(const SightLines& lines, const PosedFrames& frames, const Bound& bound) const;
-    void block_by(const Block& block, SightLines& lines, const PosedFrames& frames);
 
     std::vector<Vec3f> rest_;
     std::vector<SkinWeights> skin_;
     std::vector<Triangle> triangles_;  // block by block
     std::vector<Block> blocks_;
-    std::vector<Block> groups_;           // of blocks
-    std::vector<std::uint16_t> frames_;   // of all bounds
+    std::vector<std::uint16_t> frames_;   // of all blocks
     std::vector<Vec3f> seen_;             // skinned vertices as seen from the eye
     std::vector<std::uint32_t> seen_in_;  // call in which an entry of seen_ was made
     std::uint32_t call_ = 0;

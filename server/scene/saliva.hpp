@@ -40,8 +40,8 @@ class Saliva {
     /// The liquid as at the start of a session, in the posture of `at`.
     void reset(const SalivaSurroundings& at);
 
-    /// Starts a step; the shell and what is spanned in `during` have to last until end_step(), the rest is copied. The
-    /// liquid is then computed beside whatever the caller does next.
+    /// Starts a step; the shell and what is spanned in `during` have to last until end_step(), the rest is
+    /// copied. The liquid is then computed beside whatever the caller does next.
     void begin_step(const SalivaSurroundings& during);
     /// Waits for it.
     void end_step();
@@ -49,7 +49,7 @@ class Saliva {
     [[nodiscard]] const pbd::Fluid& fluid() const { return fluid_; }
     [[nodiscard]] const LiquidWall& wall() const { return wall_; }
 
-    static constexpr int substeps = 2;  ///< per scene step
+    static constexpr int substeps = 4;  ///< per scene step
 
   private:
     /// An opening of a gland, carried by one bone.
