@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/pbd/lanes.hpp"
+
 namespace eti::pbd {
 
 namespace {
@@ -44,7 +46,8 @@ Fluid::Fluid(const FluidSettings& settings, std::uint64_t seed)
       attraction_(cohesion_strength(settings.surface_tension, volume_, kernel_.radius) / mass_),
       // Young & Dupre: 1 + cos(angle) is the work of adhesion over the tension, and works go with the
       // strengths of pairs of one shape; fluid on fluid has angle 0.
-      wall_attraction_(0.5f * (1.0f + std::cos(settings.contact_angle)) * attraction_ / volume_) {
+      wall_attraction_(0.5f * (1.0f + std::cos(settings.contact_angle)) * attraction_ / volume_),
+      avx2_(has_avx2()) {
     const std::size_t n = settings.capacity;
     for (std::vector<Vec3f>* vectors : {&position_, &predicted_, &velocity_, &vector_scratch_}) {
         vectors->reserve(n);
@@ -54,13 +57,16 @@ Fluid::Fluid(const FluidSettings& settings, std::uint64_t seed)
     }
     id_.reserve(n);
     id_scratch_.reserve(n);
-    for (std::vector<Vec4f>* vectors : {&offset_, &displacement_, &own_gradient_}) {
+    for (std::vector<Vec4f>* vectors : {&local_, &rate_, &offset_, &displacement_, &push_, &own_gradient_}) {
         vectors->resize(n, Vec4f::Zero());
+    }
+    for (std::vector<float>& axis : axis_) {
+        axis.resize(n + lane_count, 0.0f);
     }
     diagonal_.resize(n, 0.0f);
     wall_.resize(most_walls * n);
     capsules_near_.resize(n / crowd + 1, 0);
-    gradient_.resize(most_neighbours * n, Vec4f::Zero());
+    slope_.resize(most_neighbours * n, 0.0f);
     neighbour_.resize(most_neighbours * n, 0);
     first_pair_.resize(n, 0);
     neighbours_.resize(n, 0);
@@ -174,6 +180,16 @@ void Fluid::sort() {
     reorder(velocity_, vector_scratch_);
     reorder(multiplier_, float_scratch_);
     reorder(id_, id_scratch_);
+    const Vec3f middle = grid_.middle();
+    for (std::size_t i = 0; i < count(); ++i) {
+        const Vec3f& p = predicted_[i];
+        const Vec3f& v = velocity_[i];
+        local_[i] = Vec4f(p.x() - middle.x(), p.y() - middle.y(), p.z() - middle.z(), 1.0f);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            axis_[axis][i] = local_[i][static_cast<Eigen::Index>(axis)];
+        }
+        rate_[i] = Vec4f(v.x(), v.y(), v.z(), 0.0f);
+    }
 }
 
 }  // namespace eti::pbd

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -17,7 +18,7 @@ namespace eti::pbd {
 
 /// The defaults are saliva. The kernel's radius is two spacings, which gives a particle some 30 neighbours.
 struct FluidSettings {
-    std::size_t capacity = 4000;           ///< particles; memory is about 1.6 kB for each
+    std::size_t capacity = 4000;           ///< particles; memory is about 0.8 kB for each
     Vec3f lower = Vec3f::Constant(-0.1f);  ///< [m], particles that leave the box from `lower`
     Vec3f upper = Vec3f::Constant(0.1f);   ///< to `upper` are removed; its cells cost memory
     float spacing = 1e-3f;                 ///< [m], of the particles at rest; cost grows with its cube
@@ -108,6 +109,9 @@ class Fluid {
     [[nodiscard]] std::uint64_t left_domain() const { return left_domain_; }
     [[nodiscard]] std::uint64_t aspirated() const { return aspirated_; }
 
+    /// Whether to use AVX2: the constructor chooses what the processor has. The bits are the same without.
+    void use_avx2(bool wanted) { avx2_ = wanted; }
+
   private:
     using Vec4f = Eigen::Vector4f;
     static constexpr std::size_t grain = 256;  ///< particles that a thread takes at least
@@ -149,9 +153,14 @@ class Fluid {
             meet(capsules[k]);
         }
     }
+    // Kernels over ranges of particles, and the same for AVX2.
+    void collect(std::size_t begin, std::size_t end, float dt, const FluidSurroundings& surroundings);
     void add_pair_terms(std::size_t i, float dt, Candidates& candidates);
-    void move(std::size_t i);
-    void raise_pressure(std::size_t i, float relaxation);
+    void add_pair_terms_avx2(std::size_t i, float dt, Candidates& candidates);
+    void move(std::size_t begin, std::size_t end);
+    void move_avx2(std::size_t begin, std::size_t end);
+    void raise_pressure(std::size_t begin, std::size_t end, float relaxation);
+    void raise_pressure_avx2(std::size_t begin, std::size_t end, float relaxation);
     void finish(float dt, const FluidSurroundings& surroundings);
 
     FluidSettings settings_;
@@ -175,22 +184,27 @@ class Fluid {
     std::vector<float> compression_;
     std::uint32_t next_id_ = 0;
 
-    // Per particle in this substep; the fourth component is zero.
+    // Per particle in this substep; the fourth component is zero, or as said.
+    std::vector<Vec4f> local_;  ///< [m], prediction from the middle of all, which keeps digits; then 1
+    std::array<std::vector<float>, 3> axis_;  ///< [m], the same axis by axis, and room for whole loads
+    std::vector<Vec4f> rate_;                 ///< [m/s], velocity, in whole loads
     std::vector<Vec4f> offset_;        ///< [m], way that forces other than pressure add to the prediction
-    std::vector<Vec4f> displacement_;  ///< [m], from the prediction
+    std::vector<Vec4f> displacement_;  ///< [m], from the prediction; then [m^2] its product with local_
+    std::vector<Vec4f> push_;          ///< [m^3, m^2], local_ times the multiplier
     std::vector<Vec4f> own_gradient_;  ///< [1/m], of the compression by the particle's own position
     std::vector<float> diagonal_;      ///< [1/m^2], change of the compression per multiplier of its own
     std::vector<Wall> wall_;           ///< most_walls for each
     std::vector<std::uint64_t> capsules_near_;  ///< each crowd, a bit per capsule
     // Per pair; room for most_neighbours for each particle.
-    std::vector<Vec4f> gradient_;  ///< [1/m], V times the kernel's gradient
-    std::vector<std::uint32_t> neighbour_;
+    std::vector<float> slope_;  ///< [1/m^2], V W'(r) / r: V times the gradient is this times the offset
+    std::vector<std::uint32_t> neighbour_;   ///< times four: where its numbers begin in lists of four each
     std::vector<std::uint32_t> first_pair_;  ///< of each particle,
-    std::vector<std::uint32_t> neighbours_;  ///< and how many, in groups of four
+    std::vector<std::uint32_t> neighbours_;  ///< and how many, in groups of eight
     // For sorting.
     std::vector<Vec3f> vector_scratch_;
     std::vector<float> float_scratch_;
     std::vector<std::uint32_t> id_scratch_;
+    bool avx2_;
 
     std::uint64_t overflow_ = 0;
     std::uint64_t dropped_neighbours_ = 0;

@@ -37,6 +37,7 @@ void FluidGrid::sort(std::span<const Vec3f> points) {
     if (points.empty()) {
         return;
     }
+    middle_ = lower_ + (low + high + Eigen::Vector3i::Ones()).cast<float>() * (0.5f / inverse_cell_);
     const Eigen::Vector3i size = high - low + Eigen::Vector3i::Constant(3);
     row_ = static_cast<std::uint32_t>(size.x());
     layer_ = row_ * static_cast<std::uint32_t>(size.y());

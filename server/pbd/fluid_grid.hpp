@@ -30,6 +30,11 @@ class FluidGrid {
     /// Places of the points in the 27 cells about `cell`.
     [[nodiscard]] std::array<Run, 9> neighbours(std::uint32_t cell) const;
 
+    /// Places of the points in `cell`.
+    [[nodiscard]] Run within(std::uint32_t cell) const { return {start_[cell], start_[cell + 1]}; }
+    /// Of the cells that hold points [m].
+    [[nodiscard]] const Vec3f& middle() const { return middle_; }
+
     [[nodiscard]] bool contains(const Vec3f& point) const {
         return (point.array() >= lower_.array()).all() && (point.array() < upper_.array()).all();
     }
@@ -41,6 +46,7 @@ class FluidGrid {
 
     Vec3f lower_, upper_;
     float inverse_cell_;
+    Vec3f middle_ = Vec3f::Zero();
     std::size_t count_ = 0;
     std::uint32_t row_ = 0;    ///< cells in a row along x, with one empty cell on either side
     std::uint32_t layer_ = 0;  ///< cells in a layer of rows

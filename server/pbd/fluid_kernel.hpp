@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 
 #include "common/math/transform.hpp"
@@ -33,8 +34,14 @@ struct FluidKernel {
 /// the kernel radius, 1 at half of it, 0 at the radius. A polynomial with the zero and the peak of the
 /// spline of Akinci, Akinci & Teschner 2013, eq. 2. `q` is the distance over the kernel radius, at most 1.
 template <class Number>
-[[nodiscard]] Number cohesion_shape(const Number& q) {
-    return 16.0f * (1.0f - q) * (1.0f - q) * (q - 0.25f);
+[[gnu::always_inline]] inline void cohesion_shape(const Number& q, Number& shape) {
+    shape = 16.0f * (1.0f - q) * (1.0f - q) * (q - 0.25f);
+}
+template <std::floating_point Number>
+[[nodiscard]] Number cohesion_shape(Number q) {
+    Number shape;
+    cohesion_shape(q, shape);
+    return shape;
 }
 
 /// Force [N] that cohesion_shape is to be multiplied by, so that the liquid has surface tension

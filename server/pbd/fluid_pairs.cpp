@@ -3,77 +3,222 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 #include "server/pbd/fluid.hpp"
+#include "server/pbd/lanes.hpp"
 #include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
 
 namespace {
 
-// Pairs are worked on this many at a time; a literal, so that sums do not depend on the instruction set.
-constexpr int lanes = 8;
-using Lanes = Eigen::Array<float, lanes, 1>;
 // 2 (d + 2) in the literature, for sums that are integrals. No two particles of a liquid come closer than
 // about a spacing, where the kernel's steepest part is: a shear wave then decays at 0.58 of its rate.
 constexpr float viscous_factor = 10.0f / 0.58f;
+constexpr float far_away = 1e6f;  // [m], where no neighbour is
+
+[[gnu::always_inline]] inline float sum(const Lanes& x) {
+    const Four four = __builtin_shufflevector(x, x, 0, 1, 2, 3) + __builtin_shufflevector(x, x, 4, 5, 6, 7);
+    return (four[0] + four[1]) + (four[2] + four[3]);
+}
+
+[[gnu::always_inline]] inline void store(const Lanes& from, float* to) {
+    std::memcpy(to, &from, sizeof from);
+}
 
 }  // namespace
 
-/// The particles in the 27 cells about one, for those in the middle one to choose from.
+/// The particles in the 27 cells about one, for those in the middle one to choose from, and what one chose.
 struct Fluid::Candidates {
     static constexpr std::size_t most = 1024;  // nearly five times what 27 cells hold at rest
-    static constexpr std::size_t padded = most_neighbours + lanes;
+    static constexpr std::size_t padded = most + lane_count;
+    using Numbers = std::array<float, padded>;
+    using Places = std::array<std::uint32_t, padded>;
+    struct Box {
+        std::array<float, 3> low, high;
+    };
     std::size_t count = 0;
-    std::uint32_t first = 0;  ///< particle of the first candidate, whose run holds those of the middle cell
+    std::uint32_t first = 0;  ///< particle of the first candidate; those of the middle cell follow it
     std::uint64_t dropped = 0;
-    alignas(32) std::array<float, most + lanes> x, y, z, squared;
-    std::array<std::uint32_t, most> particle;
-    std::array<std::uint32_t, most + 1> chosen;
-    alignas(32) std::array<float, padded> dx, dy, dz, du, dv, dw, gradient;
+    alignas(32) Numbers x, y, z;
+    alignas(32) Places particle;  ///< times four
+    // Of those within the radius: from them to the particle that chose.
+    alignas(32) Numbers dx, dy, dz;
+    alignas(32) Places chosen;
+
+    /// Adds those of a run of particles that lie closer to a box than a distance.
+    void add(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run, const Box& box,
+             float squared_distance);
+    void add_avx2(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run, const Box& box,
+                  float squared_distance);
+    /// Lists the candidates closer to a point than a distance; returns how many there are.
+    [[nodiscard]] std::size_t choose(const Vec4f& at, float squared_distance);
+    [[nodiscard]] std::size_t choose_avx2(const Vec4f& at, float squared_distance);
 };
 
-void Fluid::collect(float dt, const FluidSurroundings& surroundings) {
-    for_ranges(count(), grain, [&](std::size_t begin, std::size_t end) {
-        Candidates candidates;
-        std::uint32_t cell = 0;
-        // Pairs lie one after the other, so that memory is read in one stream; there is room for all.
-        std::size_t pair = most_neighbours * begin;
-        for (std::size_t i = begin; i != end; ++i) {
-            if (i == begin || grid_.cell_at(i) != cell) {
-                cell = grid_.cell_at(i);
-                gather(cell, candidates);
-            }
-            find_walls(i, dt, surroundings);
-            first_pair_[i] = static_cast<std::uint32_t>(pair);
-            add_pair_terms(i, dt, candidates);
-            pair += neighbours_[i];
+void Fluid::Candidates::add(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run, const Box& box,
+                            float squared_distance) {
+    for (std::uint32_t j = run.first; j < run.second; ++j) {
+        if (count == most) {
+            dropped += run.second - j;
+            return;
         }
-        std::atomic_ref(dropped_neighbours_).fetch_add(candidates.dropped, std::memory_order_relaxed);
-    });
+        float squared = 0.0f;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float p = axis[a][j];
+            const float away = std::max(std::max(box.low[a] - p, p - box.high[a]), 0.0f);
+            squared += away * away;
+        }
+        x[count] = axis[0][j];
+        y[count] = axis[1][j];
+        z[count] = axis[2][j];
+        particle[count] = 4 * j;
+        // No branch: it would be guessed wrong.
+        count += squared < squared_distance ? 1 : 0;
+    }
 }
 
-void Fluid::gather(std::uint32_t cell, Candidates& candidates) {
-    const auto runs = grid_.neighbours(cell);
-    // Its own run first, so that a crowd cannot displace it.
+std::size_t Fluid::Candidates::choose(const Vec4f& at, float squared_distance) {
     std::size_t n = 0;
-    candidates.first = runs[4].first;
-    for (const std::size_t k : {4, 0, 1, 2, 3, 5, 6, 7, 8}) {
-        const auto [first, last] = runs[k];
-        for (std::uint32_t j = first; j < last; ++j) {
-            if (n == Candidates::most) {
-                candidates.dropped += last - j;
-                break;
+    for (std::size_t k = 0; k < count; ++k) {
+        const float a = at.x() - x[k];
+        const float b = at.y() - y[k];
+        const float c = at.z() - z[k];
+        dx[n] = a;
+        dy[n] = b;
+        dz[n] = c;
+        chosen[n] = particle[k];
+        // No branch: it would be guessed wrong.
+        n += a * a + b * b + c * c < squared_distance ? 1 : 0;
+    }
+    return n;
+}
+
+#if defined(__x86_64__)
+namespace {
+
+/// For each set of lanes: which they are, first to last.
+constexpr auto packing = [] {
+    std::array<std::array<std::uint8_t, lane_count>, 256> order{};
+    for (std::size_t set = 0; set < order.size(); ++set) {
+        std::size_t n = 0;
+        for (std::uint8_t lane = 0; lane < lane_count; ++lane) {
+            if ((set >> lane & 1) != 0) {
+                order[set][n++] = lane;
             }
-            candidates.x[n] = predicted_[j].x();
-            candidates.y[n] = predicted_[j].y();
-            candidates.z[n] = predicted_[j].z();
-            candidates.particle[n++] = j;
         }
     }
-    candidates.count = n;
-    for (std::size_t k = n; k < n + lanes; ++k) {
-        candidates.x[k] = candidates.y[k] = candidates.z[k] = 0.0f;
+    return order;
+}();
+
+}  // namespace
+
+[[gnu::target("avx2,popcnt")]] void Fluid::Candidates::add_avx2(const std::array<std::vector<float>, 3>& axis,
+                                                                FluidGrid::Run run, const Box& box,
+                                                                float squared_distance) {
+    const __m256 limit = _mm256_set1_ps(squared_distance);
+    std::uint32_t j = run.first;
+    for (; j < run.second && count + lane_count <= most; j += lane_count) {
+        __m256 p[3];
+        __m256 squared = _mm256_setzero_ps();
+        for (std::size_t a = 0; a < 3; ++a) {
+            p[a] = _mm256_loadu_ps(&axis[a][j]);
+            const __m256 below = _mm256_sub_ps(_mm256_set1_ps(box.low[a]), p[a]);
+            const __m256 above = _mm256_sub_ps(p[a], _mm256_set1_ps(box.high[a]));
+            const __m256 away = _mm256_max_ps(_mm256_max_ps(below, above), _mm256_setzero_ps());
+            squared = _mm256_add_ps(squared, _mm256_mul_ps(away, away));
+        }
+        auto set = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(squared, limit, _CMP_LT_OQ)));
+        if (run.second - j < lane_count) {
+            set &= (1u << (run.second - j)) - 1u;
+        }
+        const __m256i order =
+            _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(packing[set].data())));
+        _mm256_storeu_ps(&x[count], _mm256_permutevar8x32_ps(p[0], order));
+        _mm256_storeu_ps(&y[count], _mm256_permutevar8x32_ps(p[1], order));
+        _mm256_storeu_ps(&z[count], _mm256_permutevar8x32_ps(p[2], order));
+        _mm256_storeu_si256(
+            reinterpret_cast<__m256i*>(&particle[count]),
+            _mm256_slli_epi32(_mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(j)), order), 2));
+        count += static_cast<std::size_t>(_mm_popcnt_u32(set));
+    }
+    add(axis, {std::min(j, run.second), run.second}, box, squared_distance);
+}
+
+[[gnu::target("avx2,popcnt")]] std::size_t Fluid::Candidates::choose_avx2(const Vec4f& at,
+                                                                          float squared_distance) {
+    const __m256 ax = _mm256_set1_ps(at.x()), ay = _mm256_set1_ps(at.y()), az = _mm256_set1_ps(at.z());
+    const __m256 limit = _mm256_set1_ps(squared_distance);
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < count; k += lane_count) {
+        const __m256 a = _mm256_sub_ps(ax, _mm256_load_ps(&x[k]));
+        const __m256 b = _mm256_sub_ps(ay, _mm256_load_ps(&y[k]));
+        const __m256 c = _mm256_sub_ps(az, _mm256_load_ps(&z[k]));
+        const __m256 squared =
+            _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a, a), _mm256_mul_ps(b, b)), _mm256_mul_ps(c, c));
+        const auto set = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(squared, limit, _CMP_LT_OQ)));
+        const __m256i order =
+            _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(packing[set].data())));
+        _mm256_storeu_ps(&dx[n], _mm256_permutevar8x32_ps(a, order));
+        _mm256_storeu_ps(&dy[n], _mm256_permutevar8x32_ps(b, order));
+        _mm256_storeu_ps(&dz[n], _mm256_permutevar8x32_ps(c, order));
+        const __m256i places = _mm256_load_si256(reinterpret_cast<const __m256i*>(&particle[k]));
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(&chosen[n]),
+                            _mm256_permutevar8x32_epi32(places, order));
+        n += static_cast<std::size_t>(_mm_popcnt_u32(set));
+    }
+    return n;
+}
+#else
+void Fluid::Candidates::add_avx2(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run,
+                                 const Box& box, float squared_distance) {
+    add(axis, run, box, squared_distance);
+}
+std::size_t Fluid::Candidates::choose_avx2(const Vec4f& at, float squared_distance) {
+    return choose(at, squared_distance);
+}
+#endif
+
+void Fluid::gather(std::uint32_t cell, Candidates& candidates) {
+    // Its own first, so that a crowd cannot displace them.
+    const FluidGrid::Run own = grid_.within(cell);
+    Candidates::Box box;
+    box.low.fill(far_away);
+    box.high.fill(-far_away);
+    for (std::uint32_t j = own.first; j < own.second; ++j) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.low[a] = std::min(box.low[a], axis_[a][j]);
+            box.high[a] = std::max(box.high[a], axis_[a][j]);
+        }
+    }
+    candidates.count = 0;
+    candidates.first = own.first;
+    // A little more than the radius, for what rounding may make of it.
+    const float within = 1.001f * kernel_.radius * kernel_.radius;
+    const auto add = [&](const FluidGrid::Run& run) {
+        avx2_ ? candidates.add_avx2(axis_, run, box, within) : candidates.add(axis_, run, box, within);
+    };
+    add(own);
+    const auto runs = grid_.neighbours(cell);
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+        if (k == 4) {
+            add({runs[k].first, own.first});
+            add({own.second, runs[k].second});
+        } else {
+            add(runs[k]);
+        }
+    }
+    const std::size_t n = candidates.count;
+    // What fills the last lanes is nobody's neighbour.
+    for (std::size_t k = n; k < n + lane_count; ++k) {
+        candidates.x[k] = candidates.y[k] = candidates.z[k] = far_away;
+        candidates.particle[k] = 0;
     }
 }
 
@@ -125,100 +270,117 @@ void Fluid::find_walls(std::size_t i, float dt, const FluidSurroundings& surroun
     own_gradient_[i] = Vec4f(gradient.x(), gradient.y(), gradient.z(), 0.0f);
 }
 
-void Fluid::add_pair_terms(std::size_t i, float dt, Candidates& candidates) {
+[[gnu::always_inline]] inline void Fluid::add_pair_terms(std::size_t i, float dt, Candidates& candidates) {
     const float h_squared = kernel_.radius * kernel_.radius;
-    const Vec3f at = predicted_[i];
-    for (std::size_t k = 0; k < candidates.count; k += lanes) {
-        const Lanes x = Lanes::MapAligned(&candidates.x[k]) - at.x();
-        const Lanes y = Lanes::MapAligned(&candidates.y[k]) - at.y();
-        const Lanes z = Lanes::MapAligned(&candidates.z[k]) - at.z();
-        Lanes::MapAligned(&candidates.squared[k]) = x * x + y * y + z * z;
-    }
-    // Not its own neighbour. No branch below: it would be guessed wrong.
-    candidates.squared[std::min<std::size_t>(i - candidates.first, Candidates::most)] = 2.0f * h_squared;
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < candidates.count; ++k) {
-        candidates.chosen[n] = static_cast<std::uint32_t>(k);
-        n += candidates.squared[k] < h_squared ? 1 : 0;
-    }
+    // Not its own neighbour.
+    const std::size_t self = std::min<std::size_t>(i - candidates.first, Candidates::most);
+    const float own_x = candidates.x[self];
+    candidates.x[self] = far_away;
+    std::size_t n =
+        avx2_ ? candidates.choose_avx2(local_[i], h_squared) : candidates.choose(local_[i], h_squared);
+    candidates.x[self] = own_x;
     if (n > most_neighbours) {
         candidates.dropped += n - most_neighbours;
         n = most_neighbours;
     }
-    std::uint32_t* const neighbour = &neighbour_[first_pair_[i]];
-    const Vec3f velocity = velocity_[i];
-    for (std::size_t k = 0; k < n; ++k) {
-        const std::uint32_t c = candidates.chosen[k];
-        const std::uint32_t j = candidates.particle[c];
-        neighbour[k] = j;
-        candidates.dx[k] = at.x() - candidates.x[c];
-        candidates.dy[k] = at.y() - candidates.y[c];
-        candidates.dz[k] = at.z() - candidates.z[c];
-        candidates.du[k] = velocity.x() - velocity_[j].x();
-        candidates.dv[k] = velocity.y() - velocity_[j].y();
-        candidates.dw[k] = velocity.z() - velocity_[j].z();
-    }
     // What fills the last lanes lies at the kernel's edge, where every term is zero.
-    for (std::size_t k = n; k % lanes != 0; ++k) {
+    for (std::size_t k = n; k % lane_count != 0; ++k) {
         candidates.dx[k] = kernel_.radius;
         candidates.dy[k] = candidates.dz[k] = 0.0f;
-        candidates.du[k] = candidates.dv[k] = candidates.dw[k] = 0.0f;
+        candidates.chosen[k] = static_cast<std::uint32_t>(4 * i);
     }
     // The explicit step takes dt nu s of a particle's velocity against its neighbours, with s =
     // viscous_factor V sum of |W'| / r times a squared cosine, about 13 / spacing^2: at most two thirds.
     const float viscosity =
         viscous_factor * std::min(settings_.viscosity, 0.05f * settings_.spacing * settings_.spacing / dt);
     const float softening = 0.01f * h_squared;
-    Lanes density = Lanes::Zero(), steep = Lanes::Zero();
-    Lanes gx = Lanes::Zero(), gy = Lanes::Zero(), gz = Lanes::Zero();
-    Lanes ax = Lanes::Zero(), ay = Lanes::Zero(), az = Lanes::Zero();
-    for (std::size_t k = 0; k < n; k += lanes) {
-        const Lanes x = Lanes::MapAligned(&candidates.dx[k]);
-        const Lanes y = Lanes::MapAligned(&candidates.dy[k]);
-        const Lanes z = Lanes::MapAligned(&candidates.dz[k]);
+    const float* const rates = rate_.front().data();
+    const Vec4f rate = rate_[i];
+    float* const slope = &slope_[first_pair_[i]];
+    std::uint32_t* const neighbour = &neighbour_[first_pair_[i]];
+    Lanes density{}, steep{}, gx{}, gy{}, gz{}, ax{}, ay{}, az{};
+    for (std::size_t k = 0; k < n; k += lane_count) {
+        Lanes x;
+        Lanes y;
+        Lanes z;
+        load(&candidates.dx[k], x);
+        load(&candidates.dy[k], y);
+        load(&candidates.dz[k], z);
         const Lanes squared = x * x + y * y + z * z;
-        const Lanes r = squared.sqrt();
-        const Lanes q = (r * kernel_.inverse_radius).min(1.0f);
+        Lanes r = squared;
+        take_root(r);
+        const Lanes relative = r * kernel_.inverse_radius;
+        const Lanes q = relative < 1.0f ? relative : Lanes{} + 1.0f;
         const Lanes t = 1.0f - q;
         const Lanes cubed = t * t * t;
         density += cubed * t * (4.0f * q + 1.0f);
         const Lanes g = (-kernel_.slope * kernel_volume_) * cubed;
-        Lanes::MapAligned(&candidates.gradient[k]) = g;
+        store(g, slope + k);
+        std::memcpy(neighbour + k, &candidates.chosen[k], lane_count * sizeof(std::uint32_t));
         steep += g * g * squared;
         gx += g * x;
         gy += g * y;
         gz += g * z;
-        const Lanes closing = x * Lanes::MapAligned(&candidates.du[k]) +
-                              y * Lanes::MapAligned(&candidates.dv[k]) +
-                              z * Lanes::MapAligned(&candidates.dw[k]);
+        Lanes other[3];
+        Lanes unused;
+        pbd::gather(rates, &candidates.chosen[k], other, unused);
+        const Lanes closing =
+            x * (rate.x() - other[0]) + y * (rate.y() - other[1]) + z * (rate.z() - other[2]);
+        Lanes cohesion;
+        cohesion_shape(q, cohesion);
         const Lanes a = viscosity * closing / (squared + softening) * g -
-                        attraction_ * cohesion_shape(q) / (r + 1e-6f * kernel_.radius);
+                        attraction_ * cohesion / (r + 1e-6f * kernel_.radius);
         ax += a * x;
         ay += a * y;
         az += a * z;
     }
-    Vec4f* const gradient = &gradient_[first_pair_[i]];
-    for (std::size_t k = 0; k < n; ++k) {
-        const float g = candidates.gradient[k];
-        gradient[k] = Vec4f(g * candidates.dx[k], g * candidates.dy[k], g * candidates.dz[k], 0.0f);
-    }
-    for (; n % 4 != 0; ++n) {
-        gradient[n].setZero();
-        neighbour[n] = static_cast<std::uint32_t>(i);
-    }
-    neighbours_[i] = static_cast<std::uint32_t>(n);
+    neighbours_[i] = static_cast<std::uint32_t>((n + lane_count - 1) / lane_count * lane_count);
 
-    compression_[i] += kernel_volume_ * kernel_.peak * (1.0f + density.sum()) - 1.0f;
+    compression_[i] += kernel_volume_ * kernel_.peak * (1.0f + sum(density)) - 1.0f;
     // Component by component: a vector put together from scalars and read at once stalls the processor.
     Vec4f& own = own_gradient_[i];
-    own.x() += gx.sum();
-    own.y() += gy.sum();
-    own.z() += gz.sum();
-    diagonal_[i] = steep.sum() + own.x() * own.x() + own.y() * own.y() + own.z() * own.z();
+    own.x() += sum(gx);
+    own.y() += sum(gy);
+    own.z() += sum(gz);
+    diagonal_[i] = sum(steep) + own.x() * own.x() + own.y() * own.y() + own.z() * own.z();
     Vec4f& offset = offset_[i];
-    offset.x() += dt * dt * ax.sum();
-    offset.y() += dt * dt * ay.sum();
-    offset.z() += dt * dt * az.sum();
+    offset.x() += dt * dt * sum(ax);
+    offset.y() += dt * dt * sum(ay);
+    offset.z() += dt * dt * sum(az);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void Fluid::add_pair_terms_avx2(std::size_t i, float dt, Candidates& candidates) {
+    add_pair_terms(i, dt, candidates);
+}
+#else
+void Fluid::add_pair_terms_avx2(std::size_t i, float dt, Candidates& candidates) {
+    add_pair_terms(i, dt, candidates);
+}
+#endif
+
+void Fluid::collect(float dt, const FluidSurroundings& surroundings) {
+    for_ranges(count(), grain,
+               [&](std::size_t begin, std::size_t end) { collect(begin, end, dt, surroundings); });
+}
+
+void Fluid::collect(std::size_t begin, std::size_t end, float dt, const FluidSurroundings& surroundings) {
+    Candidates candidates;
+    std::uint32_t cell = 0;
+    // Pairs lie one after the other, so that memory is read in one stream; there is room for all.
+    std::size_t pair = most_neighbours * begin;
+    for (std::size_t i = begin; i != end; ++i) {
+        if (i == begin || grid_.cell_at(i) != cell) {
+            cell = grid_.cell_at(i);
+            gather(cell, candidates);
+        }
+        find_walls(i, dt, surroundings);
+        first_pair_[i] = static_cast<std::uint32_t>(pair);
+        avx2_ ? add_pair_terms_avx2(i, dt, candidates) : add_pair_terms(i, dt, candidates);
+        push_[i] = multiplier_[i] * local_[i];
+        pair += neighbours_[i];
+    }
+    std::atomic_ref(dropped_neighbours_).fetch_add(candidates.dropped, std::memory_order_relaxed);
 }
 
 }  // namespace eti::pbd

@@ -2,9 +2,11 @@
 // Copyright the NeoETI authors
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "server/pbd/fluid.hpp"
+#include "server/pbd/lanes.hpp"
 #include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
@@ -42,27 +44,6 @@ Vec3f drawn(const Vec3f& velocity, const Vec3f& position, const FluidSuction& su
 }
 
 }  // namespace
-
-void Fluid::step(float dt, const Vec3f& gravity, const FluidSurroundings& surroundings) {
-    // Multipliers go with dt^2 at equal pressure.
-    const float scale = kept_pressure * dt * dt / (dt_ * dt_);
-    dt_ = dt;
-    emit(dt);
-    find_capsules(position_, dt, surroundings.capsules);
-    predict(dt, gravity, surroundings);
-    remove(surroundings);
-    sort();
-    find_capsules(predicted_, dt, surroundings.capsules);
-    for_each(count(), grain, [&](std::size_t i) { multiplier_[i] *= scale; });
-    collect(dt, surroundings);
-    const float relaxation = 1.0f / (settings_.sound_speed * settings_.sound_speed * dt * dt);
-    for_each(count(), grain, [&](std::size_t i) { move(i); });
-    for (int k = 0; k < settings_.iterations; ++k) {
-        for_each(count(), grain, [&](std::size_t i) { raise_pressure(i, relaxation); });
-        for_each(count(), grain, [&](std::size_t i) { move(i); });
-    }
-    finish(dt, surroundings);
-}
 
 void Fluid::find_capsules(std::span<const Vec3f> points, float dt, std::span<const MovingCapsule> capsules) {
     const std::size_t sorted = std::min(capsules.size(), most_sorted);
@@ -104,46 +85,107 @@ void Fluid::predict(float dt, const Vec3f& gravity, const FluidSurroundings& sur
     });
 }
 
-void Fluid::move(std::size_t i) {
-    const std::uint32_t* const neighbour = &neighbour_[first_pair_[i]];
-    const Vec4f* const gradient = &gradient_[first_pair_[i]];
-    const std::uint32_t n = neighbours_[i];
-    // Four sums, because an addition takes as long as four of them can be started.
-    Vec4f a = multiplier_[i] * own_gradient_[i];
-    Vec4f b = Vec4f::Zero(), c = Vec4f::Zero(), d = Vec4f::Zero();
-    for (std::uint32_t k = 0; k < n; k += 4) {
-        a += multiplier_[neighbour[k]] * gradient[k];
-        b += multiplier_[neighbour[k + 1]] * gradient[k + 1];
-        c += multiplier_[neighbour[k + 2]] * gradient[k + 2];
-        d += multiplier_[neighbour[k + 3]] * gradient[k + 3];
-    }
-    Vec4f to = offset_[i] - ((a + b) + (c + d));
-    for (std::size_t w = most_walls * i; w < most_walls * (i + 1); ++w) {
-        const Wall& wall = wall_[w];
-        if (wall.near) {
-            to -= std::min(wall.gap + wall.normal.dot(to), 0.0f) * wall.normal;
+/// Sum over neighbours of their slope times their four numbers in `of`: two neighbours at a time.
+[[gnu::always_inline]] inline void sum_over(const float* slope, const std::uint32_t* neighbour,
+                                            std::size_t count, const float* of, Four& sum) {
+    Lanes a{};  // two sums, because an addition takes as long as several of them can be started
+    Lanes b{};
+    for (std::size_t k = 0; k != count; k += 4) {
+        Four s;
+        Four v[4];
+        std::memcpy(&s, slope + k, sizeof s);
+        for (std::size_t l = 0; l < 4; ++l) {
+            std::memcpy(&v[l], of + neighbour[k + l], sizeof v[l]);
         }
+        a += __builtin_shufflevector(s, s, 0, 0, 0, 0, 1, 1, 1, 1) *
+             __builtin_shufflevector(v[0], v[1], 0, 1, 2, 3, 4, 5, 6, 7);
+        b += __builtin_shufflevector(s, s, 2, 2, 2, 2, 3, 3, 3, 3) *
+             __builtin_shufflevector(v[2], v[3], 0, 1, 2, 3, 4, 5, 6, 7);
     }
-    displacement_[i] = to;
+    a += b;
+    sum = __builtin_shufflevector(a, a, 0, 1, 2, 3) + __builtin_shufflevector(a, a, 4, 5, 6, 7);
 }
 
-void Fluid::raise_pressure(std::size_t i, float relaxation) {
-    const std::uint32_t* const neighbour = &neighbour_[first_pair_[i]];
-    const Vec4f* const gradient = &gradient_[first_pair_[i]];
-    const std::uint32_t n = neighbours_[i];
-    Vec4f a = own_gradient_[i].cwiseProduct(displacement_[i]);
-    Vec4f b = Vec4f::Zero(), c = Vec4f::Zero(), d = Vec4f::Zero();
-    for (std::uint32_t k = 0; k < n; k += 4) {
-        a -= gradient[k].cwiseProduct(displacement_[neighbour[k]]);
-        b -= gradient[k + 1].cwiseProduct(displacement_[neighbour[k + 1]]);
-        c -= gradient[k + 2].cwiseProduct(displacement_[neighbour[k + 2]]);
-        d -= gradient[k + 3].cwiseProduct(displacement_[neighbour[k + 3]]);
-    }
-    const float excess =
-        std::min(compression_[i], most_excess) + ((a + b) + (c + d)).sum() - relaxation * multiplier_[i];
-    // A liquid does not pull: cohesion does.
-    multiplier_[i] = std::max(multiplier_[i] + jacobi_step * excess / (diagonal_[i] + relaxation), 0.0f);
+/// The first three numbers' product. By lanes: a vector written number by number and read at once stalls the
+/// processor.
+[[gnu::always_inline]] inline float dot(const Four& a, const Four& b) {
+    const Four product = a * b;
+    return product[0] + product[1] + product[2];
 }
+
+[[gnu::always_inline]] inline void load(const Eigen::Vector4f& from, Four& to) {
+    std::memcpy(&to, from.data(), sizeof to);
+}
+
+[[gnu::always_inline]] inline void Fluid::move(std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) {
+        // sum_j m_j s_ij (x_i - x_j); the last number is sum_j m_j s_ij.
+        Four sum;
+        sum_over(&slope_[first_pair_[i]], &neighbour_[first_pair_[i]], neighbours_[i], push_.front().data(),
+                 sum);
+        Four local;
+        Four own;
+        Four to;
+        load(local_[i], local);
+        load(own_gradient_[i], own);
+        load(offset_[i], to);
+        to = to - multiplier_[i] * own - sum[3] * local + sum;
+        for (std::size_t w = most_walls * i; w < most_walls * (i + 1); ++w) {
+            const Wall& wall = wall_[w];
+            if (wall.near) {
+                Four normal;
+                load(wall.normal, normal);
+                to -= std::min(wall.gap + dot(normal, to), 0.0f) * normal;
+            }
+        }
+        const Four product = Four{} + dot(local, to);
+        to = __builtin_shufflevector(to, product, 0, 1, 2, 4);
+        std::memcpy(displacement_[i].data(), &to, sizeof to);
+    }
+}
+
+[[gnu::always_inline]] inline void Fluid::raise_pressure(std::size_t begin, std::size_t end,
+                                                         float relaxation) {
+    for (std::size_t i = begin; i != end; ++i) {
+        // own gradient . d_i - sum_j s_ij (x_i - x_j) . d_j; the last number is sum_j s_ij x_j . d_j.
+        Four sum;
+        sum_over(&slope_[first_pair_[i]], &neighbour_[first_pair_[i]], neighbours_[i],
+                 displacement_.front().data(), sum);
+        Four local;
+        Four own;
+        Four moved;
+        load(local_[i], local);
+        load(own_gradient_[i], own);
+        load(displacement_[i], moved);
+        const Four parts = own * moved - local * sum;
+        const float compression = (parts[0] + parts[1]) + (parts[2] + sum[3]);
+        const float excess =
+            std::min(compression_[i], most_excess) + compression - relaxation * multiplier_[i];
+        // A liquid does not pull: cohesion does.
+        const float multiplier =
+            std::max(multiplier_[i] + jacobi_step * excess / (diagonal_[i] + relaxation), 0.0f);
+        multiplier_[i] = multiplier;
+        local *= multiplier;
+        std::memcpy(push_[i].data(), &local, sizeof local);
+    }
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void Fluid::move_avx2(std::size_t begin, std::size_t end) {
+    move(begin, end);
+}
+[[gnu::target("avx2")]] void Fluid::raise_pressure_avx2(std::size_t begin, std::size_t end,
+                                                        float relaxation) {
+    raise_pressure(begin, end, relaxation);
+}
+#else
+void Fluid::move_avx2(std::size_t begin, std::size_t end) {
+    move(begin, end);
+}
+void Fluid::raise_pressure_avx2(std::size_t begin, std::size_t end, float relaxation) {
+    raise_pressure(begin, end, relaxation);
+}
+#endif
 
 void Fluid::finish(float dt, const FluidSurroundings& surroundings) {
     const float radius = 0.5f * settings_.spacing;
@@ -184,6 +226,32 @@ void Fluid::finish(float dt, const FluidSurroundings& surroundings) {
         predicted_[i] = to;
         position_[i] = to;
     });
+}
+
+void Fluid::step(float dt, const Vec3f& gravity, const FluidSurroundings& surroundings) {
+    // Multipliers go with dt^2 at equal pressure.
+    const float scale = kept_pressure * dt * dt / (dt_ * dt_);
+    dt_ = dt;
+    emit(dt);
+    find_capsules(position_, dt, surroundings.capsules);
+    predict(dt, gravity, surroundings);
+    remove(surroundings);
+    sort();
+    find_capsules(predicted_, dt, surroundings.capsules);
+    for_each(count(), grain, [&](std::size_t i) { multiplier_[i] *= scale; });
+    collect(dt, surroundings);
+    const float relaxation = 1.0f / (settings_.sound_speed * settings_.sound_speed * dt * dt);
+    const auto move_all = [&](std::size_t begin, std::size_t end) {
+        avx2_ ? move_avx2(begin, end) : move(begin, end);
+    };
+    for_ranges(count(), grain, move_all);
+    for (int k = 0; k < settings_.iterations; ++k) {
+        for_ranges(count(), grain, [&](std::size_t begin, std::size_t end) {
+            avx2_ ? raise_pressure_avx2(begin, end, relaxation) : raise_pressure(begin, end, relaxation);
+        });
+        for_ranges(count(), grain, move_all);
+    }
+    finish(dt, surroundings);
 }
 
 }  // namespace eti::pbd

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -19,6 +20,14 @@ static_assert(sizeof(Eigen::Vector4f) == sizeof(Four));
 
 [[gnu::always_inline]] inline void load(const float* from, Lanes& to) {
     std::memcpy(&to, from, sizeof to);
+}
+
+/// Square roots: correctly rounded, so the same bits from every instruction set. One instruction where
+/// sources are compiled with -fno-math-errno.
+[[gnu::always_inline]] inline void take_root(Lanes& of) {
+    for (std::size_t l = 0; l < lane_count; ++l) {
+        of[l] = std::sqrt(of[l]);
+    }
 }
 
 /// Eight vectors x, y, z, w that begin `at` numbers of `from`, one to a lane: a transposition of 8 by 4.

@@ -21,12 +21,14 @@ class Links {
     void configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
                    const Particles& particles);
     void set_rest(const Particles& particles);
-    void project(Particles& particles, float dt) const;
+    void project(Particles& particles, float dt);
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
 
   private:
     std::vector<std::array<std::uint32_t, 2>> ends_;
     std::vector<float> stiffness_, length_;
+    std::vector<float> compliance_;  ///< [1/kg], over the square of
+    float compliance_dt_ = 0.0f;     ///< [s]
 };
 
 }  // namespace eti::pbd

@@ -13,7 +13,7 @@
 namespace eti::pbd {
 
 struct RodSettings {
-    int segments = 32;               ///< cost grows linearly; the tip's error falls with the square
+    int segments = 16;               ///< cost grows linearly; the tip's error falls with the square
     float density = 1300.0f;         ///< [kg/m^3], plasticised PVC (1200-1350)
     float connector_mass = 1.5e-3f;  ///< [kg], carried by the rearmost segment
     float poisson_ratio = 0.45f;     ///< twist stiffness is E I / (1 + ratio)

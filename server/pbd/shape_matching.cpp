@@ -153,8 +153,12 @@ void ShapeMatching::update_shares(float dt) {
         const std::size_t first = lane_count * block;
         const std::size_t count = std::min(lane_count, size() - first);
         // Per cluster the three columns of  A = sum w (x - near) q^T  and the mean of x - near; then near.
-        alignas(64) float sums[16 * lane_count] = {};
-        alignas(64) float near[16 * lane_count] = {};
+        alignas(64) float sums[16 * lane_count];
+        alignas(64) float near[16 * lane_count];
+        if (count < lane_count) {
+            std::ranges::fill(sums, 0.0f);
+            std::ranges::fill(near, 0.0f);
+        }
         for (std::size_t lane = 0; lane < count; ++lane) {
             const std::uint32_t from = first_[first + lane];
             const std::uint32_t to = first_[first + lane + 1];
@@ -195,9 +199,7 @@ void ShapeMatching::update_shares(float dt) {
         Lanes q[4] = {vector[0], vector[1], vector[2], scalar};
         turn_towards(a, q, rotation_steps);
         Lanes length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-        for (std::size_t lane = 0; lane < lane_count; ++lane) {
-            length[lane] = std::sqrt(length[lane]);
-        }
+        take_root(length);
         for (Lanes& part : q) {
             part /= length;
         }
@@ -273,7 +275,15 @@ void ShapeMatching::move_particles_avx2(Particles& particles, std::size_t begin,
 #endif
 
 void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
-    for_each(positions.size(), 8 * particle_grain, [&](std::size_t i) { wide_[i].head<3>() = positions[i]; });
+    for_ranges(positions.size(), 8 * particle_grain, [&](std::size_t begin, std::size_t end) {
+        // Whole loads, of which the last number is the next one's; no kernel reads it.
+        for (std::size_t i = begin; i + 1 < end; ++i) {
+            std::memcpy(wide_[i].data(), positions[i].data(), sizeof(Four));
+        }
+        if (begin < end) {
+            wide_[end - 1].head<3>() = positions[end - 1];
+        }
+    });
     for_ranges(blocks_of(size()), block_grain, [&](std::size_t begin, std::size_t end) {
         avx2_ ? fit_blocks_avx2(begin, end) : fit_blocks(begin, end);
     });

@@ -3,7 +3,9 @@
 #include "server/pbd/soft_body.hpp"
 
 #include <cmath>
+#include <cstring>
 
+#include "server/pbd/lanes.hpp"
 #include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
@@ -12,14 +14,43 @@ namespace {
 
 constexpr std::size_t grain = 4096;  // particles worth handing to another thread
 
+static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+
+Four four(const float* from) {
+    Four to;
+    std::memcpy(&to, from, sizeof to);
+    return to;
+}
+
 }  // namespace
 
 void SoftBody::predict(float dt, float fraction) {
     Particles& p = particles;
-    for_each(p.size(), grain, [&](std::size_t i) {
-        p.predicted[i] = p.inverse_mass[i] > 0.0f
-                             ? Vec3f(p.position[i] + dt * p.velocity[i])
-                             : Vec3f(p.position[i] + fraction * (p.rest[i] - p.position[i]));
+    for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
+        std::size_t i = begin;
+        // Four particles fill three registers.
+        for (; i + 4 <= end; i += 4) {
+            const Four mass = four(&p.inverse_mass[i]);
+            const Four of[3] = {__builtin_shufflevector(mass, mass, 0, 0, 0, 1),
+                                __builtin_shufflevector(mass, mass, 1, 1, 2, 2),
+                                __builtin_shufflevector(mass, mass, 2, 3, 3, 3)};
+            const float* const position = p.position[i].data();
+            const float* const velocity = p.velocity[i].data();
+            const float* const rest = p.rest[i].data();
+            float* const predicted = p.predicted[i].data();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Four x = four(position + 4 * k);
+                const Four free = dt * four(velocity + 4 * k);
+                const Four held = fraction * (four(rest + 4 * k) - x);
+                const Four to = x + (of[k] > 0.0f ? free : held);
+                std::memcpy(predicted + 4 * k, &to, sizeof to);
+            }
+        }
+        for (; i < end; ++i) {
+            p.predicted[i] = p.inverse_mass[i] > 0.0f
+                                 ? Vec3f(p.position[i] + dt * p.velocity[i])
+                                 : Vec3f(p.position[i] + fraction * (p.rest[i] - p.position[i]));
+        }
     });
 }
 
@@ -32,9 +63,17 @@ void SoftBody::project(float dt) {
 void SoftBody::finish(float dt) {
     Particles& p = particles;
     const float keep = std::exp(-settings.damping * dt) / dt;
-    for_each(p.size(), grain, [&](std::size_t i) {
-        p.velocity[i] = keep * (p.predicted[i] - p.position[i]);
-        p.position[i] = p.predicted[i];
+    if (p.size() == 0) {
+        return;
+    }
+    for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
+        const float* __restrict predicted = p.predicted.front().data();
+        float* __restrict position = p.position.front().data();
+        float* __restrict velocity = p.velocity.front().data();
+        for (std::size_t k = 3 * begin; k < 3 * end; ++k) {
+            velocity[k] = keep * (predicted[k] - position[k]);
+            position[k] = predicted[k];
+        }
     });
 }
 

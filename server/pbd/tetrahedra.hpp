@@ -17,8 +17,8 @@ namespace eti::pbd {
 /// the error. Cells of 2.5 mm of 5 kPa and nu = 0.45: 11 % at 1/1500 s, 3 % at 1/3000 s.
 class Tetrahedra {
   public:
-    /// [Pa]; stiffer meshes of `spacing` [m] and `density` [kg/m^3] fly apart at this `substep` [s], sooner or
-    /// later. From the stability maps (docs/solver.md): with E substep^2 / (density spacing^2) at 0.8 all
+    /// [Pa]; stiffer meshes of `spacing` [m] and `density` [kg/m^3] fly apart at this `substep` [s], sooner
+    /// or later. From the stability maps (docs/solver.md): with E substep^2 / (density spacing^2) at 0.8 all
     /// disturbed blocks came back, at 1.5 none.
     [[nodiscard]] static float stiffest(float spacing, float density, float substep) {
         return 0.8f * density * (spacing / substep) * (spacing / substep);

@@ -3,6 +3,7 @@
 #include "server/scene/blade.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -18,22 +19,38 @@ constexpr float edge_reach = 3e-3f;
 // In radii of the ends: the blade sinks in between the ends of a shorter edge by less than 0.4 mm.
 constexpr float covered = 3.5f;
 constexpr std::uint32_t none = ~0u;
+// [m], what rounding may make of distances between points a few decimetres from the origin, and more.
+constexpr float rounding = 1e-6f;
 
 }  // namespace
 
 BladeContact::BladeContact(const Laryngoscope& scope, std::vector<Edge> edges)
-    : scope_(scope), edges_(std::move(edges)) {}
+    : scope_(scope), edges_(std::move(edges)) {
+    std::ranges::sort(edges_);
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+        first_edge_.resize(edges_[e][0] + std::size_t{1}, static_cast<std::uint32_t>(e));
+    }
+    first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
+}
 
 void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransform& from,
                               const RigidTransform& to) {
     from_ = from;
     to_ = to;
+    motion_ = {};
     torque_impulse_.setZero();
     // Where each capsule ends up, and its radius and way, within which it meets what does not move.
     struct Reach {
         Vec3f a, b;
         float distance;
+        float least;  // [m], that a point must be beyond it to be met by nothing of the way
+        float far;    // [m], from the axis, where particles are out of reach
+        Vec3f along;
+        float inverse_squared;  // [1/m^2], of the axis' length
     };
+    // Ends of capsules turn on arcs, which leave their chords by less than this part of the arm.
+    const float turn = from.rotation.angularDistance(to.rotation);
+    const float bow = turn * turn;
     std::array<Reach, 3> reaches;
     Eigen::AlignedBox3f box;
     for (std::size_t k = 0; k < reaches.size(); ++k) {
@@ -41,7 +58,13 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
         const Vec3f a = to * c.a;
         const Vec3f b = to * c.b;
         const float way = std::max((from * c.a - a).norm(), (from * c.b - b).norm());
-        reaches[k] = {a, b, c.radius + way};
+        reaches[k] = {a,
+                      b,
+                      c.radius + way,
+                      bow * std::max(c.a.norm(), c.b.norm()),
+                      c.radius + way + tissue_reach,
+                      b - a,
+                      1.0f / std::max((b - a).squaredNorm(), 1e-12f)};
         const Vec3f margin = Vec3f::Constant(reaches[k].distance + tissue_reach);
         for (const Vec3f& end : {a, b}) {
             box.extend(Vec3f(end - margin));
@@ -60,33 +83,49 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
             !box.contains(p)) {
             continue;
         }
+        ParticleMeeting meeting{i, {}, {{p, p}, tissue_reach, 0.0f}};
+        bool near = false;
         for (std::uint32_t c = 0; c < reaches.size(); ++c) {
             const Reach& r = reaches[c];
-            if (pbd::away_from(r.a, r.b, p).norm() < r.distance + tissue_reach) {
-                if (number_of_[i] == none) {
-                    number_of_[i] = static_cast<std::uint32_t>(reachable_.size());
-                    reachable_.push_back(i);
-                }
-                particle_meetings_.push_back({i, i, c});
+            const Vec3f from_a = p - r.a;
+            const float t = std::clamp(from_a.dot(r.along) * r.inverse_squared, 0.0f, 1.0f);
+            const float squared = (from_a - t * r.along).squaredNorm();
+            if (squared < r.far * r.far) {
+                near = meeting.capsule[c] = true;
+                meeting.clearance.gap = std::min(
+                    meeting.clearance.gap, std::sqrt(squared) - r.distance - particles.radius[i] - r.least);
             }
+        }
+        if (near) {
+            number_of_[i] = static_cast<std::uint32_t>(reachable_.size());
+            reachable_.push_back(i);
+            particle_meetings_.push_back(meeting);
         }
     }
     edge_meetings_.clear();
-    for (const auto& [i, k] : edges_) {
-        if (number_of_[i] == none || number_of_[k] == none) {
-            continue;
+    for (const std::uint32_t i : reachable_) {
+        if (i + std::size_t{1} >= first_edge_.size()) {
+            break;
         }
-        const Vec3f& a = particles.position[i];
-        const Vec3f& b = particles.position[k];
-        const float longest = covered * std::min(particles.radius[i], particles.radius[k]);
-        if ((b - a).squaredNorm() < longest * longest) {
-            continue;
-        }
-        for (std::uint32_t c = 0; c < reaches.size(); ++c) {
-            const Reach& r = reaches[c];
-            const auto [s, t] = closest_on_segments(a, b, r.a, r.b);
-            if ((a + s * (b - a) - r.a - t * (r.b - r.a)).norm() < r.distance + edge_reach) {
-                edge_meetings_.push_back({i, k, c});
+        for (std::uint32_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
+            const std::uint32_t k = edges_[e][1];
+            if (number_of_[k] == none) {
+                continue;
+            }
+            const Vec3f& a = particles.position[i];
+            const Vec3f& b = particles.position[k];
+            const float longest = covered * std::min(particles.radius[i], particles.radius[k]);
+            if ((b - a).squaredNorm() < longest * longest) {
+                continue;
+            }
+            const float radius = 0.5f * (particles.radius[i] + particles.radius[k]);
+            for (std::uint32_t c = 0; c < reaches.size(); ++c) {
+                const Reach& r = reaches[c];
+                const auto [s, t] = closest_on_segments(a, b, r.a, r.b);
+                const float away = (a + s * (b - a) - r.a - t * (r.b - r.a)).norm() - r.distance;
+                if (away < edge_reach) {
+                    edge_meetings_.push_back({i, k, c, {{a, b}, away - radius - r.least, 0.0f}});
+                }
             }
         }
     }
@@ -106,17 +145,59 @@ void BladeContact::project(pbd::Particles& particles, float begin, float end, fl
         const Capsule& c = scope_.capsules[k];
         capsules[k] = {before * c.a, before * c.b, after * c.a, after * c.b, c.radius};
     }
+    motion_.now = 0.0f;
+    for (const pbd::MovingCapsule& c : capsules) {
+        motion_.now = std::max({motion_.now, (c.a - c.a_before).norm(), (c.b - c.b_before).norm()});
+    }
+    motion_.so_far += motion_.now;
     push_.assign(reachable_.size(), Vec3f::Zero());
-    for (const auto& [i, k, c] : edge_meetings_) {
+    meet_edges(particles, capsules);
+    meet_particles(particles, capsules);
+    for (std::size_t n = 0; n < reachable_.size(); ++n) {
+        if (!push_[n].isZero(0.0f)) {  // exactly: by default Eigen takes 1e-5 for zero
+            const std::uint32_t i = reachable_[n];
+            const Vec3f impulse = push_[n] / (particles.inverse_mass[i] * dt);
+            impulse_[n] += impulse;
+            torque_impulse_ += (particles.predicted[i] - after.translation).cross(impulse);
+        }
+    }
+}
+
+/// Whether neither the particles, or any point of the edge between them, nor the blade have come far enough
+/// since to meet, anywhere on the way of this substep.
+bool BladeContact::out_of_reach(const pbd::Particles& particles, std::uint32_t first, std::uint32_t second,
+                                const Clearance& last, const Motion& blade) {
+    if (last.gap <= rounding) {
+        return false;
+    }
+    const auto gone = [&](std::uint32_t i, const Vec3f& seen) {
+        const Vec3f& p = particles.predicted[i];
+        return (p - seen).norm() + (p - particles.position[i]).norm();
+    };
+    float way = gone(first, last.seen[0]);
+    if (second != first) {
+        way = std::max(way, gone(second, last.seen[1]));
+    }
+    return way + (blade.so_far - last.travelled) + blade.now + rounding < last.gap;
+}
+
+void BladeContact::meet_edges(pbd::Particles& particles, const std::array<pbd::MovingCapsule, 3>& capsules) {
+    for (auto& [i, k, c, clearance] : edge_meetings_) {
+        if (out_of_reach(particles, i, k, clearance, motion_)) {
+            continue;
+        }
         const pbd::MovingCapsule& capsule = capsules[c];
-        const float t =
-            closest_on_segments(particles.predicted[i], particles.predicted[k], capsule.a, capsule.b)[0];
-        const auto along = [&, first = i, second = k](const std::vector<Vec3f>& of) {
+        const auto [t, on_axis] =
+            closest_on_segments(particles.predicted[i], particles.predicted[k], capsule.a, capsule.b);
+        const auto along = [&, t = t, first = i, second = k](const std::vector<Vec3f>& of) {
             return Vec3f((1 - t) * of[first] + t * of[second]);
         };
         const float radius = 0.5f * (particles.radius[i] + particles.radius[k]);
-        const Vec3f push = pbd::push_out_of(capsule, along(particles.position), along(particles.predicted),
-                                            radius, friction);
+        const Vec3f point = along(particles.predicted);
+        clearance = {{particles.predicted[i], particles.predicted[k]},
+                     (point - capsule.a - on_axis * (capsule.b - capsule.a)).norm() - capsule.radius - radius,
+                     motion_.so_far};
+        const Vec3f push = pbd::push_out_of(capsule, along(particles.position), point, radius, friction);
         if (push.isZero(0.0f)) {
             continue;
         }
@@ -126,18 +207,34 @@ void BladeContact::project(pbd::Particles& particles, float begin, float end, fl
         move(particles, i, wi * scaled);
         move(particles, k, wk * scaled);
     }
-    for (const auto& [i, unused, c] : particle_meetings_) {
-        move(particles, i,
-             pbd::push_out_of(capsules[c], particles.position[i], particles.predicted[i], particles.radius[i],
-                              friction));
-    }
-    for (std::size_t n = 0; n < reachable_.size(); ++n) {
-        if (!push_[n].isZero(0.0f)) {  // exactly: by default Eigen takes 1e-5 for zero
-            const std::uint32_t i = reachable_[n];
-            const Vec3f impulse = push_[n] / (particles.inverse_mass[i] * dt);
-            impulse_[n] += impulse;
-            torque_impulse_ += (particles.predicted[i] - after.translation).cross(impulse);
+}
+
+void BladeContact::meet_particles(pbd::Particles& particles,
+                                  const std::array<pbd::MovingCapsule, 3>& capsules) {
+    for (auto& [i, meets, clearance] : particle_meetings_) {
+        if (out_of_reach(particles, i, i, clearance, motion_)) {
+            continue;
         }
+        const Vec3f seen = particles.predicted[i];
+        const float radius = particles.radius[i];
+        const float way = (seen - particles.position[i]).norm() + motion_.now + rounding;
+        float gap = 1.0f;
+        bool moved = false;
+        for (std::size_t c = 0; c < capsules.size(); ++c) {
+            if (!meets[c]) {
+                continue;
+            }
+            const pbd::MovingCapsule& capsule = capsules[c];
+            const float away = pbd::away_from(capsule.a, capsule.b, seen).norm() - capsule.radius - radius;
+            gap = std::min(gap, away);
+            if (moved || away <= way) {
+                move(particles, i,
+                     pbd::push_out_of(capsule, particles.position[i], particles.predicted[i], radius,
+                                      friction));
+                moved = true;
+            }
+        }
+        clearance = {{seen, seen}, gap, motion_.so_far};
     }
 }
 

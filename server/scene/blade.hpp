@@ -33,19 +33,44 @@ class BladeContact {
     float friction = 0.1f;  ///< Coulomb; wet mucosa on steel
 
   private:
+    /// What was known of a pair when its distance was last computed. Until particles and blade have gone that
+    /// far together they cannot meet, which is cheaper to tell than to compute it again.
+    struct Clearance {
+        std::array<Vec3f, 2> seen = {Vec3f::Zero(), Vec3f::Zero()};  ///< [m], the particles
+        float gap = -1.0f;                                           ///< [m], from the blade's surface
+        float travelled = 0.0f;                                      ///< [m], by the blade in this step
+    };
+    struct Motion {
+        float so_far = 0.0f, now = 0.0f;  ///< [m], way of the farthest point in this step and in this substep
+    };
+
     [[nodiscard]] RigidTransform pose_at(float share) const;
+    [[nodiscard]] static bool out_of_reach(const pbd::Particles& particles, std::uint32_t first,
+                                           std::uint32_t second, const Clearance& last, const Motion& blade);
+    void meet_edges(pbd::Particles& particles, const std::array<pbd::MovingCapsule, 3>& capsules);
+    void meet_particles(pbd::Particles& particles, const std::array<pbd::MovingCapsule, 3>& capsules);
     void move(pbd::Particles& particles, std::uint32_t particle, const Vec3f& push);
 
     Laryngoscope scope_;
     RigidTransform from_, to_;
-    /// An edge and a capsule that may meet in this step; for a particle both ends are that particle.
-    struct Meeting {
+    /// An edge and a capsule that may meet in this step.
+    struct EdgeMeeting {
         std::uint32_t first, second;
         std::uint32_t capsule;
+        Clearance clearance;
+    };
+    /// A particle and the capsules that it may meet.
+    struct ParticleMeeting {
+        std::uint32_t particle;
+        std::array<bool, 3> capsule = {};
+        Clearance clearance;
     };
 
-    std::vector<Edge> edges_;
-    std::vector<Meeting> particle_meetings_, edge_meetings_;
+    std::vector<Edge> edges_;                         // sorted
+    std::vector<std::uint32_t> first_edge_;           // by particle: the first edge that begins there
+    std::vector<ParticleMeeting> particle_meetings_;  // as reachable_
+    std::vector<EdgeMeeting> edge_meetings_;
+    Motion motion_;
     std::vector<std::uint32_t> reachable_;  // particles
     std::vector<std::uint32_t> number_of_;  // by particle: its place in reachable_, or none
     std::vector<Vec3f> push_;               // [m] by which each reachable particle was moved in this substep

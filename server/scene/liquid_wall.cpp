@@ -5,18 +5,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/pbd/lanes.hpp"
 #include "server/pbd/ranges.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-// Balls are worked on this many at a time.
-constexpr int lanes = 8;
-using Lanes = Eigen::Array<float, lanes, 1>;
 constexpr std::size_t most_near = 1024;  // balls about one block; four times what a fine lattice holds
 
 }  // namespace
+
+struct LiquidWall::Near {
+    using Numbers = std::array<float, most_near + pbd::lane_count>;
+    std::size_t count = 0;
+    alignas(32) Numbers x, y, z, radius;
+};
 
 Eigen::Vector3i LiquidWall::block_of(const Vec3f& point) const {
     const Vec3f scaled = (point - grid_.origin) / (static_cast<float>(block) * grid_.spacing);
@@ -81,6 +85,7 @@ void LiquidWall::find_balls(const pbd::Particles& tissue) {
     const float side = static_cast<float>(block) * grid_.spacing;
     unsorted_.clear();
     ball_block_.clear();
+    moved_.assign(wanted_.size(), 0);
     first_ball_.assign(wanted_.size() + 1, 0);
     largest_ = 0.0f;
     if (blocks_.empty()) {
@@ -109,8 +114,10 @@ void LiquidWall::find_balls(const pbd::Particles& tissue) {
         const Vec3f& p = tissue.position[i];
         if ((p - known_[i]).squaredNorm() > quantum * quantum) {
             for (const Vec3f& place : {known_[i], p}) {
-                if (inside(place)) {
-                    touch(index_of(place));
+                const std::size_t which = inside(place) ? index_of(place) : moved_.size();
+                if (which < moved_.size() && moved_[which] == 0) {
+                    moved_[which] = 1;
+                    touch(which);
                 }
             }
             known_[i] = p;
@@ -165,6 +172,73 @@ void LiquidWall::touch(std::size_t which) {
     }
 }
 
+void LiquidWall::find_near(const Vec3f& low, const Vec3f& high, Near& near) const {
+    std::size_t count = 0;
+    const float far = largest_ + reach_;
+    const Eigen::Vector3i first = block_of(low - Vec3f::Constant(far));
+    const Eigen::Vector3i last = block_of(high + Vec3f::Constant(far));
+    for (int bz = first.z(); bz <= last.z(); ++bz) {
+        for (int by = first.y(); by <= last.y(); ++by) {
+            const auto row = static_cast<std::size_t>((bz * blocks_along_.y() + by) * blocks_along_.x());
+            const std::uint32_t stop = first_ball_[row + static_cast<std::size_t>(last.x()) + 1];
+            for (std::uint32_t k = first_ball_[row + static_cast<std::size_t>(first.x())]; k < stop; ++k) {
+                const Ball& ball = ball_[k];
+                const float within = ball.radius + reach_;
+                const Vec3f closest = ball.centre.cwiseMax(low).cwiseMin(high);
+                if ((ball.centre - closest).squaredNorm() < within * within && count < most_near) {
+                    near.x[count] = ball.centre.x();
+                    near.y[count] = ball.centre.y();
+                    near.z[count] = ball.centre.z();
+                    near.radius[count++] = ball.radius;
+                }
+            }
+        }
+    }
+    near.count = count;
+    // What fills the last lanes is too far to be nearest.
+    for (std::size_t k = count; k < count + pbd::lane_count; ++k) {
+        near.x[k] = near.y[k] = near.z[k] = 1e3f;
+        near.radius[k] = 0.0f;
+    }
+}
+
+[[gnu::always_inline]] inline float LiquidWall::nearest(const Near& near, const Vec3f& point) {
+    using pbd::Lanes;
+    Lanes least = Lanes{} + 1.0f;
+    for (std::size_t n = 0; n < near.count; n += pbd::lane_count) {
+        Lanes x;
+        Lanes y;
+        Lanes z;
+        Lanes radius;
+        pbd::load(&near.x[n], x);
+        pbd::load(&near.y[n], y);
+        pbd::load(&near.z[n], z);
+        pbd::load(&near.radius[n], radius);
+        x -= point.x();
+        y -= point.y();
+        z -= point.z();
+        Lanes distance = x * x + y * y + z * z;
+        pbd::take_root(distance);
+        distance -= radius;
+        least = distance < least ? distance : least;
+    }
+    float result = least[0];
+    for (std::size_t lane = 1; lane < pbd::lane_count; ++lane) {
+        result = std::min(result, least[lane]);
+    }
+    return result;
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] float LiquidWall::nearest_avx2(const Near& near, const Vec3f& point) {
+    return nearest(near, point);
+}
+#else
+float LiquidWall::nearest_avx2(const Near& near, const Vec3f& point) {
+    return nearest(near, point);
+}
+#endif
+
 void LiquidWall::fill(std::uint32_t which, const DistanceGrid& shell) {
     const int w = static_cast<int>(which);
     const Eigen::Vector3i place(w % blocks_along_.x(), w / blocks_along_.x() % blocks_along_.y(),
@@ -177,47 +251,16 @@ void LiquidWall::fill(std::uint32_t which, const DistanceGrid& shell) {
     const Vec3f low = shell.node(begin.x(), begin.y(), begin.z());
     const Vec3f high = shell.node(end.x() - 1, end.y() - 1, end.z() - 1);
 
-    alignas(32) std::array<float, most_near + lanes> x, y, z, radius;
-    std::size_t count = 0;
-    const float far = largest_ + reach_;
-    const Eigen::Vector3i first = block_of(low - Vec3f::Constant(far));
-    const Eigen::Vector3i last = block_of(high + Vec3f::Constant(far));
-    for (int bz = first.z(); bz <= last.z(); ++bz) {
-        for (int by = first.y(); by <= last.y(); ++by) {
-            const auto row = static_cast<std::size_t>((bz * blocks_along_.y() + by) * blocks_along_.x());
-            const std::uint32_t stop = first_ball_[row + static_cast<std::size_t>(last.x()) + 1];
-            for (std::uint32_t k = first_ball_[row + static_cast<std::size_t>(first.x())]; k < stop; ++k) {
-                const Ball& ball = ball_[k];
-                const float near = ball.radius + reach_;
-                const Vec3f nearest = ball.centre.cwiseMax(low).cwiseMin(high);
-                if ((ball.centre - nearest).squaredNorm() < near * near && count < most_near) {
-                    x[count] = ball.centre.x();
-                    y[count] = ball.centre.y();
-                    z[count] = ball.centre.z();
-                    radius[count++] = ball.radius;
-                }
-            }
-        }
-    }
-    // What fills the last lanes is too far to be nearest.
-    for (std::size_t k = count; k < count + lanes; ++k) {
-        x[k] = y[k] = z[k] = 1e3f;
-        radius[k] = 0.0f;
-    }
+    Near near;
+    find_near(low, high, near);
+    static const bool avx2 = pbd::has_avx2();
     for (int k = begin.z(); k < end.z(); ++k) {
         for (int j = begin.y(); j < end.y(); ++j) {
             for (int i = begin.x(); i < end.x(); ++i) {
                 const Vec3f node = shell.node(i, j, k);
-                Lanes nearest = Lanes::Constant(1.0f);
-                for (std::size_t n = 0; n < count; n += lanes) {
-                    const Lanes dx = Lanes::MapAligned(&x[n]) - node.x();
-                    const Lanes dy = Lanes::MapAligned(&y[n]) - node.y();
-                    const Lanes dz = Lanes::MapAligned(&z[n]) - node.z();
-                    nearest =
-                        nearest.min((dx * dx + dy * dy + dz * dz).sqrt() - Lanes::MapAligned(&radius[n]));
-                }
                 const std::size_t at = shell.index(i, j, k);
-                grid_.value[at] = std::min(shell.value[at], nearest.minCoeff());
+                grid_.value[at] =
+                    std::min(shell.value[at], avx2 ? nearest_avx2(near, node) : nearest(near, node));
             }
         }
     }

@@ -49,6 +49,12 @@ class LiquidWall {
     void find_due();
     void touch(std::size_t which);
     void fill(std::uint32_t which, const DistanceGrid& shell);
+    /// Lists the balls near a box for the kernel below; returns how many there are.
+    struct Near;
+    void find_near(const Vec3f& low, const Vec3f& high, Near& near) const;
+    /// Distance of a point from the nearest of them, and the same for AVX2.
+    [[nodiscard]] static float nearest(const Near& near, const Vec3f& point);
+    [[nodiscard]] static float nearest_avx2(const Near& near, const Vec3f& point);
     [[nodiscard]] Eigen::Vector3i block_of(const Vec3f& point) const;
 
     struct Ball {
@@ -65,6 +71,7 @@ class LiquidWall {
     std::vector<std::uint8_t>
         current_;                       ///< of every block, whether the last update had it, and no ball moved
     std::vector<std::uint8_t> before_;  ///< the same of the update before
+    std::vector<std::uint8_t> moved_;   ///< of every block, whether a ball in it moved
     std::vector<std::uint32_t> blocks_;  ///< near the liquid
     std::vector<std::uint8_t> wanted_;   ///< of every block, whether it is one of those
     std::vector<Ball> ball_;             ///< that may come near any of them, sorted by their block

@@ -40,8 +40,8 @@ class Saliva {
     /// The liquid as at the start of a session, in the posture of `at`.
     void reset(const SalivaSurroundings& at);
 
-    /// Starts a step; what is spanned in `during` has to last until end_step(), the rest is copied. The
-    /// liquid is then computed beside whatever the caller does next.
+    /// Starts a step; the shell and what is spanned in `during` have to last until end_step(), the rest is
+    /// copied. The liquid is then computed beside whatever the caller does next.
     void begin_step(const SalivaSurroundings& during);
     /// Waits for it.
     void end_step();
@@ -49,7 +49,7 @@ class Saliva {
     [[nodiscard]] const pbd::Fluid& fluid() const { return fluid_; }
     [[nodiscard]] const LiquidWall& wall() const { return wall_; }
 
-    static constexpr int substeps = 2;  ///< per scene step
+    static constexpr int substeps = 4;  ///< per scene step
 
   private:
     /// An opening of a gland, carried by one bone.
@@ -67,7 +67,7 @@ class Saliva {
     [[nodiscard]] Vec3f nearest_free(const Vec3f& point, float radius) const;
     void place_emitters(const anatomy::BonePoses& bones);
     void place_capsules(const SalivaSurroundings& during);
-    void run();
+    void run(const DistanceGrid& shell, std::uint64_t shell_revision);
 
     const anatomy::Patient& patient_;
     Laryngoscope scope_;
@@ -76,6 +76,7 @@ class Saliva {
     std::uint64_t seed_;
     pbd::Fluid fluid_;
     LiquidWall wall_;
+    pbd::Particles tissue_;  // positions and radii alone, as the step began: meanwhile the tissue moves on
     std::array<Gland, 4> glands_{};
     std::vector<pbd::MovingCapsule> capsules_;  // over the whole step
     std::vector<pbd::MovingCapsule> now_;       // over a substep

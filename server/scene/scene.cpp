@@ -70,6 +70,7 @@ void Scene::reset(const Inputs& start) {
     tissue_.pose(bones);
     tissue_.reset();
     shell_.pose_now(bones);
+    clearance_.clear();
     rigid_.move_shell(shell_.vertices());
     place_laryngoscope(start.laryngoscope);
     place_tube(start.tube_grip);
@@ -188,11 +189,23 @@ void Scene::fill_saliva() {
     s.aspirated = fluid.aspirated();
 }
 
-void Scene::keep_out_of_shell(pbd::Particles& particles) const {
+void Scene::keep_out_of_shell(pbd::Particles& particles) {
+    if (clearance_.size() != meets_shell_.size() || clearance_revision_ != shell_.revision()) {
+        clearance_.assign(meets_shell_.size(), {});
+        clearance_revision_ = shell_.revision();
+    }
     pbd::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
         const std::uint32_t i = meets_shell_[k];
-        particles.predicted[i] += pbd::push_out_of(shell_.distance(), particles.position[i],
-                                                   particles.predicted[i], 0.0f, tongue_friction);
+        Vec3f& p = particles.predicted[i];
+        Clearance& last = clearance_[k];
+        // Along each axis the grid's distance changes by no more than the way, in all by sqrt(3) of it.
+        if (last.distance > 0.0f && 4.0f * (p - last.seen).squaredNorm() < last.distance * last.distance) {
+            return;
+        }
+        last = {p, shell_.distance().distance(p)};
+        if (last.distance < 0.0f) {
+            p += pbd::push_out_of(shell_.distance(), particles.position[i], p, 0.0f, tongue_friction);
+        }
     });
 }
 

@@ -68,7 +68,7 @@ class Scene {
   private:
     void apply_posture(const anatomy::Posture& posture);
     /// The tongue does not go through palate, gums and pharynx.
-    void keep_out_of_shell(pbd::Particles& particles) const;
+    void keep_out_of_shell(pbd::Particles& particles);
     void fill_snapshot(const Inputs& inputs);
     void lap(Stage stage) {
         if (clock_ != nullptr) {
@@ -90,7 +90,15 @@ class Scene {
     std::optional<Saliva> saliva_;
     std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's
     std::vector<std::uint32_t> meets_shell_;  // particles
-    RigidTransform blade_pose_;               // where the particles last met it
+    /// Distance [m] that each of them had when it was last computed, and where. Until a particle has gone
+    /// that far it cannot meet the shell.
+    struct Clearance {
+        Vec3f seen = Vec3f::Zero();
+        float distance = 0.0f;
+    };
+    std::vector<Clearance> clearance_;
+    std::uint64_t clearance_revision_ = 0;  // of the shell
+    RigidTransform blade_pose_;             // where the particles last met it
     RigidTransform grip_;
     Snapshot snapshot_;
     StageClock* clock_ = nullptr;

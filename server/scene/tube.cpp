@@ -20,7 +20,7 @@ constexpr float friction = 0.05f;
 constexpr float stiffness = 3000.0f;
 // Shell and blade meet the tube in points this share of a segment from its rear: 3 mm apart, closer than
 // the tube is thick.
-constexpr float samples[] = {0.25f, 0.75f};
+constexpr float samples[] = {0.125f, 0.375f, 0.625f, 0.875f};
 // The blade's plate as the tube meets it: thicker than steel, so that it is not stepped through.
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
 // The first pass finds which contacts hold, the second with what force.

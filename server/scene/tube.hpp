@@ -50,7 +50,7 @@ class TubeContact {
     /// The contacts of shell and blade, and those of the particles after them.
     [[nodiscard]] std::size_t sites() const { return rod_.size() * samples_per_segment; }
 
-    static constexpr std::size_t samples_per_segment = 2;
+    static constexpr std::size_t samples_per_segment = 4;
 
     Laryngoscope scope_;
     pbd::Rod rod_;

@@ -91,11 +91,11 @@ void fluid(SpeedMeter& meter) {
     pairs -= static_cast<double>(liquid.count());
     const double count = static_cast<double>(liquid.count());
     meter.add("fluid, per particle and substep of 5 passes", ns / count, "ns");
-    // Gradient and index (20) once written, then read with the neighbour's displacement (36) or multiplier
-    // (24) in each pass.
-    const double bytes = 20.0 + settings.iterations * 36.0 + (settings.iterations + 1) * 24.0;
+    // Slope and index (8) once written, then read with four numbers of the neighbour (16) twice in each pass,
+    // and once before them.
+    const double bytes = 8.0 + (2 * settings.iterations + 1) * 24.0;
     meter.add("fluid, per neighbour of a particle and substep of 5 passes", ns / pairs, "ns",
-              bytes / meter.bandwidth(20.0 * pairs + 100.0 * count));
+              bytes / meter.bandwidth(8.0 * pairs + 200.0 * count));
 }
 
 /// Every second of these particles overlaps the obstacle, by up to 2 mm.
@@ -139,7 +139,7 @@ void rod(SpeedMeter& meter) {
         tube.finish();
     };
     const double free = meter.fastest([&] { substep({}); });
-    meter.add("tube of 32 segments, per substep", 1e-3 * free, "us");
+    meter.add(fmt::format("tube of {} segments, per substep", tube.size()), 1e-3 * free, "us");
     // Four a segment, all pressed by 0.1 mm.
     std::vector<pbd::RodContact> touching(4 * tube.size());
     for (std::size_t k = 0; k < touching.size(); ++k) {

@@ -268,6 +268,19 @@ TEST(Fluid, ThreadsDoNotChangeABit) {
     }
 }
 
+TEST(Fluid, InstructionSetDoesNotChangeABit) {
+    Busy narrow{RigidTransform{}}, wide{RigidTransform{}};
+    narrow.fluid.use_avx2(false);
+    for (int n = 0; n < 100; ++n) {
+        narrow.step(n);
+        wide.step(n);
+    }
+    ASSERT_EQ(narrow.fluid.count(), wide.fluid.count());
+    EXPECT_EQ(std::memcmp(narrow.fluid.positions().data(), wide.fluid.positions().data(),
+                          wide.fluid.count() * sizeof(Vec3f)),
+              0);
+}
+
 /// Mean distance [spacings] between particles of the pool in two runs, seen from the frame of each. (Those
 /// from the emitter are drawn in directions about an axis that does not turn with the frame.)
 double apart(const Busy& a, const Busy& b) {

@@ -45,7 +45,7 @@ TEST(Rod, KeepsItsRestCurve) {
     const RigidTransform grip{Quatf::Identity(), Vec3f(0.01f, 0.02f, 0.03f)};
     pbd::Rod rod(tube, {}, grip);
     const std::vector<Vec3f> start = nodes_of(rod);
-    const double h = 0.16 / 32;
+    const double h = 0.16 / static_cast<double>(rod.size());
     for (const Vec3f& node : start) {
         const double radius = std::hypot(double{node.y()} - 0.02 - 0.14, double{node.z()} - 0.03);
         EXPECT_NEAR(radius, 0.14, 1.2 * h * h / (8 * 0.14));
@@ -79,8 +79,8 @@ TEST(Rod, FreeRodKeepsItsMomentum) {
         };
         // Two opposite pushes off the centre line and one along it.
         rod.predict(step, Vec3f::Zero(), {});
-        rod.push(3, 0.2f, {0.002f, 0.0f, 0.0f}, step * Vec3f(1e-4f, 3e-4f, 0.0f));
-        rod.push(29, 0.7f, Vec3f::Zero(), step * Vec3f(2e-4f, -3e-4f, 1e-4f));
+        rod.push(1, 0.6f, {0.002f, 0.0f, 0.0f}, step * Vec3f(1e-4f, 3e-4f, 0.0f));
+        rod.push(rod.size() - 2, 0.85f, Vec3f::Zero(), step * Vec3f(2e-4f, -3e-4f, 1e-4f));
         rod.solve();
         rod.finish();
         const Vec3d before = momentum();
@@ -137,7 +137,7 @@ TEST(Rod, StepsWithoutAllocating) {
 // and the impulse over the displacement is the inverse of the generalised inverse mass.
 TEST(Rod, DisplacesPoints) {
     pbd::Rod rod(Tube{}, {}, {});
-    const std::size_t s = 25;
+    const std::size_t s = rod.size() - 4;
     const Vec3f offset(0.002f, 0.0f, 0.0f);
     const Vec3f way(0.0f, 1e-5f, 0.0f);
     const Quatf rotation_before = rod.pose(s).rotation;
@@ -240,7 +240,7 @@ TEST_P(RodRobustness, FollowsAHandAtOneMetrePerSecond) {
         const RigidTransform grip{Quatf(Eigen::AngleAxisf(0.3f * std::sin(rate * t), Vec3f::UnitX())),
                                   Vec3f(0.0f, std::sin(rate * t) / rate, 0.0f)};
         test::run(rod, double{dt}, dt, gravity, grip);
-        ASSERT_LT(largest_gap(rod), 0.01f * 0.005f);
+        ASSERT_LT(largest_gap(rod), 0.01f * rod.length(0));
         const std::vector<Vec3f> now = nodes_of(rod);
         ASSERT_LT(largest_distance(now, before), 10.0f * dt);
         ASSERT_LT((rod.pose(rod.held()).translation - grip.translation).norm(), 1e-7f);
