@@ -233,7 +233,7 @@ std::vector<float> smooth_within(const Size& size, std::span<const float> value,
     convolve(size, sum, bell);
     convolve(size, weight, bell);
     for (std::size_t i = 0; i < value.size(); ++i) {
-        sum[i] = mask[i] != 0 ? sum[i] / weight[i] : 0.0f;
+        sum[i] = weight[i] > 1e-6f ? sum[i] / weight[i] : 0.0f;
     }
     return sum;
 }

@@ -32,7 +32,8 @@ struct Components {
 [[nodiscard]] Components components(const Size& size, std::span<const std::uint8_t> mask);
 
 /// Gaussian mean over the mask's voxels alone, so that what lies beside the mask does not bleed in
-/// (normalised convolution, Knutsson & Westin 1993). `sigma` in voxels; 0 outside the mask.
+/// (normalised convolution, Knutsson & Westin 1993). Outside the
+/// mask it is the mean of the mask's voxels in reach, 0 where there is none. `sigma` in voxels.
 [[nodiscard]] std::vector<float> smooth_within(const Size& size, std::span<const float> value,
                                                std::span<const std::uint8_t> mask, float sigma);
 

@@ -22,6 +22,8 @@ MAY_INCLUDE = {
     "idl": (),
     "common": ("idl",),
     "server/anatomy": WITHOUT_BUS,
+    "server/imaging": WITHOUT_BUS,
+    "server/segmentation": WITHOUT_BUS + ("server/anatomy", "server/imaging"),
     "server/pbd": WITHOUT_BUS,
     "server/rigid": WITHOUT_BUS,
     "server/scene": WITHOUT_BUS + ("server/anatomy", "server/pbd", "server/rigid"),
@@ -42,6 +44,7 @@ LIBRARIES = (
     (re.compile(r"bt[A-Z]\w*\.h$|Bullet(Collision|Dynamics)/|LinearMath/|bullet/"), ("server/rigid",), "Bullet"),
     (re.compile(r"(epoxy|GLFW|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
     (re.compile(r"opencv2/"), ("client",), "OpenCV"),
+    (re.compile(r"gdcm\w*\.h$"), ("server/imaging",), "GDCM"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
 )
 
