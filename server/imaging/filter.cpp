@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <queue>
 
 namespace eti::imaging {
@@ -238,53 +237,54 @@ std::vector<float> smooth_within(const Size& size, std::span<const float> value,
     return sum;
 }
 
-std::vector<std::uint8_t> nearest_seed(const Size& size, std::span<const std::uint8_t> mask,
-                                       std::span<const std::uint8_t> seeds) {
-    std::vector<std::uint8_t> owner(mask.size(), 0);
-    std::vector<float> way(mask.size(), far);
-    using Entry = std::pair<float, std::size_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+Watershed watershed(const Size& size, std::span<const std::uint8_t> mask, std::span<const float> height,
+                    std::span<const std::uint8_t> markers) {
+    struct Entry {
+        float height;
+        std::uint64_t order;  // first come, first served among equals
+        std::size_t voxel;
+        bool operator<(const Entry& other) const {
+            return height != other.height ? height < other.height : order > other.order;
+        }
+    };
+    Watershed result;
+    result.owner.assign(mask.size(), 0);
+    std::priority_queue<Entry> open;
+    std::uint64_t order = 0;
     for (std::size_t i = 0; i < mask.size(); ++i) {
-        if (mask[i] != 0 && seeds[i] != 0) {
-            owner[i] = seeds[i];
-            way[i] = 0.0f;
-            open.emplace(0.0f, i);
+        if (mask[i] != 0 && markers[i] != 0) {
+            result.owner[i] = markers[i];
+            open.push({height[i], order++, i});
         }
     }
-    const int nx = size[0];
-    const int ny = size[1];
+    const auto nx = static_cast<std::size_t>(size[0]);
+    const std::size_t slice = nx * static_cast<std::size_t>(size[1]);
     while (!open.empty()) {
-        const auto [length, i] = open.top();
+        const Entry entry = open.top();
         open.pop();
-        if (length > way[i]) {
-            continue;
-        }
-        const auto x = static_cast<int>(i % static_cast<std::size_t>(nx));
-        const auto y = static_cast<int>(i / static_cast<std::size_t>(nx) % static_cast<std::size_t>(ny));
-        const auto z = static_cast<int>(i / static_cast<std::size_t>(nx) / static_cast<std::size_t>(ny));
-        for (int dz = -1; dz <= 1; ++dz) {
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) {
-                    if (x + dx < 0 || y + dy < 0 || z + dz < 0 || x + dx >= nx || y + dy >= ny ||
-                        z + dz >= size[2]) {
-                        continue;
-                    }
-                    const std::size_t other =
-                        (static_cast<std::size_t>(z + dz) * static_cast<std::size_t>(ny) +
-                         static_cast<std::size_t>(y + dy)) *
-                            static_cast<std::size_t>(nx) +
-                        static_cast<std::size_t>(x + dx);
-                    const float longer = length + std::sqrt(static_cast<float>(dx * dx + dy * dy + dz * dz));
-                    if (mask[other] != 0 && longer < way[other]) {
-                        way[other] = longer;
-                        owner[other] = owner[i];
-                        open.emplace(longer, other);
-                    }
-                }
+        const std::size_t i = entry.voxel;
+        const auto visit = [&](bool inside, std::size_t other) {
+            if (!inside || mask[other] == 0) {
+                return;
             }
-        }
+            const float pass = std::min(entry.height, height[other]);
+            if (result.owner[other] == 0) {
+                result.owner[other] = result.owner[i];
+                open.push({pass, order++, other});
+            } else if (result.owner[other] != result.owner[i]) {
+                result.neck = std::max(result.neck, pass);
+            }
+        };
+        const std::size_t x = i % nx;
+        const std::size_t y = i % slice / nx;
+        visit(x > 0, i - 1);
+        visit(x + 1 < nx, i + 1);
+        visit(y > 0, i - nx);
+        visit((y + 1) * nx < slice, i + nx);
+        visit(i >= slice, i - slice);
+        visit(i + slice < mask.size(), i + slice);
     }
-    return owner;
+    return result;
 }
 
 }  // namespace eti::imaging

@@ -37,9 +37,15 @@ struct Components {
 [[nodiscard]] std::vector<float> smooth_within(const Size& size, std::span<const float> value,
                                                std::span<const std::uint8_t> mask, float sigma);
 
-/// Gives every voxel of `mask` to the seed (number > 0 in `seeds`) that is nearest along a path within
-/// the mask; 0 where no seed can be reached. Steps to all 26 neighbours, by their length.
-[[nodiscard]] std::vector<std::uint8_t> nearest_seed(const Size& size, std::span<const std::uint8_t> mask,
-                                                     std::span<const std::uint8_t> seeds);
+/// Parts a mask at its necks (watershed with markers, Meyer 1994, Signal Processing 38): each voxel goes to
+/// the marker (number > 0 in `markers`) from which the way to it within the mask stays highest, of equals
+/// to the nearer one; 0 where no marker can be reached. `height` is best the distance to the mask's
+/// surface. Ways lead through voxels' faces.
+struct Watershed {
+    std::vector<std::uint8_t> owner;
+    float neck = 0.0f;  ///< height of the highest pass between areas of different markers, 0 without one
+};
+[[nodiscard]] Watershed watershed(const Size& size, std::span<const std::uint8_t> mask,
+                                  std::span<const float> height, std::span<const std::uint8_t> markers);
 
 }  // namespace eti::imaging

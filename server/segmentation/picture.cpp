@@ -114,7 +114,7 @@ void draw_view(const Scene& scene, const Panel& panel, const Vec3d& centre) {
     const double reach = 0.9 * scene.extent;
     tbb::parallel_for(0, panel.size(), [&](int y) {
         for (int x = 0; x < panel.size(); ++x) {
-            const double pixel = 1.15 * scene.extent / panel.size();
+            const double pixel = 0.95 * scene.extent / panel.size();
             const Vec3d start = scene.middle - reach * forward +
                                 pixel * ((x - 0.5 * panel.size()) * right + (y - 0.5 * panel.size()) * down);
             Vec3f colour = Vec3f::Constant(24.0f);

@@ -13,7 +13,9 @@ namespace {
 using imaging::Bits;
 using imaging::Geometry;
 
-constexpr double midline = 4e-3;  // [m] to either side
+constexpr double midline = 4e-3;         // [m] to either side
+constexpr double jaw_thickness = 12e-3;  // [m] from front to back, with room
+constexpr double above_joints = 0.6;     // of the jaw's depth, above the mouth
 
 /// Centre of the lowest patch in which the airway opens; patches much smaller than the largest are cracks.
 std::optional<Vec3d> find_mouth(const Geometry& g, const TissueMap& map) {
@@ -74,6 +76,34 @@ void for_each_in(const Geometry& g, const Bits& bits, const Vec3d& low, const Ve
     }
 }
 
+/// The thickest place of each piece that a box shows of a bone: a newborn's jaw need not hang together
+/// in one plane.
+std::vector<Vec3d> thickest_of_pieces(const Geometry& g, const Bits& bone, const std::vector<float>& depth,
+                                      const Vec3d& low, const Vec3d& high) {
+    Bits cut(bone.size(), 0);
+    for_each_in(g, bone, low, high, [&](std::size_t i, const Vec3d&) { cut[i] = 1; });
+    const imaging::Components pieces = imaging::components(g.size, cut);
+    std::vector<std::size_t> best(pieces.voxels.size(), bone.size());
+    for (std::size_t i = 0; i < cut.size(); ++i) {
+        std::size_t& b = best[pieces.part[i]];
+        if (cut[i] != 0 && (b == bone.size() || depth[i] > depth[b])) {
+            b = i;
+        }
+    }
+    std::vector<Vec3d> places;
+    for (std::size_t p = 1; p < best.size(); ++p) {
+        const auto [x, y, z] = g.coordinates(best[p]);
+        places.push_back(g.point(x, y, z));
+    }
+    return places;
+}
+
+/// The lowest of the jaw's points.
+Vec3d chin_of(const std::vector<Vec3d>& jaw) {
+    return *std::min_element(jaw.begin(), jaw.end(),
+                             [](const Vec3d& a, const Vec3d& b) { return a.z() < b.z(); });
+}
+
 }  // namespace
 
 Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<float>& bone_depth,
@@ -109,7 +139,6 @@ Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<f
     constexpr double reach = 60e-3;  // an adult's lips lie about 40 mm above the chin's lower edge
     if (!has("mandible")) {
         std::optional<Vec3d> chin;
-        double lowest = 1e9;
         for_each_in(g, map.bone, {middle - midline, low.y(), mouth.z() - reach},
                     {middle + midline, high.y(), mouth.z()}, [&](std::size_t, const Vec3d& p) {
                         if (!chin || p.y() < chin->y()) {
@@ -119,28 +148,24 @@ Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<f
         if (!chin) {
             placed.no_mandible = "there is no bone in the midline below the mouth";
         } else {
-            // Into the bone, where it is thickest nearby.
-            float depth = 0.0f;
-            const Vec3d around = Vec3d::Constant(5e-3);
             const Vec3d front = *chin;
-            for_each_in(g, map.bone, front - around, front + around, [&](std::size_t i, const Vec3d& p) {
-                if (bone_depth[i] > depth && std::fabs(p.x() - middle) < midline) {
-                    depth = bone_depth[i];
-                    chin = p;
-                }
-            });
-            const Vec3d box(midline, 8e-3, reach);
-            for_each_in(g, map.bone, *chin - box, *chin + box,
+            const std::vector<Vec3d> pieces =
+                thickest_of_pieces(g, map.bone, bone_depth, {middle - midline, front.y(), mouth.z() - reach},
+                                   {middle + midline, front.y() + jaw_thickness, mouth.z()});
+            const Vec3d box(midline, jaw_thickness, reach);
+            double lowest = 1e9;
+            for_each_in(g, map.bone, front - box, front + box,
                         [&](std::size_t, const Vec3d& p) { lowest = std::min(lowest, p.z()); });
             if (lowest < low.z() + 2e-3) {
                 placed.no_mandible = "the volume ends in the jaw, above the chin's lower edge";
             } else {
-                placed.points["mandible"] = {*chin};
+                placed.points["mandible"] = pieces;
             }
         }
     }
     if (has("mandible")) {
-        const Vec3d chin = placed.points["mandible"].front();
+        const Vec3d chin = chin_of(placed.points["mandible"]);
+        placed.chin = chin;
         double back = -1e9;
         for_each_in(g, map.airway, {middle - midline, chin.y(), chin.z()},
                     {middle + midline, high.y(), mouth.z()},
@@ -171,21 +196,15 @@ Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<f
         }
     }
     if (!has("skull")) {
-        std::optional<Vec3d> thickest;
-        float depth = 0.0f;
-        for_each_in(g, map.bone, {low.x(), low.y(), mouth.z() + 0.3 * scale}, high,
-                    [&](std::size_t i, const Vec3d& p) {
-                        if (bone_depth[i] > depth) {
-                            depth = bone_depth[i];
-                            thickest = p;
-                        }
-                    });
-        if (thickest) {
-            placed.points["skull"] = {*thickest};
+        // Above the jaw's joints. Face and cranium of a newborn need not hang together.
+        const auto pieces = thickest_of_pieces(g, map.bone, bone_depth,
+                                               {low.x(), low.y(), mouth.z() + above_joints * scale}, high);
+        if (!pieces.empty()) {
+            placed.points["skull"] = pieces;
         }
     }
     if (!has("tongue") && placed.jaw_depth) {
-        const Vec3d chin = placed.points["mandible"].front();
+        const Vec3d chin = *placed.chin;
         placed.points["tongue"] = {{middle, chin.y() + 0.42 * scale, chin.z() + 0.15 * scale}};
     }
     return placed;

@@ -134,21 +134,22 @@ struct Work {
     }
 };
 
-/// The component that holds the core voxel nearest to `seed`, within 8 mm; 0 if there is none.
-std::uint32_t component_at(const Work& work, const imaging::Components& cores, std::size_t seed) {
+/// The bone voxel nearest to a point within 8 mm, the thicker the better; nothing if there is none.
+std::optional<std::size_t> bone_at(const Work& work, std::size_t seed) {
     const Geometry& g = work.ct.geometry;
     const auto [x, y, z] = g.coordinates(seed);
     const int reach = static_cast<int>(std::ceil(8e-3f / work.spacing()));
     int nearest = reach * reach + 1;
-    std::uint32_t found = 0;
+    std::optional<std::size_t> found;
     for (int dz = -reach; dz <= reach; ++dz) {
         for (int dy = -reach; dy <= reach; ++dy) {
             for (int dx = -reach; dx <= reach; ++dx) {
                 const int squared = dx * dx + dy * dy + dz * dz;
                 if (squared < nearest && g.contains(x + dx, y + dy, z + dz)) {
-                    if (const auto part = cores.part[g.index(x + dx, y + dy, z + dz)]; part != 0) {
+                    const std::size_t i = g.index(x + dx, y + dy, z + dz);
+                    if (work.map.bone[i] != 0) {
                         nearest = squared;
-                        found = part;
+                        found = i;
                     }
                 }
             }
@@ -157,50 +158,35 @@ std::uint32_t component_at(const Work& work, const imaging::Components& cores, s
     return found;
 }
 
-/// Cuts the bone that holds `seeds` from the bone that holds `others`, which it may have grown together
-/// with at a joint: thin necks are eroded until seeds and others lie in different cores. Returns the cores
-/// (1: seeds', 2: all others), or nothing where no erosion parts them.
-std::optional<Bits> part_bones(const Work& work, const std::vector<std::size_t>& seeds,
-                               const std::vector<std::size_t>& others) {
-    const std::size_t n = work.map.bone.size();
-    const float deepest = 4e-3f / work.spacing();
-    for (float depth = 0.5f; depth <= deepest; depth += 0.25f) {
-        Bits core(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            core[i] = work.bone_depth[i] > depth ? 1 : 0;
-        }
-        const imaging::Components cores = imaging::components(work.ct.geometry.size, core);
-        std::vector<std::uint8_t> owner(cores.voxels.size(), 2);
-        owner[0] = 0;
-        bool any = false;
-        for (const std::size_t seed : seeds) {
-            if (const std::uint32_t part = component_at(work, cores, seed); part != 0) {
-                owner[part] = 1;
-                any = true;
+/// Bone that `seeds` lie in, parted at its necks from the bone that `others` lie in: 1 and 2. Nothing
+/// where no neck parts them, which is so when it is nearly as thick as the bone at the seeds.
+std::optional<std::vector<std::uint8_t>> part_bones(const Work& work, const std::vector<std::size_t>& seeds,
+                                                    const std::vector<std::size_t>& others) {
+    const Geometry& g = work.ct.geometry;
+    std::vector<std::uint8_t> markers(g.count(), 0);
+    const auto mark = [&](const std::vector<std::size_t>& places, std::uint8_t number) {
+        float thickest = 0.0f;
+        for (const std::size_t place : places) {
+            if (const auto i = bone_at(work, place)) {
+                markers[*i] = number;
+                thickest = std::max(thickest, work.bone_depth[*i]);
             }
         }
-        if (!any) {
-            return std::nullopt;
-        }
-        const bool parted = std::none_of(others.begin(), others.end(), [&](std::size_t other) {
-            const std::uint32_t part = component_at(work, cores, other);
-            return part != 0 && owner[part] == 1;
-        });
-        if (parted) {
-            for (std::size_t i = 0; i < n; ++i) {
-                core[i] = owner[cores.part[i]];
-            }
-            return core;
-        }
+        return thickest;
+    };
+    const float theirs = mark(others, 2);
+    const float ours = mark(seeds, 1);
+    const imaging::Watershed parts = imaging::watershed(g.size, work.map.bone, work.bone_depth, markers);
+    constexpr float hardly_a_neck = 0.95f;
+    if (ours == 0.0f || (theirs > 0.0f && parts.neck > hardly_a_neck * std::min(ours, theirs))) {
+        return std::nullopt;
     }
-    return std::nullopt;
+    return parts.owner;
 }
 
-/// The bone around the cores numbered 1: a level set that grows from them through bone up to where the
-/// other cores are nearer.
-Bits grow_bone(const Work& work, const Bits& cores, float share, std::string_view what) {
-    const std::vector<std::uint8_t> owner =
-        imaging::nearest_seed(work.ct.geometry.size, work.map.bone, cores);
+/// The bone of owner 1 with a smooth border: a level set that grows from the inner part of the
+/// bone up to where the grey value falls or another bone begins.
+Bits grow_bone(const Work& work, const std::vector<std::uint8_t>& owner, float share, std::string_view what) {
     Bits own(owner.size());
     for (std::size_t i = 0; i < own.size(); ++i) {
         own[i] = owner[i] == 1 ? 1 : 0;
@@ -209,7 +195,7 @@ Bits grow_bone(const Work& work, const Bits& cores, float share, std::string_vie
     Bits seed(region.count());
     std::vector<float> speed(region.count());
     region.for_each([&](std::size_t i, std::size_t j) {
-        seed[i] = cores[j] == 1 ? 1 : 0;
+        seed[i] = own[j] != 0 && work.bone_depth[j] > 1.2f ? 1 : 0;
         // Full speed from half-way to compact bone on; other bones push back.
         const float boniness = (work.ct.value[j] - work.settings.bone_above) / 150.0f;
         speed[i] = owner[j] == 2 ? -1.0f : std::clamp(boniness, -1.0f, 1.0f);
@@ -353,7 +339,7 @@ Structure look_for_larynx(const Work& work, const Placed& placed) {
                                                  : "not in the volume: " + placed.no_mandible;
         return larynx;
     }
-    const double chin = placed.points.at("mandible").front().z();
+    const double chin = placed.chin->z();
     const double needed = chin - 0.6 * *placed.jaw_depth;
     if (lowest > needed) {
         larynx.note = fmt::format(
@@ -386,7 +372,9 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     for (std::size_t i = 0; i < no_bone.size(); ++i) {
         no_bone[i] = 1 - work.map.bone[i];
     }
-    work.bone_depth = imaging::distance_to(g.size, no_bone);
+    // Distances between voxels are coarse steps; blurred, they tell narrow from wide.
+    work.bone_depth =
+        imaging::smooth_within(g.size, imaging::distance_to(g.size, no_bone), work.map.bone, 0.7f);
     const Placed placed = place_points(g, work.map, work.bone_depth, given);
     work.points = placed.points;
 
@@ -418,8 +406,8 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
         Structure found{name, false, 0.0, why_not};
         Bits bits;
         if (!seeds.empty()) {
-            if (const auto cores = part_bones(work, seeds, others)) {
-                bits = grow_bone(work, *cores, share, name);
+            if (const auto owner = part_bones(work, seeds, others)) {
+                bits = grow_bone(work, *owner, share, name);
                 found.volume = volume_of(g, bits);
                 found.found = found.volume > 0.0;
                 found.note.clear();
