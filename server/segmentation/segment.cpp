@@ -184,8 +184,8 @@ std::optional<std::vector<std::uint8_t>> part_bones(const Work& work, const std:
     return parts.owner;
 }
 
-/// The bone of owner 1 with a smooth border: a level set that grows from the inner part of the
-/// bone up to where the grey value falls or another bone begins.
+/// The bone of owner 1 with a smooth border: a level set that starts from all of it and settles where the
+/// grey value falls or another bone begins.
 Bits grow_bone(const Work& work, const std::vector<std::uint8_t>& owner, float share, std::string_view what) {
     Bits own(owner.size());
     for (std::size_t i = 0; i < own.size(); ++i) {
@@ -195,10 +195,12 @@ Bits grow_bone(const Work& work, const std::vector<std::uint8_t>& owner, float s
     Bits seed(region.count());
     std::vector<float> speed(region.count());
     region.for_each([&](std::size_t i, std::size_t j) {
-        seed[i] = own[j] != 0 && work.bone_depth[j] > 1.2f ? 1 : 0;
-        // Full speed from half-way to compact bone on; other bones push back.
+        seed[i] = own[j];
+        // Full speed from half-way to compact bone on, and never so slow that curvature (at most 0.1) wins
+        // over a vertebral arch two voxels thick; other bones push back.
         const float boniness = (work.ct.value[j] - work.settings.bone_above) / 150.0f;
-        speed[i] = owner[j] == 2 ? -1.0f : std::clamp(boniness, -1.0f, 1.0f);
+        const auto [least, most] = own[j] != 0 ? std::pair(0.3f, 1.0f) : std::pair(-1.0f, -0.3f);
+        speed[i] = owner[j] == 2 ? -1.0f : std::clamp(boniness, least, most);
     });
     const float h = work.spacing();
     const DistanceGrid front =
