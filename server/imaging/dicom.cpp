@@ -72,6 +72,32 @@ Scalar scalar_of(const gdcm::PixelFormat& format, const std::string& file) {
     }
 }
 
+/// Whether the pixels that the file announces are in it: GDCM fills up what is missing. In encapsulated
+/// data a delimiter must follow (PS3.5, 7.1 and A.4).
+bool has_all_pixels(const std::filesystem::path& path) {
+    const Bytes file = read_bytes(path);
+    constexpr std::array<std::uint8_t, 4> tag = {0xe0, 0x7f, 0x10, 0x00};
+    constexpr std::array<std::uint8_t, 8> delimiter = {0xfe, 0xff, 0xdd, 0xe0, 0, 0, 0, 0};
+    for (auto at = file.begin();; ++at) {
+        at = std::search(at, file.end(), tag.begin(), tag.end());
+        if (file.end() - at < 12) {
+            return false;
+        }
+        const std::uint8_t* value = &*at + 4;
+        const bool explicit_type = value[0] == 'O' && (value[1] == 'W' || value[1] == 'B');
+        value += explicit_type ? 4 : 0;
+        const auto length = load<std::uint32_t>(value, false);
+        const auto rest = static_cast<std::size_t>(file.data() + file.size() - value - 4);
+        if (length == 0xffffffffu) {
+            if (std::search(at, file.end(), delimiter.begin(), delimiter.end()) != file.end()) {
+                return true;
+            }
+        } else if (length <= rest) {
+            return true;
+        }
+    }
+}
+
 Frames read_file(const std::filesystem::path& path) {
     Frames frames;
     frames.file = path.string();
@@ -118,6 +144,10 @@ Frames read_file(const std::filesystem::path& path) {
     if (geometry.count() > most_voxels) {
         refuse(frames.file, fmt::format("it has {} voxels", geometry.count()),
                fmt::format("at most {}", most_voxels), "crop it to head and neck");
+    }
+    if (image.GetTransferSyntax() != gdcm::TransferSyntax::ExplicitVRBigEndian && !has_all_pixels(path)) {
+        refuse(frames.file, "the pixels that it announces are not all there", "a whole CT slice",
+               "the file is cut off; copy or export the series again");
     }
     const Scalar type = scalar_of(image.GetPixelFormat(), frames.file);
     const std::size_t bytes = geometry.count() * size_of(type);

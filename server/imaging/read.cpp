@@ -99,9 +99,9 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
         }
         return whole;
     } catch (const std::bad_alloc&) {
-        channel.put(
-            path.string() +
-            ": reading it takes more memory than is allowed. Remedy: crop the volume to head and neck.");
+        channel.put(path.string() +
+                    ": reading it takes more memory than is allowed; expected a smaller volume. Remedy: crop "
+                    "it to head and neck.");
     } catch (const std::exception& error) {
         channel.put(error.what());
     }

@@ -18,14 +18,14 @@ void require_sound(const Geometry& geometry, const std::string& file) {
     for (const int n : geometry.size) {
         if (n < least) {
             throw VolumeError(
-                fmt::format("{}: the volume has {} voxels; at least {} along each axis are needed. "
+                fmt::format("{}: the volume has {} voxels; expected at least {} along each axis. "
                             "Remedy: give the whole series, not a single slice.",
                             file, sizes, least));
         }
     }
     if (voxels > static_cast<double>(most_voxels)) {
         throw VolumeError(
-            fmt::format("{}: the volume has {} = {:.3g} voxels; at most {} are read. Remedy: crop it to "
+            fmt::format("{}: the volume has {} = {:.3g} voxels; expected at most {}. Remedy: crop it to "
                         "head and neck, or resample it to larger voxels.",
                         file, sizes, voxels, most_voxels));
     }
