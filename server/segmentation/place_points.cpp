@@ -175,6 +175,30 @@ Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<f
         }
     }
     const double scale = placed.jaw_depth.value_or(45e-3);
+    if (placed.jaw_depth && !given.contains("mandible")) {
+        // Below the cheekbones, bone beside the mouth is the ramus. Marked, it is the mandible's although the
+        // joint with the skull may be as thick as the ramus.
+        const Vec3d chin = *placed.chin;
+        for (const double side : {-1.0, 1.0}) {
+            for (double z = chin.z() + 0.3 * scale; z < mouth.z() + 0.25 * scale; z += 0.1 * scale) {
+                const double near = middle + side * 0.45 * scale;
+                const double beyond = middle + side * 1.5 * scale;
+                std::optional<Vec3d> thickest;
+                float depth = 0.0f;
+                for_each_in(g, map.bone, {std::min(near, beyond), chin.y(), z - 0.5 * g.spacing().z()},
+                            {std::max(near, beyond), chin.y() + scale, z + 0.5 * g.spacing().z()},
+                            [&](std::size_t i, const Vec3d& p) {
+                                if (bone_depth[i] > depth) {
+                                    depth = bone_depth[i];
+                                    thickest = p;
+                                }
+                            });
+                if (thickest) {
+                    placed.points["mandible"].push_back(*thickest);
+                }
+            }
+        }
+    }
     if (!has("spine")) {
         const double slice = g.spacing().z();
         for (double z = low.z() + slice; z < mouth.z(); z += std::max(slice, 2e-3)) {

@@ -17,9 +17,9 @@ struct Placed {
 };
 
 /// Finds, in this order, the mouth (where the airway opens lowest), the chin (the foremost bone in the
-/// midline below it), the spine (bone behind the airway), the skull (bone above the jaw's joints) and the
-/// tongue (between chin and pharynx). `given` points stand in for found ones. A chin that the volume's
-/// lower face cuts is none: it may be the upper jaw.
+/// midline below it) with the rami beside the mouth, the spine (bone behind the airway), the skull (bone
+/// above the jaw's joints) and the tongue (between chin and pharynx). `given` points stand in for found ones.
+/// A chin that the volume's lower face cuts is none: it may be the upper jaw.
 [[nodiscard]] Placed place_points(const imaging::Geometry& geometry, const TissueMap& map,
                                   const std::vector<float>& bone_depth, const Points& given);
 

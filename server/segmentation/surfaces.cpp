@@ -56,43 +56,10 @@ void place(TriangleMesh& mesh, const Geometry& g) {
     }
 }
 
-/// Smooths, but keeps places where smoothing makes the surface cross itself as they were: marching
-/// tetrahedra's surface never does.
-void smooth_without_crossing(TriangleMesh& mesh, int passes) {
-    const std::vector<Vec3f> rough = mesh.vertices;
-    smooth(mesh, passes);
-    std::vector<std::uint8_t> kept(rough.size(), 0);
-    for (;;) {
-        const auto crossings = self_intersections(mesh);
-        if (crossings.empty()) {
-            return;
-        }
-        for (const auto& pair : crossings) {
-            for (const std::uint32_t t : pair) {
-                for (const std::uint32_t v : mesh.triangles[t]) {
-                    kept[v] = 1;
-                }
-            }
-        }
-        // Each round takes in one more ring of neighbours, so the rounds end.
-        const std::vector<std::uint8_t> core = kept;
-        for (const Triangle& t : mesh.triangles) {
-            if ((core[t[0]] | core[t[1]] | core[t[2]]) != 0) {
-                kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
-            }
-        }
-        for (std::size_t v = 0; v < kept.size(); ++v) {
-            if (kept[v] != 0) {
-                mesh.vertices[v] = rough[v];
-            }
-        }
-    }
-}
-
 /// Relaxes the vertices of triangles that cross towards their neighbours' mean. A few crossings of a
 /// simplified surface, far smaller than its triangles, come apart so; it says whether all did.
 bool relax_crossings(TriangleMesh& mesh) {
-    constexpr int rounds = 30;
+    constexpr int rounds = 8;
     std::vector<Vec3f> sum(mesh.vertices.size());
     std::vector<float> count(mesh.vertices.size());
     for (int round = 0; round < rounds; ++round) {
@@ -126,18 +93,21 @@ bool relax_crossings(TriangleMesh& mesh) {
 /// Simplifies to a budget. Where the coarse surface crosses itself and cannot be relaxed, the next round
 /// keeps it fine; what still crosses then is left to the check.
 TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, std::size_t budget) {
-    constexpr int rounds = 4;
+    constexpr int rounds = 12;
     constexpr float much = 1e6f;
-    std::vector<float> importance(mesh.vertices.size(), 1.0f);
+    // Rounds work on a mesh that is fine enough and not a hundred times too large.
+    TriangleMesh fine = simplify(mesh, {.triangles = 4 * budget, .importance = {}});
+    relax_crossings(fine);
+    std::vector<float> importance(fine.vertices.size(), 1.0f);
     std::optional<anatomy::PointGrid> points;
     for (int round = 0;; ++round) {
-        const TriangleMesh coarse = simplify(mesh, {.triangles = budget, .importance = importance});
+        const TriangleMesh coarse = simplify(fine, {.triangles = budget, .importance = importance});
         TriangleMesh relaxed = coarse;
         if (relax_crossings(relaxed) || round == rounds) {
             return relaxed;
         }
         if (!points) {
-            points.emplace(mesh.vertices, 2e-3f);
+            points.emplace(fine.vertices, 2e-3f);
         }
         for (const auto& pair : self_intersections(coarse)) {
             for (const std::uint32_t t : pair) {
@@ -208,7 +178,7 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
         surface.name = wanted.name;
         surface.mesh = isosurface(field_of(g, member, ct, wanted.threshold), 0.0f);
         place(surface.mesh, g);
-        smooth_without_crossing(surface.mesh, settings.smoothing);
+        smooth(surface.mesh, settings.smoothing);
         surface.mesh = simplify_without_crossing(surface.mesh, wanted.budget);
         surface.report = check(surface.mesh);
         if (!surface.report.sound()) {
