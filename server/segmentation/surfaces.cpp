@@ -56,6 +56,42 @@ void place(TriangleMesh& mesh, const Geometry& g) {
     }
 }
 
+/// Smooths, but leaves places where smoothing makes the surface cross itself as they were: marching
+/// tetrahedra's surface never does.
+void smooth_without_crossing(TriangleMesh& mesh, int passes) {
+    constexpr int rounds = 8;
+    constexpr int rings = 3;
+    const std::vector<Vec3f> rough = mesh.vertices;
+    smooth(mesh, passes);
+    std::vector<std::uint8_t> kept(rough.size(), 0);
+    for (int round = 0; round < rounds; ++round) {
+        const auto crossings = self_intersections(mesh);
+        if (crossings.empty()) {
+            return;
+        }
+        for (const auto& pair : crossings) {
+            for (const std::uint32_t t : pair) {
+                for (const std::uint32_t v : mesh.triangles[t]) {
+                    kept[v] = 1;
+                }
+            }
+        }
+        for (int ring = 0; ring < rings; ++ring) {
+            const std::vector<std::uint8_t> core = kept;
+            for (const Triangle& t : mesh.triangles) {
+                if ((core[t[0]] | core[t[1]] | core[t[2]]) != 0) {
+                    kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
+                }
+            }
+        }
+        for (std::size_t v = 0; v < kept.size(); ++v) {
+            if (kept[v] != 0) {
+                mesh.vertices[v] = rough[v];
+            }
+        }
+    }
+}
+
 /// Relaxes the vertices of triangles that cross towards their neighbours' mean. A few crossings of a
 /// simplified surface, far smaller than its triangles, come apart so; it says whether all did.
 bool relax_crossings(TriangleMesh& mesh) {
@@ -178,7 +214,7 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
         surface.name = wanted.name;
         surface.mesh = isosurface(field_of(g, member, ct, wanted.threshold), 0.0f);
         place(surface.mesh, g);
-        smooth(surface.mesh, settings.smoothing);
+        smooth_without_crossing(surface.mesh, settings.smoothing);
         surface.mesh = simplify_without_crossing(surface.mesh, wanted.budget);
         surface.report = check(surface.mesh);
         if (!surface.report.sound()) {
