@@ -10,8 +10,8 @@
 
 #include "client/review/export.hpp"
 #include "client/review/summary.hpp"
+#include "common/process/guard.hpp"
 #include "common/session/check.hpp"
-#include "common/session/guard.hpp"
 
 namespace {
 
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
     std::signal(SIGINT, [](int) { stop_requested = 1; });
 
     // Session files come from other people too, and the HDF5 library can crash on a damaged one.
-    const session::Guarded ended = session::run_guarded([&] {
+    const Guarded ended = run_guarded([&] {
         try {
             if (summary_command->parsed()) {
                 return summary(file, json);

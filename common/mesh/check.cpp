@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
 
 #include "common/mesh/intersect.hpp"
 
@@ -14,7 +13,12 @@ namespace {
 /// Disjoint sets with path halving.
 class Sets {
   public:
-    explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+    explicit Sets(std::size_t count) {
+        parent_.reserve(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            parent_.push_back(i);
+        }
+    }
 
     std::uint32_t find(std::uint32_t i) {
         while (parent_[i] != i) {
@@ -52,6 +56,12 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
     return sides;
 }
 
+void note_fault(MeshReport& report, const Vec3f& place) {
+    if (!report.fault_at) {
+        report.fault_at = place;
+    }
+}
+
 void measure(const TriangleMesh& mesh, MeshReport& report) {
     for (const Triangle& t : mesh.triangles) {
         const Vec3d a = mesh.vertices[t[0]].cast<double>();
@@ -64,6 +74,7 @@ void measure(const TriangleMesh& mesh, MeshReport& report) {
         report.volume += a.dot(b.cross(c)) / 6.0;
         if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || area <= 1e-6 * longest) {
             ++report.degenerate_triangles;
+            note_fault(report, mesh.vertices[t[0]]);
         }
     }
 }
@@ -95,6 +106,9 @@ void examine_topology(const TriangleMesh& mesh, MeshReport& report) {
         } else if (first.forward == sides[begin + 1].forward) {
             ++report.misoriented_edges;
         }
+        if (end - begin != 2 || first.forward == sides[begin + 1].forward) {
+            note_fault(report, mesh.vertices[first.low]);
+        }
         for (std::size_t i = begin + 1; i < end; ++i) {
             fans.join(corner_at(first, first.low), corner_at(sides[i], first.low));
             fans.join(corner_at(first, first.high), corner_at(sides[i], first.high));
@@ -113,7 +127,10 @@ void examine_topology(const TriangleMesh& mesh, MeshReport& report) {
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
         report.vertices += fan_count[v] > 0 ? 1 : 0;
         report.components += fan_count[v] > 0 && parts.find(v) == v ? 1 : 0;
-        report.pinched_vertices += fan_count[v] > 1 ? 1 : 0;
+        if (fan_count[v] > 1) {
+            ++report.pinched_vertices;
+            note_fault(report, mesh.vertices[v]);
+        }
     }
     report.euler_characteristic =
         static_cast<long>(report.vertices) - edges + static_cast<long>(mesh.triangles.size());
@@ -138,7 +155,11 @@ MeshReport check(const TriangleMesh& mesh) {
     report.triangles = mesh.triangles.size();
     measure(mesh, report);
     examine_topology(mesh, report);
-    report.self_intersections = self_intersections(mesh).size();
+    const auto crossings = self_intersections(mesh);
+    report.self_intersections = crossings.size();
+    if (!crossings.empty()) {
+        note_fault(report, mesh.vertices[mesh.triangles[crossings.front()[0]][0]]);
+    }
     return report;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "common/mesh/triangle_mesh.hpp"
@@ -20,6 +21,7 @@ struct MeshReport {
     std::size_t degenerate_triangles =
         0;  ///< a repeated vertex, or an area below 1e-6 of the longest side squared
     std::size_t self_intersections = 0;  ///< pairs of triangles that cross
+    std::optional<Vec3f> fault_at;       ///< [m], where one of the faults lies
     std::size_t components = 0;
     long euler_characteristic = 0;  ///< 2 (components - handles) for a closed mesh
     double volume = 0.0;            ///< [m^3], positive when oriented outwards

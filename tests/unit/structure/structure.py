@@ -17,11 +17,13 @@ NOT_SOURCE = {"build", "out", ".git", "__pycache__"}
 # Folders that the files of a folder may include, besides their own. The longest matching folder
 # decides. Inside the server, only app knows the bus; pbd and rigid do not know each other.
 WITHOUT_BUS = tuple(f"common/{room}" for room in
-                    ("hdf5", "math", "mesh", "model", "operator", "scenario", "session"))
+                    ("hdf5", "math", "mesh", "model", "operator", "process", "scenario", "session"))
 MAY_INCLUDE = {
     "idl": (),
     "common": ("idl",),
     "server/anatomy": WITHOUT_BUS,
+    "server/imaging": WITHOUT_BUS,
+    "server/segmentation": WITHOUT_BUS + ("server/anatomy", "server/imaging"),
     "server/pbd": WITHOUT_BUS,
     "server/rigid": WITHOUT_BUS,
     "server/scene": WITHOUT_BUS + ("server/anatomy", "server/pbd", "server/rigid"),
@@ -42,6 +44,7 @@ LIBRARIES = (
     (re.compile(r"bt[A-Z]\w*\.h$|Bullet(Collision|Dynamics)/|LinearMath/|bullet/"), ("server/rigid",), "Bullet"),
     (re.compile(r"(epoxy|GLFW|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
     (re.compile(r"opencv2/"), ("client",), "OpenCV"),
+    (re.compile(r"gdcm\w*\.h$"), ("server/imaging",), "GDCM"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
 )
 

@@ -4,15 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <fstream>
 #include <limits>
 #include <sstream>
 
 #include "client/review/export.hpp"
 #include "client/review/summary.hpp"
-#include "common/session/guard.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
@@ -155,28 +152,6 @@ TEST_F(Review, AnExportSaysWhereItCannotWrite) {
         EXPECT_NE(std::string(error.what()).find((folder / "csv").string()), std::string::npos)
             << error.what();
     }
-}
-
-TEST(Guard, TellsResultsFromCrashes) {
-    EXPECT_EQ(session::run_guarded([] { return 7; }).status, 7);
-    EXPECT_FALSE(session::run_guarded([] { return 7; }).broken);
-    const session::Guarded crashed = session::run_guarded([] {
-        ::raise(SIGKILL);
-        return 0;
-    });
-    ASSERT_TRUE(crashed.broken);
-    EXPECT_NE(crashed.broken->find("signal 9"), std::string::npos) << *crashed.broken;
-}
-
-TEST(Guard, EndsATaskThatHangs) {
-    const session::Guarded hung = session::run_guarded(
-        [] {
-            for (std::atomic<bool> never{false}; !never;) {
-            }
-            return 0;
-        },
-        1);
-    EXPECT_TRUE(hung.broken);
 }
 
 }  // namespace

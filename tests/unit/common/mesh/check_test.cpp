@@ -44,6 +44,17 @@ TEST(MeshCheck, FindsADegenerateTriangle) {
     EXPECT_EQ(check(mesh).degenerate_triangles, 2u);
 }
 
+TEST(MeshCheck, TellsWhereAFaultLies) {
+    TriangleMesh mesh = test::octahedron(1.0f);
+    EXPECT_FALSE(check(mesh).fault_at);
+    const Triangle hole = mesh.triangles.back();
+    mesh.triangles.pop_back();
+    const auto place = check(mesh).fault_at;
+    ASSERT_TRUE(place);
+    EXPECT_TRUE(*place == mesh.vertices[hole[0]] || *place == mesh.vertices[hole[1]] ||
+                *place == mesh.vertices[hole[2]]);
+}
+
 TEST(MeshCheck, FindsAFinOnAnEdge) {
     TriangleMesh mesh = test::octahedron(1.0f);
     mesh.vertices.push_back(Vec3f(2.0f, 2.0f, 2.0f));

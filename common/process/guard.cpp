@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/session/guard.hpp"
+#include "common/process/guard.hpp"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -13,7 +13,7 @@
 #include <cstring>
 #include <iostream>
 
-namespace eti::session {
+namespace eti {
 
 namespace {
 
@@ -26,7 +26,7 @@ void limit(decltype(RLIMIT_CORE) resource, rlim_t most) {
 
 }  // namespace
 
-Guarded run_guarded(const std::function<int()>& task, unsigned processor_seconds) {
+Guarded run_guarded(const std::function<int()>& task, const GuardLimits& limits) {
     std::cout.flush();
     std::cerr.flush();
     std::fflush(nullptr);
@@ -36,10 +36,10 @@ Guarded run_guarded(const std::function<int()>& task, unsigned processor_seconds
     }
     if (child == 0) {
         limit(RLIMIT_CORE, 0);
-        limit(RLIMIT_CPU, processor_seconds);
+        limit(RLIMIT_CPU, limits.processor_seconds);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
         // Sanitizers reserve terabytes of address space for themselves.
-        limit(RLIMIT_AS, rlim_t{4} << 30);
+        limit(RLIMIT_AS, limits.memory_bytes);
 #endif
         int status = 1;
         try {
@@ -64,4 +64,4 @@ Guarded run_guarded(const std::function<int()>& task, unsigned processor_seconds
     return {WEXITSTATUS(status), std::nullopt};
 }
 
-}  // namespace eti::session
+}  // namespace eti

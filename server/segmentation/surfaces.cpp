@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/segmentation/surfaces.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/mesh/intersect.hpp"
+#include "common/mesh/isosurface.hpp"
+#include "common/mesh/simplify.hpp"
+#include "common/mesh/smooth.hpp"
+#include "server/anatomy/point_grid.hpp"
+#include "server/imaging/filter.hpp"
+
+namespace eti::segmentation {
+
+namespace {
+
+using imaging::Bits;
+using imaging::Geometry;
+
+/// Negative inside. The grid is one of indices: origin 0, spacing 1.
+DistanceGrid field_of(const Geometry& g, const Bits& member, const imaging::Volume* ct, float threshold) {
+    DistanceGrid field;
+    field.spacing = 1.0f;
+    field.size = g.size;
+    field.value.resize(g.count());
+    if (ct == nullptr) {
+        std::vector<float> value(member.begin(), member.end());
+        const Bits everywhere(member.size(), 1);
+        const std::vector<float> blurred = imaging::smooth_within(g.size, value, everywhere, 0.8f);
+        for (std::size_t i = 0; i < member.size(); ++i) {
+            field.value[i] = 0.5f - blurred[i];
+        }
+        return field;
+    }
+    for (std::size_t i = 0; i < member.size(); ++i) {
+        // The labels tell the side, the grey value how far: where both agree this is the grey field.
+        const float away = std::clamp(std::fabs(ct->value[i] - threshold), 1.0f, 600.0f);
+        field.value[i] = member[i] != 0 ? -away : away;
+    }
+    return field;
+}
+
+/// From indices to metres; a left-handed grid would turn the surface inside out.
+void place(TriangleMesh& mesh, const Geometry& g) {
+    for (Vec3f& v : mesh.vertices) {
+        v = (g.origin + g.step * v.cast<double>()).cast<float>();
+    }
+    if (g.step.determinant() < 0.0) {
+        for (Triangle& t : mesh.triangles) {
+            std::swap(t[1], t[2]);
+        }
+    }
+}
+
+/// Smooths, but leaves places where smoothing makes the surface cross itself as they were: marching
+/// tetrahedra's surface never does.
+void smooth_without_crossing(TriangleMesh& mesh, int passes) {
+    constexpr int rounds = 8;
+    constexpr int rings = 3;
+    const std::vector<Vec3f> rough = mesh.vertices;
+    smooth(mesh, passes);
+    std::vector<std::uint8_t> kept(rough.size(), 0);
+    for (int round = 0; round < rounds; ++round) {
+        const auto crossings = self_intersections(mesh);
+        if (crossings.empty()) {
+            return;
+        }
+        for (const auto& pair : crossings) {
+            for (const std::uint32_t t : pair) {
+                for (const std::uint32_t v : mesh.triangles[t]) {
+                    kept[v] = 1;
+                }
+            }
+        }
+        for (int ring = 0; ring < rings; ++ring) {
+            const std::vector<std::uint8_t> core = kept;
+            for (const Triangle& t : mesh.triangles) {
+                if ((core[t[0]] | core[t[1]] | core[t[2]]) != 0) {
+                    kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
+                }
+            }
+        }
+        for (std::size_t v = 0; v < kept.size(); ++v) {
+            if (kept[v] != 0) {
+                mesh.vertices[v] = rough[v];
+            }
+        }
+    }
+}
+
+/// Relaxes the vertices of triangles that cross towards their neighbours' mean. A few crossings of a
+/// simplified surface, far smaller than its triangles, come apart so; it says whether all did.
+bool relax_crossings(TriangleMesh& mesh) {
+    constexpr int rounds = 8;
+    std::vector<Vec3f> sum(mesh.vertices.size());
+    std::vector<float> count(mesh.vertices.size());
+    for (int round = 0; round < rounds; ++round) {
+        const auto crossings = self_intersections(mesh);
+        if (crossings.empty()) {
+            return true;
+        }
+        std::fill(sum.begin(), sum.end(), Vec3f::Zero());
+        std::fill(count.begin(), count.end(), 0.0f);
+        for (const Triangle& t : mesh.triangles) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                sum[t[k]] += mesh.vertices[t[(k + 1) % 3]];
+                count[t[k]] += 1.0f;
+            }
+        }
+        std::vector<std::uint8_t> moved(mesh.vertices.size(), 0);
+        for (const auto& pair : crossings) {
+            for (const std::uint32_t t : pair) {
+                for (const std::uint32_t v : mesh.triangles[t]) {
+                    if (moved[v] == 0) {
+                        moved[v] = 1;
+                        mesh.vertices[v] = 0.5f * (mesh.vertices[v] + sum[v] / count[v]);
+                    }
+                }
+            }
+        }
+    }
+    return self_intersections(mesh).empty();
+}
+
+/// Simplifies to a budget. Where the coarse surface crosses itself and cannot be relaxed, the next round
+/// keeps it fine; what still crosses then is left to the check.
+TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, std::size_t budget) {
+    constexpr int rounds = 12;
+    constexpr float much = 1e6f;
+    // Rounds work on a mesh that is fine enough and not a hundred times too large.
+    TriangleMesh fine = simplify(mesh, {.triangles = 4 * budget, .importance = {}});
+    relax_crossings(fine);
+    std::vector<float> importance(fine.vertices.size(), 1.0f);
+    std::optional<anatomy::PointGrid> points;
+    for (int round = 0;; ++round) {
+        const TriangleMesh coarse = simplify(fine, {.triangles = budget, .importance = importance});
+        TriangleMesh relaxed = coarse;
+        if (relax_crossings(relaxed) || round == rounds) {
+            return relaxed;
+        }
+        if (!points) {
+            points.emplace(fine.vertices, 2e-3f);
+        }
+        for (const auto& pair : self_intersections(coarse)) {
+            for (const std::uint32_t t : pair) {
+                const Vec3f& a = coarse.vertices[coarse.triangles[t][0]];
+                const Vec3f& b = coarse.vertices[coarse.triangles[t][1]];
+                const Vec3f& c = coarse.vertices[coarse.triangles[t][2]];
+                const Vec3f middle = (a + b + c) / 3.0f;
+                const float reach =
+                    1.2f * std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
+                points->within(middle, reach, [&](std::uint32_t i, float) { importance[i] = much; });
+            }
+        }
+    }
+}
+
+void require_same_grid(const imaging::Mask& labels, const imaging::Volume& ct) {
+    const Geometry& a = labels.geometry;
+    const Geometry& b = ct.geometry;
+    if (a.size != b.size || (a.step - b.step).norm() > 1e-3 * b.step.norm() ||
+        (a.origin - b.origin).norm() > 0.1 * b.spacing().minCoeff()) {
+        throw imaging::VolumeError(
+            fmt::format("labels ({} x {} x {}) and CT ({} x {} x {}) do not lie on the same grid; expected "
+                        "the CT that was "
+                        "segmented. Remedy: give that CT.",
+                        a.size[0], a.size[1], a.size[2], b.size[0], b.size[1], b.size[2]));
+    }
+}
+
+}  // namespace
+
+std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imaging::Volume* ct,
+                                        const SurfaceSettings& settings, const Told& told) {
+    if (ct != nullptr) {
+        require_same_grid(labels, *ct);
+    }
+    const Geometry& g = labels.geometry;
+    const auto is = [](std::uint8_t value, std::initializer_list<Label> which) {
+        return std::any_of(which.begin(), which.end(), [&](Label l) { return value == value_of(l); });
+    };
+    struct Wanted {
+        const char* name;
+        std::size_t budget;
+        float threshold;
+    };
+    const std::array<Wanted, 3> all = {{{"skin", settings.skin_triangles, settings.air_below},
+                                        {"bone", settings.bone_triangles, settings.bone_above},
+                                        {"airway", settings.airway_triangles, settings.air_below}}};
+    std::vector<NamedSurface> surfaces;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const Wanted& wanted = all[k];
+        if (!told(static_cast<float>(k) / static_cast<float>(all.size()), wanted.name)) {
+            throw Stopped();
+        }
+        Bits member(labels.value.size());
+        bool any = false;
+        for (std::size_t i = 0; i < member.size(); ++i) {
+            const std::uint8_t v = labels.value[i];
+            const bool in = k == 0   ? !is(v, {Label::outside})
+                            : k == 1 ? is(v, {Label::bone, Label::mandible, Label::spine})
+                                     : is(v, {Label::airway});
+            member[i] = in ? 1 : 0;
+            any = any || in;
+        }
+        if (!any) {
+            continue;
+        }
+        NamedSurface surface;
+        surface.name = wanted.name;
+        surface.mesh = isosurface(field_of(g, member, ct, wanted.threshold), 0.0f);
+        place(surface.mesh, g);
+        smooth_without_crossing(surface.mesh, settings.smoothing);
+        surface.mesh = simplify_without_crossing(surface.mesh, wanted.budget);
+        surface.report = check(surface.mesh);
+        if (!surface.report.sound()) {
+            const Vec3f at = 1e3f * surface.report.fault_at.value_or(Vec3f::Zero());
+            throw imaging::VolumeError(
+                fmt::format("the surface of {} is not sound, first near ({:.1f}, {:.1f}, {:.1f}) mm: {}; "
+                            "expected a closed, "
+                            "manifold, oriented surface that does not cross itself. Remedy: mend the labels "
+                            "there, or allow "
+                            "more triangles.",
+                            wanted.name, at.x(), at.y(), at.z(), surface.report.describe()));
+        }
+        surfaces.push_back(std::move(surface));
+    }
+    return surfaces;
+}
+
+imaging::Bytes encode_stl(const TriangleMesh& mesh) {
+    imaging::Bytes out(80, ' ');
+    constexpr std::string_view title = "NeoETI surface, millimetres, LPS";
+    std::copy(title.begin(), title.end(), out.begin());
+    imaging::store(out, static_cast<std::uint32_t>(mesh.triangles.size()));
+    for (const Triangle& t : mesh.triangles) {
+        const std::array<Vec3f, 3> p = {1e3f * mesh.vertices[t[0]], 1e3f * mesh.vertices[t[1]],
+                                        1e3f * mesh.vertices[t[2]]};
+        const Vec3f normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+        for (const Vec3f& v : {normal, p[0], p[1], p[2]}) {
+            for (int k = 0; k < 3; ++k) {
+                imaging::store(out, v[k]);
+            }
+        }
+        imaging::store(out, std::uint16_t{0});
+    }
+    return out;
+}
+
+}  // namespace eti::segmentation

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""eti-anatomy from volume to surfaces, as a person runs it."""
+
+import json
+import signal
+import subprocess
+import time
+
+from PIL import Image
+
+import support
+
+
+class Anatomy(support.Case):
+    def anatomy(self, *arguments):
+        return support.run("eti-anatomy", *arguments, timeout=250)
+
+    def phantom(self, name="ct.nii.gz", spacing=2.5):
+        out = self.folder / name
+        done = self.anatomy("phantom", "--spacing-mm", spacing, "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return out
+
+    def test_volume_to_surfaces(self):
+        ct = self.phantom(spacing=1.5)
+        labels = self.folder / "labels.nrrd"
+        done = self.anatomy("segment", ct, "--out", labels, "--truth", self.folder / "ct-labels.nii.gz", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertGreater(result["agreement"]["airway"]["dice"], 0.95)
+        self.assertTrue(all(s["found"] for s in result["structures"]), result["structures"])
+        with Image.open(self.folder / "labels.png") as picture:
+            self.assertEqual(picture.size, (1000, 1000))
+            self.assertGreater(len(picture.getcolors(1 << 20)), 500)
+        # The landmarks that were written are landmarks that can be given.
+        again = self.anatomy("segment", ct, "--out", self.folder / "again.nrrd", "--landmarks",
+                             self.folder / "labels-landmarks.mrk.json", "--json")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(json.loads(again.stdout)["structures"], result["structures"])
+        done = self.anatomy("surfaces", labels, "--volume", ct, "--out", self.folder / "surfaces", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for surface in json.loads(done.stdout)["surfaces"]:
+            size = (self.folder / "surfaces" / f"{surface['name']}.stl").stat().st_size
+            self.assertEqual(size, 84 + 50 * surface["triangles"])
+
+    def test_damaged_files_are_refused_and_nothing_is_written(self):
+        ct = self.phantom()
+        cut = self.folder / "cut.nii.gz"
+        cut.write_bytes(ct.read_bytes()[:5000])
+        before = sorted(self.folder.iterdir())
+        done = self.anatomy("segment", cut, "--out", self.folder / "labels.nrrd")
+        self.assert_refused(done, cut, "expected", "Remedy")
+        done = self.anatomy("segment", ct, "--out", self.folder / "labels.png")
+        self.assert_refused(done, "labels.png", "Remedy")
+        done = self.anatomy("surfaces", ct, "--out", self.folder / "surfaces")
+        self.assert_refused(done, ct, "labels from 0", "Remedy")
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
+    def test_interrupt_leaves_nothing(self):
+        program = subprocess.Popen([support.BIN / "eti-anatomy", "phantom", "--spacing-mm", "0.5", "--out",
+                                    self.folder / "ct.nrrd"], stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        program.send_signal(signal.SIGINT)
+        _, said = program.communicate(timeout=60)
+        self.assertEqual(program.returncode, 130, said)
+        self.assertIn("nothing was written", said)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+
+if __name__ == "__main__":
+    support.unittest.main()

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coarse_phantom.hpp"
+
+namespace eti::segmentation {
+namespace {
+
+using test::coarse_phantom;
+
+TEST(Phantom, SameSeedSameVoxelsOtherSeedOtherNoise) {
+    const Phantom a = coarse_phantom(2.5e-3f);
+    EXPECT_EQ(a.ct.value, coarse_phantom(2.5e-3f).ct.value);
+    const Phantom b = coarse_phantom(2.5e-3f, 3.5f, 2);
+    EXPECT_EQ(a.labels.value, b.labels.value);
+    EXPECT_NE(a.ct.value, b.ct.value);
+}
+
+TEST(Phantom, TongueHidesInTheNoiseOfItsNeighbours) {
+    const float contrast = std::fabs(hounsfield_of(Label::tongue) - hounsfield_of(Label::soft));
+    EXPECT_LE(contrast, 20.0f);
+    EXPECT_LE(contrast, PhantomSettings().noise);
+    EXPECT_GT(contrast, 0.0f);
+}
+
+TEST(Phantom, NoiseHasTheStandardDeviationAskedFor) {
+    const Phantom phantom = coarse_phantom(2.0e-3f);
+    double sum = 0.0;
+    double squares = 0.0;
+    double count = 0.0;
+    // Far from borders, where no voxel is partly something else: the outer air at the volume's front.
+    for (std::size_t i = 0; i < 3000; ++i) {
+        ASSERT_EQ(phantom.labels.value[phantom.labels.value.size() - 1 - i], value_of(Label::outside));
+        const double v = phantom.ct.value[phantom.ct.value.size() - 1 - i];
+        sum += v;
+        squares += v * v;
+        count += 1.0;
+    }
+    const double mean = sum / count;
+    // Three standard errors: 20 / sqrt(3000) and 20 / sqrt(6000).
+    EXPECT_NEAR(mean, -1000.0, 1.1);
+    EXPECT_NEAR(std::sqrt(squares / count - mean * mean), 20.0, 0.8);
+}
+
+TEST(Phantom, BordersAreMixedByShare) {
+    PhantomSettings settings;
+    settings.spacing = 2.0e-3f;
+    settings.noise = 0.0f;
+    const Phantom phantom = make_phantom(settings, test::silent);
+    std::size_t mixed = 0;
+    for (std::size_t i = 0; i < phantom.ct.value.size(); ++i) {
+        const auto label = static_cast<Label>(phantom.labels.value[i]);
+        mixed += phantom.ct.value[i] != hounsfield_of(label) ? 1 : 0;
+        // The label has the largest share: a voxel called air holds air.
+        if (label == Label::outside || label == Label::airway) {
+            ASSERT_LT(phantom.ct.value[i], 40.0f);
+        }
+    }
+    EXPECT_GT(mixed, phantom.ct.value.size() / 100);
+    EXPECT_LT(mixed, phantom.ct.value.size() / 2);
+}
+
+TEST(Phantom, LandmarksLieWhereTheyAreNamedFor) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const auto label_at = [&](const char* name) {
+        const Vec3d at = phantom.labels.geometry.to_index(phantom.landmarks.at(name).front());
+        return static_cast<Label>(phantom.labels.at(static_cast<int>(std::lround(at.x())),
+                                                    static_cast<int>(std::lround(at.y())),
+                                                    static_cast<int>(std::lround(at.z()))));
+    };
+    EXPECT_EQ(label_at("trachea_mid"), Label::airway);
+    EXPECT_EQ(label_at("glottis"), Label::airway);
+}
+
+TEST(Phantom, AskedToStopItStops) {
+    EXPECT_THROW((void)make_phantom({}, [](float, std::string_view) { return false; }), Stopped);
+}
+
+}  // namespace
+}  // namespace eti::segmentation
