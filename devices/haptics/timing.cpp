@@ -58,7 +58,7 @@ double CycleStatistics::percentile(double p) const {
     for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) {
         seen += bins_[bin];
         if (seen >= wanted) {
-            return static_cast<double>(bin + 1) * 1e-9 * bin_ns;
+            return std::min(static_cast<double>(bin + 1) * 1e-9 * bin_ns, longest());
         }
     }
     return longest();

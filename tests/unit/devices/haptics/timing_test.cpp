@@ -29,6 +29,12 @@ TEST(CycleStatistics, PercentilesOfACountedDistribution) {
     EXPECT_DOUBLE_EQ(statistics.share_over(2e-3), 0.001);
 }
 
+TEST(CycleStatistics, NoPercentileExceedsTheLongest) {
+    CycleStatistics statistics;
+    statistics.record(4'192'838);
+    EXPECT_DOUBLE_EQ(statistics.percentile(0.99), statistics.longest());
+}
+
 TEST(CycleStatistics, TakesWhatAClockMayGive) {
     CycleStatistics statistics;
     statistics.record(-5);
