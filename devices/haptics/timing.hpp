@@ -23,8 +23,8 @@ class CycleStatistics {
     void record(std::int64_t interval_ns);
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
-    /// [s], that a share `p` of the intervals does not exceed, to the bin but at most the longest; the largest bin counts all
-    /// beyond 20 ms, of which the maximum tells.
+    /// [s], that a share `p` of the intervals does not exceed, to the bin but at most the longest; the
+    /// largest bin counts all beyond 20 ms, of which the maximum tells.
     [[nodiscard]] double percentile(double p) const;
     [[nodiscard]] double longest() const { return static_cast<double>(longest_) * 1e-9; }
     /// Of the intervals, longer than `limit` [s].

@@ -162,7 +162,7 @@ class Charts(unittest.TestCase):
                  "neo-Hookean tetrahedra, per tetrahedron", "fluid, per particle and substep of 5 passes",
                  "fluid, per neighbour of a particle and substep of 5 passes",
                  "contact of a capsule with a particle", "contact of a distance grid with a particle",
-                 "tube of 32 segments, per substep", "contact of the tube, per pass",
+                 "tube of 16 segments, per substep", "contact of the tube, per pass",
                  "clusters of 9261 particles, per particle", "tetrahedra of 9261 particles, per particle",
                  "links of the patient, per substep", "view of the glottis, per look (30 a second)",
                  "proxy of the lifting laryngoscope against the shell, per step",
