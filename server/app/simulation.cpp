@@ -28,8 +28,7 @@ int checked_substeps(const Scenario& scenario, const anatomy::Patient& patient) 
         if (wanted > stiffest) {
             throw InputError(fmt::format(
                 "scenario '{}': patient.tissue_stiffness_kpa is {:g}, but tetrahedra of {:.3g} mm bear at "
-                "most "
-                "{:.3g} with {} substeps; raise physics.substeps to {} or physics.spacing_mm, or set "
+                "most {:.3g} with {} substeps; raise physics.substeps to {} or physics.spacing_mm, or set "
                 "physics.tissue_model to clusters",
                 scenario.name, 1e-3f * wanted, 1e3f * spacing, 1e-3f * stiffest, substeps,
                 static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / stiffest)))));

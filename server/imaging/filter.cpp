@@ -12,6 +12,34 @@ namespace eti::imaging {
 
 namespace {
 
+/// Voxels that share a face with voxel `i`.
+template <class Visit>
+void for_each_neighbour(const Size& size, std::size_t i, const Visit& visit) {
+    const auto nx = static_cast<std::size_t>(size[0]);
+    const std::size_t slice = nx * static_cast<std::size_t>(size[1]);
+    const std::size_t all = slice * static_cast<std::size_t>(size[2]);
+    const std::size_t x = i % nx;
+    const std::size_t y = i % slice / nx;
+    if (x > 0) {
+        visit(i - 1);
+    }
+    if (x + 1 < nx) {
+        visit(i + 1);
+    }
+    if (y > 0) {
+        visit(i - nx);
+    }
+    if ((y + 1) * nx < slice) {
+        visit(i + nx);
+    }
+    if (i >= slice) {
+        visit(i - slice);
+    }
+    if (i + slice < all) {
+        visit(i + slice);
+    }
+}
+
 std::size_t count(const Size& size) {
     return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
            static_cast<std::size_t>(size[2]);
@@ -185,8 +213,6 @@ Components components(const Size& size, std::span<const std::uint8_t> mask) {
     Components found;
     found.part.assign(mask.size(), 0);
     found.voxels.push_back(0);
-    const auto nx = static_cast<std::size_t>(size[0]);
-    const std::size_t slice = nx * static_cast<std::size_t>(size[1]);
     std::vector<std::size_t> open;
     for (std::size_t seed = 0; seed < mask.size(); ++seed) {
         if (mask[seed] == 0 || found.part[seed] != 0) {
@@ -200,20 +226,13 @@ Components components(const Size& size, std::span<const std::uint8_t> mask) {
             const std::size_t i = open.back();
             open.pop_back();
             ++voxels;
-            const auto visit = [&](bool inside, std::size_t other) {
-                if (inside && mask[other] != 0 && found.part[other] == 0) {
+            const auto visit = [&](std::size_t other) {
+                if (mask[other] != 0 && found.part[other] == 0) {
                     found.part[other] = number;
                     open.push_back(other);
                 }
             };
-            const std::size_t x = i % nx;
-            const std::size_t y = i % slice / nx;
-            visit(x > 0, i - 1);
-            visit(x + 1 < nx, i + 1);
-            visit(y > 0, i - nx);
-            visit((y + 1) * nx < slice, i + nx);
-            visit(i >= slice, i - slice);
-            visit(i + slice < mask.size(), i + slice);
+            for_each_neighbour(size, i, visit);
         }
         found.voxels.push_back(voxels);
     }
@@ -257,14 +276,12 @@ Watershed watershed(const Size& size, std::span<const std::uint8_t> mask, std::s
             open.push({height[i], order++, i});
         }
     }
-    const auto nx = static_cast<std::size_t>(size[0]);
-    const std::size_t slice = nx * static_cast<std::size_t>(size[1]);
     while (!open.empty()) {
         const Entry entry = open.top();
         open.pop();
         const std::size_t i = entry.voxel;
-        const auto visit = [&](bool inside, std::size_t other) {
-            if (!inside || mask[other] == 0) {
+        const auto visit = [&](std::size_t other) {
+            if (mask[other] == 0) {
                 return;
             }
             const float pass = std::min(entry.height, height[other]);
@@ -275,14 +292,7 @@ Watershed watershed(const Size& size, std::span<const std::uint8_t> mask, std::s
                 result.neck = std::max(result.neck, pass);
             }
         };
-        const std::size_t x = i % nx;
-        const std::size_t y = i % slice / nx;
-        visit(x > 0, i - 1);
-        visit(x + 1 < nx, i + 1);
-        visit(y > 0, i - nx);
-        visit((y + 1) * nx < slice, i + nx);
-        visit(i >= slice, i - slice);
-        visit(i + slice < mask.size(), i + slice);
+        for_each_neighbour(size, i, visit);
     }
     return result;
 }
