@@ -78,13 +78,13 @@ class Charts(unittest.TestCase):
         self.assertEqual(found, 3)
 
     def test_calibration_on_the_tongue_gives_the_modulus_that_is_named(self):
-        """4 mm deep, on the spacings and substeps where it can be reached, within 4 %."""
+        """4 mm deep, from 8 substeps on, where at most two fifths of what can be reached are asked for: within 2 %."""
         with (CHARTS / "accuracy-forces.csv").open(newline="") as file:
             rows = [row for row in csv.DictReader(file) if row["case"] == "tongue" and row["method"] == CLUSTERS and
-                    row["depth_mm"] == "4" and (row["spacing_mm"], row["substeps"]) != ("2", "4")]
-        self.assertEqual(len(rows), 5)
+                    row["depth_mm"] == "4" and row["substeps"] != "4"]
+        self.assertEqual(len(rows), 4)
         for row in rows:
-            self.assertAlmostEqual(float(row["force_n"]) / float(row["reference_n"]), 1.0, delta=0.04, msg=row)
+            self.assertAlmostEqual(float(row["force_n"]) / float(row["reference_n"]), 1.0, delta=0.02, msg=row)
 
     def test_calibration_is_what_the_solver_uses(self):
         """The constants of server/pbd/cluster_calibration.cpp fit the published bars within 2 %."""
