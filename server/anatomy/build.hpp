@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include "server/anatomy/model_file.hpp"
 #include "server/anatomy/newborn.hpp"
 #include "server/anatomy/patient.hpp"
 
@@ -24,7 +25,11 @@ struct BuildSettings {
 
 /// Builds the whole model of a newborn: particles, clusters, links, surfaces, shell, landmarks.
 /// Some seconds on two cores.
-[[nodiscard]] Patient build_patient(const NewbornParameters& parameters, const BuildSettings& settings);
+[[nodiscard]] Patient build_patient(const NewbornShape& shape, const BuildSettings& settings);
+
+/// What a model depends on: the program that built it and how, and of the newborn its shape.
+[[nodiscard]] Provenance provenance_of(const NewbornShape& shape, const BuildSettings& settings);
+[[nodiscard]] Provenance provenance_of(const BuildSettings& settings);
 
 // The steps of build_patient, each adding its part of the model.
 void build_particles(const Newborn& newborn, const BuildSettings& settings, Patient& patient);

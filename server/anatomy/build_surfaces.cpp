@@ -109,7 +109,7 @@ class Skinner {
                 found = true;
             }
         });
-        if (!found || clusters_of_[nearest].empty() || is_bone(tissue)) {
+        if (!found || clusters_of_[nearest].empty() || goes_with_bone(tissue)) {
             return by_bones(point, tissue);
         }
         std::vector<std::pair<float, std::uint32_t>> near;
@@ -140,7 +140,7 @@ class Skinner {
     }
 
   private:
-    [[nodiscard]] static bool is_bone(Tissue tissue) {
+    [[nodiscard]] static bool goes_with_bone(Tissue tissue) {
         return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine ||
                tissue == Tissue::upper_gum || tissue == Tissue::lower_gum;
     }
@@ -218,6 +218,7 @@ void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patie
     DistanceGrid skull = grid_over(low, high, 1.5f * settings.surface_spacing * size);
     DistanceGrid mandible = skull;
     DistanceGrid spine = skull;
+    DistanceGrid hyoid = grid_over(inner_low, inner_high, 0.7f * settings.surface_spacing * size);
     sample(newborn, body, [&](std::size_t i, const NewbornFields& f, const Vec3f&) {
         body.value[i] = body_field(f, 0.5e-3f * size);
     });
@@ -226,6 +227,8 @@ void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patie
         mandible.value[i] = f.mandible;
         spine.value[i] = f.spine;
     });
+    sample(newborn, hyoid,
+           [&](std::size_t i, const NewbornFields& f, const Vec3f&) { hyoid.value[i] = f.hyoid; });
     DistanceGrid tongue = grid_over(inner_low, inner_high, settings.surface_spacing * size);
     sample(newborn, tongue,
            [&](std::size_t i, const NewbornFields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
@@ -245,6 +248,8 @@ void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patie
     patient.surfaces.push_back(surface_from(newborn, skinner, skull, "skull", Tissue::skull, 16000));
     patient.surfaces.push_back(surface_from(newborn, skinner, mandible, "mandible", Tissue::mandible, 4000));
     patient.surfaces.push_back(surface_from(newborn, skinner, spine, "spine", Tissue::spine, 8000));
+    // Hangs in the soft tissue and goes with it.
+    patient.surfaces.push_back(surface_from(newborn, skinner, hyoid, "hyoid", Tissue::hyoid, 1500));
 }
 
 void build_shell(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
@@ -303,10 +308,11 @@ void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Pati
     }
 }
 
-Patient build_patient(const NewbornParameters& parameters, const BuildSettings& settings) {
-    const Newborn newborn(parameters);
+Patient build_patient(const NewbornShape& shape, const BuildSettings& settings) {
+    const Newborn newborn(shape);
     Patient patient;
-    patient.weight = parameters.weight;
+    patient.weight = shape.weight;
+    patient.tissue_stiffness = settings.tissue_stiffness;
     patient.skeleton = newborn.skeleton();
     build_particles(newborn, settings, patient);
     build_clusters(newborn, settings, patient);

@@ -6,16 +6,11 @@
 #include <vector>
 
 #include "common/model/landmark.hpp"
+#include "common/model/newborn_shape.hpp"
 #include "common/model/tissue.hpp"
 #include "server/anatomy/patient.hpp"
 
 namespace eti::anatomy {
-
-struct NewbornParameters {
-    float weight = 3.5f;            ///< [kg]
-    float gestational_age = 40.0f;  ///< [weeks]
-    float tongue_scale = 1.0f;
-};
 
 /// Implicit fields of the newborn at one point, negative inside, in metres.
 struct NewbornFields {
@@ -27,7 +22,7 @@ struct NewbornFields {
     float upper_gum = 1.0f, lower_gum = 1.0f;
     float palate = 1.0f;  ///< hard and soft palate with uvula
     float larynx = 1.0f;  ///< arytenoids, cords, cricoid region (tissue around the laryngeal lumen)
-    float skull = 1.0f, mandible = 1.0f, spine = 1.0f;
+    float skull = 1.0f, mandible = 1.0f, spine = 1.0f, hyoid = 1.0f;
 };
 
 /// The parametric newborn: ellipsoids, capsules and elliptical ducts along mid-sagittal stations,
@@ -35,7 +30,7 @@ struct NewbornFields {
 /// Points are in the patient frame: DICOM LPS, metres, origin at the upper gum's crest.
 class Newborn {
   public:
-    explicit Newborn(const NewbornParameters& parameters);
+    explicit Newborn(const NewbornShape& shape);
 
     [[nodiscard]] NewbornFields fields(const Vec3f& point) const;
     [[nodiscard]] Skeleton skeleton() const;
@@ -61,8 +56,20 @@ class Newborn {
     [[nodiscard]] float scale() const { return scale_; }  ///< metres per model millimetre
 
   private:
-    NewbornParameters parameters_;
+    /// From this newborn's model coordinates to those of the usual newborn and back, where the larynx lies
+    /// elsewhere.
+    [[nodiscard]] Vec3f usual_place(const Vec3f& model) const;
+    [[nodiscard]] Vec3f own_place(const Vec3f& model) const;
+    /// The closed jaw's coordinates, and back.
+    [[nodiscard]] Vec3f to_jaw(const Vec3f& model) const;
+    [[nodiscard]] Vec3f from_jaw(const Vec3f& closed) const;
+    [[nodiscard]] float tongue_field(const Vec3f& model) const;
+
+    NewbornShape shape_;
     float scale_;
+    float rest_jaw_deg_;  // turn of the modelled jaw from closed
+    float cranium_;       // size against the face, 1 at term
+    Vec3f larynx_shift_;  // [mm of a 3.5 kg newborn], x left, y anterior, z superior
 };
 
 }  // namespace eti::anatomy

@@ -24,7 +24,7 @@ Label label_of(const NewbornFields& f) {
     if (f.cavity < 0.0f && f.tongue > 0.0f && f.epiglottis > 0.0f) {
         return Label::airway;
     }
-    const float bone = std::min({f.skull, f.mandible, f.spine});
+    const float bone = std::min({f.skull, f.mandible, f.spine, f.hyoid});
     if (bone < 0.0f) {
         return bone == f.mandible ? Label::mandible : bone == f.spine ? Label::spine : Label::bone;
     }
@@ -37,7 +37,7 @@ Label label_of(const NewbornFields& f) {
 /// How near [m] the closest border is; fields are distances only roughly.
 float nearest_border(const NewbornFields& f) {
     return std::min({std::fabs(f.skin), std::fabs(f.cavity), std::fabs(f.tongue), std::fabs(f.epiglottis),
-                     std::fabs(f.skull), std::fabs(f.mandible), std::fabs(f.spine)});
+                     std::fabs(f.skull), std::fabs(f.mandible), std::fabs(f.spine), std::fabs(f.hyoid)});
 }
 
 }  // namespace

@@ -52,9 +52,9 @@ seed: 42
 )");
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.description, "tries every key");
-    EXPECT_FLOAT_EQ(s.patient.weight, 1.1f);
-    EXPECT_FLOAT_EQ(s.patient.gestational_age, 28);
-    EXPECT_FLOAT_EQ(s.patient.tongue_scale, 1.15f);
+    EXPECT_FLOAT_EQ(s.patient.shape.weight, 1.1f);
+    EXPECT_FLOAT_EQ(s.patient.shape.gestational_age, 28);
+    EXPECT_FLOAT_EQ(s.patient.shape.tongue_scale, 1.15f);
     EXPECT_FLOAT_EQ(s.patient.head_elevation, 25 * degree);
     EXPECT_FLOAT_EQ(s.patient.jaw_opening, 20 * degree);
     EXPECT_FLOAT_EQ(s.patient.tissue_stiffness, 9e3f);
@@ -79,7 +79,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     const Scenario s = read("seed: 2\n"), defaults;
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.text, "seed: 2\n");
-    EXPECT_EQ(s.patient.weight, defaults.patient.weight);
+    EXPECT_EQ(s.patient.shape.weight, defaults.patient.shape.weight);
     EXPECT_EQ(s.blade, defaults.blade);
     EXPECT_EQ(s.physics.substeps, defaults.physics.substeps);
     EXPECT_EQ(s.time_limit, defaults.time_limit);
@@ -88,7 +88,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
 
 TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(refused("seed: 1\npatient:\n  weight_kg: 35\n",
-                        {"baby.yaml:3", "'patient.weight_kg'", "'35'", "0.5 to 4.5"}));
+                        {"baby.yaml:3", "'patient.shape.weight_kg'", "'35'", "0.5 to 4.5"}));
     EXPECT_TRUE(
         refused("patient: {weight_kg: heavy}\n", {"baby.yaml:1", "weight_kg", "'heavy'", "a number"}));
     EXPECT_TRUE(refused("patient: {weight_kg: 3.5 kg}\n", {"'3.5 kg'", "write the number alone"}));
@@ -117,10 +117,10 @@ TEST(Scenario, NumbersMustBeFiniteDecimals) {
          {".nan", ".inf", "-.inf", "1e400", "nan", "inf", "0x3", "3,5", "3 5", "''", "+", "1e"}) {
         EXPECT_TRUE(refused(std::string("patient: {weight_kg: ") + typed + "}\n", {"weight_kg"})) << typed;
     }
-    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 35e-1}\n").patient.weight, 3.5f);
-    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 4.5}\n").patient.weight, 4.5f)
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 35e-1}\n").patient.shape.weight, 3.5f);
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 4.5}\n").patient.shape.weight, 4.5f)
         << "the ends belong to the range";
-    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 0.5}\n").patient.weight, 0.5f);
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 0.5}\n").patient.shape.weight, 0.5f);
 }
 
 TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
@@ -131,9 +131,9 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
     EXPECT_FALSE(term.saliva);
     EXPECT_EQ(premature.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(premature.tube.inner_diameter, 2.5e-3f);
-    EXPECT_GT(premature.patient.tongue_scale, term.patient.tongue_scale);
+    EXPECT_GT(premature.patient.shape.tongue_scale, term.patient.shape.tongue_scale);
     EXPECT_LT(premature.patient.jaw_opening, term.patient.jaw_opening);
-    EXPECT_LT(premature.patient.weight, term.patient.weight);
+    EXPECT_LT(premature.patient.shape.weight, term.patient.shape.weight);
     EXPECT_TRUE(premature.saliva);
     // The enhanced conditions differ in what is shown and in nothing else.
     for (const auto& [plain, name] :
@@ -142,9 +142,9 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
         EXPECT_FALSE(plain.enhanced_view);
         EXPECT_TRUE(enhanced.enhanced_view);
         EXPECT_EQ(enhanced.name, name);
-        EXPECT_EQ(enhanced.patient.weight, plain.patient.weight);
-        EXPECT_EQ(enhanced.patient.gestational_age, plain.patient.gestational_age);
-        EXPECT_EQ(enhanced.patient.tongue_scale, plain.patient.tongue_scale);
+        EXPECT_EQ(enhanced.patient.shape.weight, plain.patient.shape.weight);
+        EXPECT_EQ(enhanced.patient.shape.gestational_age, plain.patient.shape.gestational_age);
+        EXPECT_EQ(enhanced.patient.shape.tongue_scale, plain.patient.shape.tongue_scale);
         EXPECT_EQ(enhanced.patient.head_elevation, plain.patient.head_elevation);
         EXPECT_EQ(enhanced.patient.jaw_opening, plain.patient.jaw_opening);
         EXPECT_EQ(enhanced.patient.tissue_stiffness, plain.patient.tissue_stiffness);
