@@ -395,10 +395,10 @@ Vec3f Newborn::from_model(const Vec3f& point) const {
     return {q.x(), -q.y(), q.z()};
 }
 
-NewbornFields Newborn::fields(const Vec3f& point) const {
+Fields Newborn::fields(const Vec3f& point) const {
     const Vec3f p = usual_place(to_model(point));
     const Vec3f in_jaw = to_jaw(p);
-    NewbornFields f;
+    Fields f;
     f.skin = skin_field(p, in_jaw, cranium_) * scale_;
     if (f.skin > 2e-3f) {
         return f;
@@ -461,7 +461,7 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
     return {1 - head, head * (1 - jaw), head * jaw};
 }
 
-float Newborn::shell_offset(const Vec3f& point, const NewbornFields& fields) const {
+float Newborn::shell_offset(const Vec3f& point, const Fields& fields) const {
     const Vec3f p = to_model(point);
     const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate}) / scale_;
     float offset = 0.4f + 1.1f * smoothstep(0.0f, 2.0f, bony);
@@ -510,26 +510,6 @@ std::array<Vec3f, landmark_count> Newborn::landmarks() const {
     set(Landmark::oesophagus_inlet, {0, -2.3f, -40.0f});
     set(Landmark::oesophagus_mid, {0, -6.9f, -62.0f});
     return points;
-}
-
-std::vector<Vec3f> Newborn::glottis_contour() const {
-    // The rim of the glottic opening in its plane, found on the field itself by bisection.
-    constexpr int count = 24;
-    const Vec3f centre = own_place({0, glottis_y, glottis_z});
-    std::vector<Vec3f> contour;
-    for (int i = 0; i < count; ++i) {
-        const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / count;
-        const Vec3f direction(std::cos(angle), std::sin(angle), 0.0f);
-        float inside = 0.0f;
-        float outside = 4.0f;
-        for (int step = 0; step < 20; ++step) {
-            const float middle = 0.5f * (inside + outside);
-            const Vec3f at = from_model(centre + middle * direction);
-            (fields(at).cavity < 0.0f ? inside : outside) = middle;
-        }
-        contour.push_back(from_model(centre + inside * direction));
-    }
-    return contour;
 }
 
 std::array<Vec3f, 2> Newborn::bounds() const {

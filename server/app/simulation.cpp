@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/anatomy/model_file.hpp"
+#include "server/anatomy/from_scenario.hpp"
 #include "server/app/patient_cache.hpp"
 
 namespace eti::app {
@@ -52,10 +52,7 @@ anatomy::Patient patient_of(const Scenario& scenario) {
     if (!scenario.patient.model.empty()) {
         return anatomy::load_patient(scenario.patient.model);
     }
-    return cached_patient(scenario.patient.shape, {.spacing = scenario.physics.spacing,
-                                                   .fine_spacing = scenario.physics.fine_spacing,
-                                                   .region = scenario.physics.region,
-                                                   .tissue_stiffness = scenario.patient.tissue_stiffness});
+    return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
 }
 
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
