@@ -6,8 +6,8 @@
 #include <unordered_set>
 
 #include "common/math/units.hpp"
+#include "common/mesh/point_grid.hpp"
 #include "server/anatomy/build.hpp"
-#include "server/anatomy/point_grid.hpp"
 
 namespace eti::anatomy {
 

@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
+#include "common/mesh/distance.hpp"
 #include "common/mesh/isosurface.hpp"
-#include "common/mesh/simplify.hpp"
-#include "common/mesh/smooth.hpp"
+#include "common/mesh/point_grid.hpp"
+#include "common/mesh/uncrossed.hpp"
 #include "server/anatomy/build.hpp"
 #include "server/anatomy/newborn.hpp"
-#include "server/anatomy/point_grid.hpp"
 
 namespace eti::anatomy {
 
@@ -20,6 +20,8 @@ namespace {
 // Takes the slivers of marching tetrahedra out, which would keep edges from collapsing; moves vertices by
 // a tenth of the grid's spacing.
 constexpr int smoothing = 3;
+
+constexpr float shell_band = 4e-3f;  // [m], within which the shell's distances are exact
 
 DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
     DistanceGrid grid;
@@ -170,7 +172,7 @@ Surface surface_from(const Anatomy& anatomy, const Skinner& skinner, const Dista
     surface.name = std::move(name);
     surface.tissue = tissue;
     surface.mesh = isosurface(field, 0.0f);
-    smooth(surface.mesh, smoothing);
+    smooth_without_crossing(surface.mesh, smoothing);
     if (budget > 0 && surface.mesh.triangles.size() > budget) {
         // The lining of the airway is looked at from near: keep it fine, let the scalp go coarse.
         std::vector<float> importance(surface.mesh.vertices.size(), 1.0f);
@@ -180,7 +182,8 @@ Surface surface_from(const Anatomy& anatomy, const Skinner& skinner, const Dista
             const bool near = (p.array() > low.array()).all() && (p.array() < high.array()).all();
             importance[i] = near ? 8.0f : 1.0f;
         }
-        surface.mesh = simplify(surface.mesh, {.triangles = budget, .importance = importance});
+        surface.mesh =
+            simplify_without_crossing(surface.mesh, {.triangles = budget, .importance = importance});
     }
     for (const Triangle& t : surface.mesh.triangles) {
         const Vec3f middle =
@@ -262,9 +265,11 @@ void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient&
         field.value[i] = body_field(f, 0.0f) + anatomy.shell_offset(point, f);
     });
     TriangleMesh shell = isosurface(field, 0.0f);
-    smooth(shell, smoothing);
-    patient.shell.mesh = simplify(shell, {.triangles = settings.shell_triangles, .importance = {}});
-    patient.shell.distance = std::move(field);
+    smooth_without_crossing(shell, smoothing);
+    patient.shell.mesh =
+        simplify_without_crossing(shell, {.triangles = settings.shell_triangles, .importance = {}});
+    patient.shell.distance =
+        mesh_distance(patient.shell.mesh, field.origin, field.spacing, field.size, shell_band);
     for (const Triangle& t : patient.shell.mesh.triangles) {
         const auto& v = patient.shell.mesh.vertices;
         patient.shell.triangle_tissue.push_back(lining_tissue(anatomy, (v[t[0]] + v[t[1]] + v[t[2]]) / 3.0f));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "common/math/units.hpp"
@@ -276,8 +277,9 @@ Invariant particles_keep_out_of_bone(const Patient& patient) {
 std::vector<Invariant> distances_agree(const Patient& patient) {
     const Shell& shell = patient.shell;
     const DistanceGrid& grid = shell.distance;
-    // The mesh was smoothed and simplified from the field's zero set, whose features are a spacing wide.
-    const float tolerance = grid.spacing;
+    // A node's distance is at most its way to the vertex; interpolated, that is at most half a cell's
+    // diagonal.
+    const float tolerance = 0.5f * std::sqrt(3.0f) * grid.spacing;
     Faults off, wrong, outside;
     for (const Vec3f& v : shell.mesh.vertices) {
         if (std::fabs(grid.distance(v)) > tolerance) {
@@ -309,16 +311,19 @@ std::vector<Invariant> distances_agree(const Patient& patient) {
     }
     const DistanceGrid skin =
         mesh_distance(body->mesh, grid.origin, grid.spacing, grid.size, 3.0f * grid.spacing);
-    const Vec3f last = grid.node(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+    // The body is cut off below, at the shoulders, where the shell may go on.
+    float floor = body->mesh.vertices.front().z();
+    for (const Vec3f& v : body->mesh.vertices) {
+        floor = std::min(floor, v.z());
+    }
     std::size_t inner = 0;
     for (const Vec3f& v : shell.mesh.vertices) {
-        // At the grid's sides the shell is capped.
-        const Vec3f from_side = (v - grid.origin).cwiseMin(last - v);
-        if (from_side.minCoeff() < 2.0f * grid.spacing) {
+        if (v.z() < floor + 3.0f * grid.spacing) {
             continue;
         }
         ++inner;
-        if (skin.distance(v) > tolerance) {
+        // Both surfaces were simplified; a spacing stands for what that moves them.
+        if (skin.distance(v) > grid.spacing) {
             outside.add(v);
         }
     }
@@ -341,7 +346,6 @@ std::vector<Invariant> airway_is_open(const Patient& patient) {
             }
         }
     };
-    walk(Landmark::mouth_opening, Landmark::mouth_opening);
     walk(Landmark::glottis, Landmark::trachea_mid);
     walk(Landmark::trachea_mid, Landmark::carina);
     found.push_back(closed.report("the way from glottis to carina is open", samples, "points"));
@@ -355,9 +359,13 @@ std::vector<Invariant> airway_is_open(const Patient& patient) {
     }
     area = 0.5 * static_cast<double>(twice.norm());
     const float size = std::cbrt(patient.weight / 3.5f);
-    // Between a slit of one and twice the widest published mean (8.2 mm^2 at term), with the patient's size.
+    // Wider than a slit of 1 mm^2 at term, and no wider than round.
     const double least = 1e-6 * static_cast<double>(size * size);
-    found.push_back({"the glottis is open", contour.size() >= 8 && area > least && area < 17.0 * least,
+    const auto length = static_cast<double>(
+        (rest_of(patient, Landmark::glottis_anterior) - rest_of(patient, Landmark::glottis_posterior))
+            .norm());
+    const bool open = contour.size() >= 8 && area > least && area < 0.25 * std::numbers::pi * length * length;
+    found.push_back({"the glottis is open", open,
                      fmt::format("{:.1f} mm^2 within {} points", 1e6 * area, contour.size())});
 
     const auto above = [&](Landmark a, Landmark b) {

@@ -239,10 +239,11 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
                     1e3 * distance(Landmark::glottis_anterior, Landmark::glottis_posterior), "mm",
                     4.2 * grown, 6.6 * grown, "Sato 2015, Laryngoscope 125:E186, 2 SD"});
     list.push_back({"glottis, area", 1e6 * polygon_area(patient.glottis_contour), "mm^2", 7.5 * grown * grown,
-                    8.2 * grown * grown, "Sato 2015, means of girls and boys at rest"});
+                    8.2 * grown * grown,
+                    "Sato 2015, means of girls and boys at rest; the model's cords are drawn apart"});
     list.push_back({"vocal cords to carina", 1e3 * distance(Landmark::glottis, Landmark::carina), "mm",
-                    50.4 * grown, 53.0 * grown,
-                    "Ann Otol Rhinol Laryngol 2001;110:268 and Anesth Analg Aug 2013, means"});
+                    0.95 * 50.4 * grown, 1.05 * 53.0 * grown,
+                    "Ann Otol Rhinol Laryngol 2001;110:268 and Anesth Analg Aug 2013, means, 5 %"});
     const Vec3f below =
         rest_of(patient, Landmark::glottis) +
         0.2f * (rest_of(patient, Landmark::trachea_mid) - rest_of(patient, Landmark::glottis));

@@ -8,6 +8,7 @@
 #include "server/anatomy/check_model.hpp"
 #include "server/anatomy/dimensions.hpp"
 #include "server/anatomy/model_file.hpp"
+#include "server/anatomy/skeleton.hpp"
 #include "server/segmentation/commands.hpp"
 
 namespace eti::segmentation {
@@ -57,11 +58,12 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
     }
 
     const anatomy::Alignment axes = anatomy::align_axes(patient, jaw_opening_deg * degree);
+    const bool at_the_end = axes.head_elevation >= anatomy::max_head_elevation - 1e-4f;
     result.text += fmt::format(
-        "\nmouth, pharynx and larynx come closest to one line at {:.1f} deg of head elevation, {:.1f} mm off "
-        "it "
-        "(the patient of Xiao et al. 2020: 26 deg)\n",
-        degrees(axes.head_elevation), 1e3f * axes.off_line);
+        "\nmouth, pharynx and larynx come closest to one line at {:.1f} deg of head elevation{}, {:.1f} mm "
+        "off "
+        "it (the patient of Xiao et al. 2020: 26 deg)\n",
+        degrees(axes.head_elevation), at_the_end ? " (where the range ends)" : "", 1e3f * axes.off_line);
     const auto line = [&](const char* when, const anatomy::AxisAngles& a) {
         result.text += fmt::format(
             "{}: mouth to pharynx {:.0f} deg, pharynx to larynx {:.0f} deg, sight to larynx {:.0f} deg\n",
