@@ -4,18 +4,37 @@
 #include <CLI/CLI.hpp>
 
 #include "common/math/units.hpp"
+#include "server/anatomy/check_model.hpp"
 #include "server/anatomy/from_scenario.hpp"
+#include "server/imaging/bytes.hpp"
 #include "server/segmentation/commands.hpp"
+#include "server/segmentation/labelled_anatomy.hpp"
+#include "server/segmentation/points_file.hpp"
+#include "server/segmentation/surfaces.hpp"
 
 namespace eti::segmentation {
 
 namespace {
 
 struct BuildRequest {
+    std::vector<std::filesystem::path> in;
+    std::filesystem::path landmarks;
     std::string scenario;
     std::filesystem::path out;
     std::optional<float> spacing_mm, fine_spacing_mm, region_mm, stiffness_kpa;
 };
+
+std::string stem_of_model(const std::filesystem::path& file) {
+    return (file.parent_path() / file.stem()).string();
+}
+
+std::uint64_t fnv1a(std::span<const std::uint8_t> bytes) {
+    std::uint64_t hash = 0xcbf29ce484222325ULL;
+    for (const std::uint8_t b : bytes) {
+        hash = (hash ^ b) * 0x100000001b3ULL;
+    }
+    return hash;
+}
 
 anatomy::BuildSettings settings_of(const BuildRequest& request, anatomy::BuildSettings settings) {
     const auto take = [](const std::optional<float>& typed, float unit, float& to) {
@@ -74,11 +93,75 @@ Result build_newborn(const BuildRequest& request, const ShapeOptions& options) {
     return report(patient, provenance, request.out);
 }
 
+/// What labels without a larynx still give, written beside the model that was not built.
+Result surfaces_instead(const BuildRequest& request, const imaging::Mask& labels, const std::string& why) {
+    const std::filesystem::path folder = stem_of_model(request.out) + "-surfaces";
+    Result result = write_surfaces(make_surfaces(labels, nullptr, {}, told), folder);
+    result.text = fmt::format("no model: {}\nsurfaces of what the labels show:\n", why) + result.text;
+    result.json["model"] = nullptr;
+    result.json["why_no_model"] = why;
+    result.status = status_no_model;
+    return result;
+}
+
+Result build_labelled(const BuildRequest& request, const ShapeOptions& options) {
+    if (options.any() || !request.scenario.empty()) {
+        throw std::runtime_error(
+            "labels tell the patient's shape themselves; leave --scenario and options of the newborn's shape "
+            "out");
+    }
+    const imaging::Mask labels = read_labels(request.in.front());
+    const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
+    const anatomy::BuildSettings settings = settings_of(request, {});
+    (void)told(0.1f, "laying a newborn over the labels");
+    std::optional<LabelledAnatomy> anatomy;
+    try {
+        anatomy.emplace(labels, given, told);
+    } catch (const NoLarynx& none) {
+        return surfaces_instead(request, labels, none.what());
+    } catch (const imaging::VolumeError& error) {
+        throw imaging::VolumeError(request.in.front().string() + ": " + error.what());
+    }
+    for (const std::string& text : anatomy->remarks()) {
+        remark(text);
+    }
+    (void)told(0.7f, "building the model");
+    const anatomy::Patient patient = anatomy::build_patient(*anatomy, settings);
+    for (const anatomy::Invariant& i : anatomy::check_model(patient)) {
+        if (!i.holds) {
+            throw std::runtime_error(
+                fmt::format("{}: the labels make no sound model: {}: {}; nothing was written. Remedy: mend "
+                            "the labels there",
+                            request.in.front().string(), i.name, i.found));
+        }
+    }
+    if (!told(0.95f, "writing")) {
+        throw Stopped();
+    }
+    anatomy::Provenance provenance = anatomy::provenance_of(settings);
+    provenance["generator"] = "labels";
+    provenance["input"] = request.in.front().filename().string();
+    provenance["input_fnv1a"] = fmt::format("{:016x}", fnv1a(imaging::read_bytes(request.in.front())));
+    provenance["weight_kg"] = fmt::format("{}", patient.weight);
+    provenance["registration_off_mm"] = fmt::format("{:.3f}", 1e3 * anatomy->registration().off);
+    anatomy::save_patient(patient, request.out, provenance);
+    Result result = report(patient, provenance, request.out);
+    result.text += fmt::format("a newborn lies {:.2f} mm off the labels on average\n",
+                               1e3 * anatomy->registration().off);
+    return result;
+}
+
 }  // namespace
 
 void add_build(CLI::App& app, Run& run) {
     CLI::App* const build = app.add_subcommand("build", "Build a model that eti-server runs");
     const auto request = std::make_shared<BuildRequest>();
+    build->add_option(
+        "LABELS", request->in,
+        "Labels numbered as eti-anatomy's (.nrrd, .nii, .nii.gz); without them the parametric newborn");
+    build->add_option(
+        "--landmarks", request->landmarks,
+        "Landmarks that count more than those found (3D Slicer, *.mrk.json), in the labels' frame");
     build->add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
     const ShapeOptions shape(*build);
     build->add_option("--out", request->out, "Model to write (*.h5)")->required();
@@ -98,8 +181,11 @@ void add_build(CLI::App& app, Run& run) {
         ->add_option("--tissue-stiffness-kpa", request->stiffness_kpa,
                      "Young's modulus of tongue and mucosa [8]")
         ->check(CLI::Range(1.0, 100.0));
-    build->callback(
-        [request, shape, &run] { run = [request, shape] { return build_newborn(*request, shape); }; });
+    build->callback([request, shape, &run] {
+        run = [request, shape] {
+            return request->in.empty() ? build_newborn(*request, shape) : build_labelled(*request, shape);
+        };
+    });
 }
 
 }  // namespace eti::segmentation

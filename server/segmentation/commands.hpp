@@ -7,6 +7,7 @@
 
 #include "common/model/newborn_shape.hpp"
 #include "server/imaging/read.hpp"
+#include "server/segmentation/surfaces.hpp"
 #include "server/segmentation/terminal.hpp"
 
 namespace CLI {
@@ -39,5 +40,9 @@ class ShapeOptions {
 [[nodiscard]] imaging::Reading read_told(const std::filesystem::path& file);
 /// Reads labels as eti-anatomy numbers them.
 [[nodiscard]] imaging::Mask read_labels(const std::filesystem::path& file);
+
+/// Writes each surface as STL into a folder, which is made, and says so.
+[[nodiscard]] Result write_surfaces(const std::vector<NamedSurface>& surfaces,
+                                    const std::filesystem::path& folder);
 
 }  // namespace eti::segmentation

@@ -153,22 +153,7 @@ Result run_surfaces(const path& in, const path& ct_file, const path& folder,
                                    ": there is no label but 0; expected a segmentation. Remedy: run "
                                    "eti-anatomy segment first.");
     }
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    Result result;
-    for (const NamedSurface& surface : surfaces) {
-        const path file = folder / (surface.name + ".stl");
-        imaging::write_bytes(file, encode_stl(surface.mesh));
-        const MeshReport& r = surface.report;
-        result.text += fmt::format("{}: {} triangles in {} parts, {:.1f} ml; closed, manifold, oriented\n",
-                                   file.string(), r.triangles, r.components, 1e6 * r.volume);
-        result.json["surfaces"].push_back({{"name", surface.name},
-                                           {"file", file.string()},
-                                           {"triangles", r.triangles},
-                                           {"parts", r.components},
-                                           {"volume_ml", 1e6 * r.volume}});
-    }
-    return result;
+    return write_surfaces(surfaces, folder);
 }
 
 }  // namespace

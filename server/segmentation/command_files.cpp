@@ -36,4 +36,23 @@ imaging::Mask read_labels(const std::filesystem::path& file) {
     return labels;
 }
 
+Result write_surfaces(const std::vector<NamedSurface>& surfaces, const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    Result result;
+    for (const NamedSurface& surface : surfaces) {
+        const std::filesystem::path file = folder / (surface.name + ".stl");
+        imaging::write_bytes(file, encode_stl(surface.mesh));
+        const MeshReport& r = surface.report;
+        result.text += fmt::format("{}: {} triangles in {} parts, {:.1f} ml; closed, manifold, oriented\n",
+                                   file.string(), r.triangles, r.components, 1e6 * r.volume);
+        result.json["surfaces"].push_back({{"name", surface.name},
+                                           {"file", file.string()},
+                                           {"triangles", r.triangles},
+                                           {"parts", r.components},
+                                           {"volume_ml", 1e6 * r.volume}});
+    }
+    return result;
+}
+
 }  // namespace eti::segmentation
