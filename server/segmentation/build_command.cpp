@@ -19,6 +19,7 @@ namespace {
 struct BuildRequest {
     std::vector<std::filesystem::path> in;
     std::filesystem::path landmarks;
+    std::filesystem::path volume;
     std::string scenario;
     std::filesystem::path out;
     std::optional<float> spacing_mm, fine_spacing_mm, region_mm, stiffness_kpa;
@@ -95,8 +96,12 @@ Result build_newborn(const BuildRequest& request, const ShapeOptions& options) {
 
 /// What labels without a larynx still give, written beside the model that was not built.
 Result surfaces_instead(const BuildRequest& request, const imaging::Mask& labels, const std::string& why) {
+    std::optional<imaging::Volume> ct;
+    if (!request.volume.empty()) {
+        ct = read_told(request.volume).volume;
+    }
     const std::filesystem::path folder = stem_of_model(request.out) + "-surfaces";
-    Result result = write_surfaces(make_surfaces(labels, nullptr, {}, told), folder);
+    Result result = write_surfaces(make_surfaces(labels, ct ? &*ct : nullptr, {}, told), folder);
     result.text = fmt::format("no model: {}\nsurfaces of what the labels show:\n", why) + result.text;
     result.json["model"] = nullptr;
     result.json["why_no_model"] = why;
@@ -162,6 +167,9 @@ void add_build(CLI::App& app, Run& run) {
     build->add_option(
         "--landmarks", request->landmarks,
         "Landmarks that count more than those found (3D Slicer, *.mrk.json), in the labels' frame");
+    build->add_option(
+        "--volume", request->volume,
+        "The CT that was segmented: surfaces then follow its grey values where no model can be built");
     build->add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
     const ShapeOptions shape(*build);
     build->add_option("--out", request->out, "Model to write (*.h5)")->required();

@@ -15,11 +15,6 @@
 
 namespace eti::segmentation {
 
-/// The labels show no larynx; what they do show can still be turned into surfaces.
-class NoLarynx : public imaging::VolumeError {
-    using imaging::VolumeError::VolumeError;
-};
-
 /// A patient as labels show it. Skin, airway, tongue, skull, mandible and spine are the labels' own, as
 /// signed distances. What a CT does not show (gums, palate's mucosa, the border of larynx and epiglottis, the
 /// collapsed gullet, joints and how the skeleton carries tissue) is that of the parametric newborn, laid over

@@ -166,7 +166,7 @@ Registration lay_newborn_over(const imaging::Mask& given) {
     add(2, {Label::tongue}, [](const anatomy::Fields& f) { return f.tongue; });
     add(3, {Label::spine}, [](const anatomy::Fields& f) { return f.spine; });
     if (!air || !jaw) {
-        throw imaging::VolumeError(
+        throw NoLarynx(
             fmt::format("the labels show no {}; without it the larynx cannot be placed, and none is "
                         "invented. Remedy: give "
                         "a CT that reaches from the palate to below the larynx, or labels with airway (3) "

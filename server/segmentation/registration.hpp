@@ -9,6 +9,11 @@
 
 namespace eti::segmentation {
 
+/// The labels show no larynx; what they do show can still be turned into surfaces.
+class NoLarynx : public imaging::VolumeError {
+    using imaging::VolumeError::VolumeError;
+};
+
 /// Where the parametric newborn lies in a labelled volume.
 struct Registration {
     float weight = 3.5f;   ///< [kg], of a newborn of this size
