@@ -11,6 +11,7 @@
 #include "server/segmentation/labelled_anatomy.hpp"
 #include "server/segmentation/points_file.hpp"
 #include "server/segmentation/surfaces.hpp"
+#include "server/segmentation/voxelise.hpp"
 
 namespace eti::segmentation {
 
@@ -115,7 +116,16 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
             "labels tell the patient's shape themselves; leave --scenario and options of the newborn's shape "
             "out");
     }
-    const imaging::Mask labels = read_labels(request.in.front());
+    const bool meshes = is_mesh_file(request.in.front());
+    if (!meshes && request.in.size() > 1) {
+        throw std::runtime_error(
+            fmt::format("{} is one too many; expected one volume of labels, or surfaces "
+                        "(.stl, .obj, .ply)",
+                        request.in[1].string()));
+    }
+    constexpr double mesh_voxels = 0.5e-3;  // [m]
+    const imaging::Mask labels =
+        meshes ? voxelise(request.in, mesh_voxels, told) : read_labels(request.in.front());
     const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
     const anatomy::BuildSettings settings = settings_of(request, {});
     (void)told(0.1f, "laying a newborn over the labels");
@@ -144,9 +154,14 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
         throw Stopped();
     }
     anatomy::Provenance provenance = anatomy::provenance_of(settings);
-    provenance["generator"] = "labels";
-    provenance["input"] = request.in.front().filename().string();
-    provenance["input_fnv1a"] = fmt::format("{:016x}", fnv1a(imaging::read_bytes(request.in.front())));
+    provenance["generator"] = meshes ? "surfaces" : "labels";
+    for (const std::filesystem::path& file : request.in) {
+        std::string& names = provenance["input"];
+        std::string& hashes = provenance["input_fnv1a"];
+        const char* comma = names.empty() ? "" : " ";
+        names += comma + file.filename().string();
+        hashes += fmt::format("{}{:016x}", comma, fnv1a(imaging::read_bytes(file)));
+    }
     provenance["weight_kg"] = fmt::format("{}", patient.weight);
     provenance["registration_off_mm"] = fmt::format("{:.3f}", 1e3 * anatomy->registration().off);
     anatomy::save_patient(patient, request.out, provenance);
@@ -161,9 +176,10 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
 void add_build(CLI::App& app, Run& run) {
     CLI::App* const build = app.add_subcommand("build", "Build a model that eti-server runs");
     const auto request = std::make_shared<BuildRequest>();
-    build->add_option(
-        "LABELS", request->in,
-        "Labels numbered as eti-anatomy's (.nrrd, .nii, .nii.gz); without them the parametric newborn");
+    build->add_option("IN", request->in,
+                      "Labels numbered as eti-anatomy's (.nrrd, .nii, .nii.gz), or closed surfaces (.stl, "
+                      ".obj, .ply) whose "
+                      "names tell what they bound; without either the parametric newborn");
     build->add_option(
         "--landmarks", request->landmarks,
         "Landmarks that count more than those found (3D Slicer, *.mrk.json), in the labels' frame");
