@@ -205,7 +205,9 @@ Fields LabelledAnatomy::fields(const Vec3f& point) const {
     f.tongue = tongue_ ? tongue_->distance(place) : usual.tongue;
     f.epiglottis = epiglottis_ ? epiglottis_->distance(place) : usual.epiglottis;
     // The cavity is as if tongue and epiglottis were away: which part of them lies in it, CT does not show.
-    f.cavity = std::min(airway_.distance(place), std::max(std::min(f.tongue, f.epiglottis), usual.cavity));
+    // Steeper than a distance, so that only their very surface counts as the cavity's border.
+    f.cavity =
+        std::min(airway_.distance(place), std::max(4.0f * std::min(f.tongue, f.epiglottis), usual.cavity));
     // A collapsed gullet is not air.
     const Vec3f model = newborn_.to_model(point);
     if (model.z() < -40.0f && model.y() < 1.4f + 0.19f * (model.z() + 40.0f)) {
