@@ -204,10 +204,15 @@ Fields LabelledAnatomy::fields(const Vec3f& point) const {
     const float scale = newborn_.scale();
     f.tongue = tongue_ ? tongue_->distance(place) : usual.tongue;
     f.epiglottis = epiglottis_ ? epiglottis_->distance(place) : usual.epiglottis;
+    const float away = airway_.distance(place);
+    // Unlabelled, the plate was taken for soft tissue: it is cut out with room for its being elsewhere.
+    const float plate = epiglottis_ ? f.epiglottis : f.epiglottis - 1.2f * scale;
+    // What a segmentation leaves between tongue and air is a rind of the tongue, not of the body.
+    const float rind = std::max({f.tongue - 2.0f * scale, -away, usual.cavity + 0.5f * scale, -plate});
+    f.tongue = std::min(f.tongue, rind);
     // The cavity is as if tongue and epiglottis were away: which part of them lies in it, CT does not show.
     // Steeper than a distance, so that only their very surface counts as the cavity's border.
-    f.cavity =
-        std::min(airway_.distance(place), std::max(4.0f * std::min(f.tongue, f.epiglottis), usual.cavity));
+    f.cavity = std::min(away, std::max(4.0f * std::min(f.tongue, plate), usual.cavity));
     // A collapsed gullet is not air.
     const Vec3f model = newborn_.to_model(point);
     if (model.z() < -40.0f && model.y() < 1.4f + 0.19f * (model.z() + 40.0f)) {
