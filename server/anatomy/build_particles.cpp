@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <unordered_set>
 
 #include "common/math/units.hpp"
@@ -178,6 +179,27 @@ void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patie
             if (covered[i] == 0) {
                 set.mass[i] = 0.0f;  // too far from its like to be held: goes with the bones
             }
+        }
+    }
+    // A large tongue may leave no cluster's centre so near the stalk: then the hinge is one of its own.
+    const bool hinged =
+        std::ranges::any_of(std::views::iota(std::size_t{0}, clusters.size()), [&](std::size_t c) {
+            return clusters.tissue[c] != Tissue::epiglottis &&
+                   std::ranges::any_of(clusters.members(c), is_stalk);
+        });
+    for (float reach = 2.0f * coarse; !hinged && reach < 6.0f * coarse; reach += 0.5f * coarse) {
+        std::vector<std::uint32_t> members;
+        std::size_t body = 0;
+        grid.within(stalk, reach, [&](std::uint32_t i, float) {
+            if (family_of(set.tissue[i]) == 0 || is_stalk(i)) {
+                members.push_back(i);
+                body += is_stalk(i) ? 0 : 1;
+            }
+        });
+        if (body >= 6) {
+            std::sort(members.begin(), members.end());
+            add(members, Tissue::larynx);
+            break;
         }
     }
 }
