@@ -496,7 +496,11 @@ std::array<Vec3f, landmark_count> Newborn::landmarks() const {
     set(Landmark::lower_gum, opened({0, 43.5f, -5.8f}));
     set(Landmark::upper_lip, {0, 53.5f, -6.4f});
     set(Landmark::lower_lip, opened({0, 52.5f, -7.0f}));
-    set(Landmark::mouth_opening, {0, 53.0f, -8.0f});
+    // Half-way between the lips, however far they are apart.
+    const Vec3f between_lips(0, 53.0f, -8.0f);
+    const float wider_deg = rest_jaw_deg_ - parted_lips_deg;
+    set(Landmark::mouth_opening,
+        wider_deg > 0.0f ? turn_back_about_jaw(between_lips, 0.5f * wider_deg) : between_lips);
     set(Landmark::tongue_tip, opened({0, 43.0f, -8.5f}));
     set(Landmark::tongue_dorsum, {0, 24.0f, 0.2f});
     set(Landmark::vallecula, {0, 8.4f, -27.0f});

@@ -44,10 +44,13 @@ def run(*arguments):
     return done.returncode, (json.loads(done.stdout) if done.stdout.startswith("{") else None), done.stderr
 
 
-def operator_for(weight, folder):
-    """The expert tuned to the nearest size, its lengths scaled to this newborn."""
-    tuned, name = min(TUNED, key=lambda entry: abs(entry[0] ** (1 / 3) - weight ** (1 / 3)))
-    scale = (weight / tuned) ** (1 / 3)
+def operators_for(weight, folder):
+    """The tuned experts, that of the nearest size first, their lengths scaled to this newborn."""
+    for tuned, name in sorted(TUNED, key=lambda entry: abs(entry[0] ** (1 / 3) - weight ** (1 / 3))):
+        yield scaled_operator(name, (weight / tuned) ** (1 / 3), folder)
+
+
+def scaled_operator(name, scale, folder):
     text = (ROOT / f"deploy/operators/{name}.yaml").read_text()
 
     def scaled(match):
@@ -88,10 +91,15 @@ def examine(shape, arguments, folder):
               "faults": [f"{i['name']}: {i['found']}" for i in checked["invariants"] if not i["holds"]]}
     if arguments.intubate and code == 0:
         weight = shape["weight_kg"]
-        _, attempt, said = run(BIN / "eti-server", "--scenario", scenario_for(weight, model, folder), "--operator",
-                               operator_for(weight, folder), "--fast", "--no-dds", "--json")
-        result["intubated"] = bool(attempt and attempt["success"])
-        result["reason"] = attempt["reason"] if attempt else said.strip().splitlines()[-1]
+        reasons = []
+        for operator in operators_for(weight, folder):  # who fails one way tries another
+            _, attempt, said = run(BIN / "eti-server", "--scenario", scenario_for(weight, model, folder), "--operator",
+                                   operator, "--fast", "--no-dds", "--json")
+            reasons.append(attempt["reason"] if attempt else said.strip().splitlines()[-1])
+            result["intubated"] = bool(attempt and attempt["success"])
+            if result["intubated"]:
+                break
+        result["reason"] = reasons[-1] if result["intubated"] else "; then: ".join(reasons)
     model.unlink()
     return result
 

@@ -27,7 +27,7 @@ imaging::Mask moved(imaging::Mask labels, float tilt, const Vec3d& by) {
 
 TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
     for (const float weight : {1.5f, 3.5f}) {
-        const Phantom phantom = coarse_phantom(1.0e-3f, weight);
+        const Phantom phantom = coarse_phantom(1.2e-3f, weight);
         const Vec3d by(0.04, -0.11, 0.9);
         const float tilt = 25.0f * degree;
         const Registration found = lay_newborn_over(moved(phantom.labels, tilt, by));
@@ -41,7 +41,7 @@ TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
 }
 
 TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
-    const Phantom phantom = coarse_phantom(0.7e-3f);
+    const Phantom phantom = coarse_phantom(0.8e-3f);
     const LabelledAnatomy anatomy(phantom.labels, phantom.landmarks, silent);
     const anatomy::Newborn truth(PhantomSettings().newborn);
     // Compared in the volume's frame, which is the phantom's.
