@@ -88,7 +88,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
 
 TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(refused("seed: 1\npatient:\n  weight_kg: 35\n",
-                        {"baby.yaml:3", "'patient.shape.weight_kg'", "'35'", "0.5 to 4.5"}));
+                        {"baby.yaml:3", "'patient.weight_kg'", "'35'", "0.5 to 4.5"}));
     EXPECT_TRUE(
         refused("patient: {weight_kg: heavy}\n", {"baby.yaml:1", "weight_kg", "'heavy'", "a number"}));
     EXPECT_TRUE(refused("patient: {weight_kg: 3.5 kg}\n", {"'3.5 kg'", "write the number alone"}));
@@ -110,6 +110,39 @@ TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(
         refused("physics: {spacing_mm: 1, fine_spacing_mm: 1.5}\n", {"fine_spacing_mm", "spacing_mm"}));
     EXPECT_TRUE(refused("name: \"two\\nlines\"\n", {"name", "one line"}));
+}
+
+TEST(Scenario, AgeFollowsWeightAndBothMustFit) {
+    EXPECT_NEAR(read("patient: {weight_kg: 1.126}\n").patient.shape.gestational_age, 28.0f, 1e-3);
+    EXPECT_FLOAT_EQ(
+        read("patient: {weight_kg: 1.1, gestational_age_weeks: 30}\n").patient.shape.gestational_age, 30.0f);
+    EXPECT_TRUE(refused("patient: {weight_kg: 1.1, gestational_age_weeks: 40}\n",
+                        {"baby.yaml:1", "patient.weight_kg", "1.1", "1.79 to 6.09", "leave the age out"}));
+}
+
+TEST(Scenario, VariantsSetWhatIsNotGiven) {
+    EXPECT_LT(read("patient: {variant: micrognathia}\n").patient.shape.mandible_scale, 1.0f);
+    const NewbornShape both =
+        read("patient: {variant: anterior-larynx, larynx_anterior_mm: 1}\n").patient.shape;
+    EXPECT_FLOAT_EQ(both.larynx_anterior, 1e-3f);
+    EXPECT_GT(both.larynx_superior, 0.0f);
+    EXPECT_TRUE(refused("patient: {variant: giant}\n", {"variant", "'giant'", "micrognathia"}));
+}
+
+TEST(Scenario, AModelLiesBesideItsScenarioAndHoldsItsShape) {
+    EXPECT_EQ(parse_scenario("patient: {model: baby.h5}\n", "some/where/baby.yaml").patient.model,
+              "some/where/baby.h5");
+    EXPECT_EQ(parse_scenario("patient: {model: /tmp/baby.h5}\n", "some/baby.yaml").patient.model,
+              "/tmp/baby.h5");
+    EXPECT_EQ(read("patient: {model: a.h5, head_elevation_deg: 20}\n").patient.head_elevation, 20 * degree);
+    for (const char* key :
+         {"weight_kg: 3", "variant: normal", "tissue_stiffness_kpa: 9", "tongue_scale: 1"}) {
+        EXPECT_TRUE(refused(std::string("patient: {model: a.h5, ") + key + "}\n",
+                            {"patient.", "build another model"}))
+            << key;
+    }
+    EXPECT_TRUE(
+        refused("patient: {model: a.h5}\nphysics: {spacing_mm: 3}\n", {"spacing_mm", "patient.model"}));
 }
 
 TEST(Scenario, NumbersMustBeFiniteDecimals) {
