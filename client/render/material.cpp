@@ -26,6 +26,7 @@ float wetness(Tissue tissue) {
         case Tissue::skull:
         case Tissue::mandible:
         case Tissue::spine:
+        case Tissue::hyoid:
             return 0.25f;
         case Tissue::tongue:
             return 0.75f;
@@ -126,6 +127,7 @@ Vec3f tissue_colour(Tissue tissue) {
         case Tissue::skull:
         case Tissue::mandible:
         case Tissue::spine:
+        case Tissue::hyoid:
             return {0.93f, 0.88f, 0.76f};
     }
     return {0.8f, 0.4f, 0.4f};
@@ -142,6 +144,7 @@ Vec3f cut_colour(Tissue tissue) {
         case Tissue::skull:
         case Tissue::mandible:
         case Tissue::spine:
+        case Tissue::hyoid:
             return {0.95f, 0.91f, 0.80f};
         default:
             return 0.92f * tissue_colour(tissue);

@@ -12,10 +12,6 @@ namespace {
 
 constexpr float crease_angle = 40.0f * degree;
 
-bool is_bone(Tissue tissue) {
-    return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine;
-}
-
 // Body, then organs, then bones.
 int layer(const SurfaceMesh& surface) {
     return surface.tissue == Tissue::soft ? 0 : surface.bone ? 2 : 1;

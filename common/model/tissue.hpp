@@ -23,15 +23,21 @@ enum class Tissue : std::uint8_t {
     skull,
     mandible,
     spine,
+    hyoid,
 };
-inline constexpr std::size_t tissue_count = 12;
+inline constexpr std::size_t tissue_count = 13;
 
 inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
-    "soft",      "tongue",    "epiglottis", "larynx", "trachea",  "oesophagus",
-    "upper gum", "lower gum", "palate",     "skull",  "mandible", "spine"};
+    "soft",      "tongue", "epiglottis", "larynx",   "trachea", "oesophagus", "upper gum",
+    "lower gum", "palate", "skull",      "mandible", "spine",   "hyoid"};
 
 [[nodiscard]] constexpr std::string_view name_of(Tissue tissue) {
     return tissue_names[static_cast<std::size_t>(tissue)];
+}
+
+[[nodiscard]] constexpr bool is_bone(Tissue tissue) {
+    return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine ||
+           tissue == Tissue::hyoid;
 }
 
 /// How soft tissue is computed.

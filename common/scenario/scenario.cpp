@@ -28,6 +28,35 @@ std::vector<std::filesystem::path> data_folders(const std::string& kind) {
     return folders;
 }
 
+void read_shape(YamlMap& patient, NewbornShape& shape) {
+    apply(static_cast<AirwayVariant>(patient.choice("variant", 0, airway_variant_names)), shape);
+    for (const ShapeField& field : shape_fields) {
+        shape.*field.value =
+            patient.number(std::string(field.key), shape.*field.value, {field.low, field.high, field.unit});
+        if (field.value == &NewbornShape::weight && patient.has("weight_kg")) {
+            shape.gestational_age = usual_gestational_age(shape.weight);
+        }
+    }
+    const auto [lightest, heaviest] = plausible_weights(shape.gestational_age);
+    if (shape.weight < lightest || shape.weight > heaviest) {
+        patient.refuse(
+            "weight_kg", fmt::format("{:g}", shape.weight),
+            fmt::format("{:.2f} to {:.2f} at gestational_age_weeks {:g}; or leave the age out, and it "
+                        "follows the weight",
+                        lightest, heaviest, shape.gestational_age));
+    }
+}
+
+/// A built model fixes what it was built from.
+void refuse_what_a_model_holds(const YamlMap& map, std::span<const std::string_view> keys) {
+    for (const std::string_view key : keys) {
+        if (map.has(key)) {
+            map.refuse(std::string(key), "a value",
+                       "none beside patient.model, which was built with its own; build another model");
+        }
+    }
+}
+
 }  // namespace
 
 std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind) {
@@ -70,12 +99,19 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     s.description = root.text("description", "");
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
-        p.weight = patient->number("weight_kg", p.weight, {0.5f, 4.5f});
-        p.gestational_age = patient->number("gestational_age_weeks", p.gestational_age, {24, 42});
-        p.tongue_scale = patient->number("tongue_scale", p.tongue_scale, {0.8f, 1.4f});
+        read_shape(*patient, p.shape);
         p.head_elevation = patient->number("head_elevation_deg", p.head_elevation, {0, 30, degree});
         p.jaw_opening = patient->number("jaw_opening_deg", p.jaw_opening, {0, 35, degree});
         p.tissue_stiffness = patient->number("tissue_stiffness_kpa", p.tissue_stiffness, {1, 100, 1e3f});
+        if (const std::string model = patient->text("model", ""); !model.empty()) {
+            std::vector<std::string_view> held = {"variant", "tissue_stiffness_kpa"};
+            for (const ShapeField& field : shape_fields) {
+                held.push_back(field.key);
+            }
+            refuse_what_a_model_holds(*patient, held);
+            // Beside the scenario, wherever the server was started.
+            p.model = file.parent_path() / model;
+        }
         patient->finish();
     }
     if (auto scope = root.map("laryngoscope")) {
@@ -106,6 +142,11 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
         static constexpr std::array<std::string_view, 2> models = {"clusters", "tetrahedra"};
         p.tissue_model = static_cast<TissueModel>(
             physics->choice("tissue_model", static_cast<std::size_t>(p.tissue_model), models));
+        if (!s.patient.model.empty()) {
+            static constexpr std::array<std::string_view, 3> held = {"spacing_mm", "fine_spacing_mm",
+                                                                     "region_mm"};
+            refuse_what_a_model_holds(*physics, held);
+        }
         if (p.fine_spacing > p.spacing) {
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));

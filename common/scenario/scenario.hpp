@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/model/newborn_shape.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools.hpp"
 
@@ -19,9 +20,8 @@ struct Scenario {
     std::string text;  ///< the file as read, for the session record
 
     struct Patient {
-        float weight = 3.5f;            ///< [kg], 0.5-4.5
-        float gestational_age = 40.0f;  ///< [weeks], 24-42
-        float tongue_scale = 1.0f;      ///< 0.8-1.4
+        NewbornShape shape;
+        std::filesystem::path model;    ///< a model that eti-anatomy built, instead of `shape`; empty: none
         float head_elevation = 0.0f;    ///< [rad], 0-30 deg
         float jaw_opening = 0.0f;       ///< [rad], 0-35 deg
         float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa

@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "server/anatomy/newborn.hpp"
+#include "common/model/newborn_shape.hpp"
+#include "server/anatomy/anatomy.hpp"
+#include "server/anatomy/model_file.hpp"
 #include "server/anatomy/patient.hpp"
 
 namespace eti::anatomy {
@@ -22,18 +24,23 @@ struct BuildSettings {
     std::size_t shell_triangles = 12000;
 };
 
-/// Builds the whole model of a newborn: particles, clusters, links, surfaces, shell, landmarks.
-/// Some seconds on two cores.
-[[nodiscard]] Patient build_patient(const NewbornParameters& parameters, const BuildSettings& settings);
+/// Builds a whole model: particles, clusters, links, surfaces, shell, landmarks. Some seconds on two cores.
+[[nodiscard]] Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings);
+/// The same of the parametric newborn.
+[[nodiscard]] Patient build_patient(const NewbornShape& shape, const BuildSettings& settings);
+
+/// What a model depends on: the program that built it and how, and of the newborn its shape.
+[[nodiscard]] Provenance provenance_of(const NewbornShape& shape, const BuildSettings& settings);
+[[nodiscard]] Provenance provenance_of(const BuildSettings& settings);
 
 // The steps of build_patient, each adding its part of the model.
-void build_particles(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
-void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
-void build_tetrahedra(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
-void build_links(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
-void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
-void build_shell(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
-void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Patient& patient);
+void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_tetrahedra(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 
 /// [Pa]; of cartilage the same in every patient.
 [[nodiscard]] float youngs_modulus_of(Tissue tissue, const BuildSettings& settings);

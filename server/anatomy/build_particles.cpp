@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <unordered_set>
 
 #include "common/math/units.hpp"
+#include "common/mesh/point_grid.hpp"
 #include "server/anatomy/build.hpp"
-#include "server/anatomy/point_grid.hpp"
 
 namespace eti::anatomy {
 
@@ -21,7 +22,7 @@ struct Voxel {
     Tissue tissue = Tissue::soft;
 };
 
-Tissue body_tissue(const NewbornFields& f) {
+Tissue body_tissue(const Fields& f) {
     if (f.upper_gum < 0.0f) {
         return Tissue::upper_gum;
     }
@@ -34,13 +35,12 @@ Tissue body_tissue(const NewbornFields& f) {
     return f.larynx < 0.0f ? Tissue::larynx : Tissue::soft;
 }
 
-Voxel classify(const Newborn& newborn, const NewbornFields& f, const Vec3f& point, float spacing,
-               float region) {
+Voxel classify(const Anatomy& anatomy, const Fields& f, const Vec3f& point, float spacing, float region) {
     Voxel voxel;
     if (f.skin > 0.0f) {
         return voxel;
     }
-    const Vec3f model = newborn.to_model(point);
+    const Vec3f model = anatomy.to_model(point);
     const float bone = std::min({f.skull, f.mandible, f.spine});
     if (f.epiglottis < 0.0f) {
         return {true, true, false, Tissue::epiglottis};
@@ -76,10 +76,10 @@ float youngs_modulus_of(Tissue tissue, const BuildSettings& settings) {
     }
 }
 
-void build_particles(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     ParticleSet& set = patient.particles;
-    const float size = newborn.scale() / millimetre;
-    const auto [low, high] = newborn.airway_bounds();
+    const float size = anatomy.scale() / millimetre;
+    const auto [low, high] = anatomy.airway_bounds();
     const auto fill = [&](float spacing, bool fine) {
         const Vec3f extent = (high - low) / spacing;
         // An odd lattice about the mid-sagittal plane keeps left and right alike.
@@ -91,7 +91,7 @@ void build_particles(const Newborn& newborn, const BuildSettings& settings, Pati
                                       low.y() + (static_cast<float>(j) + 0.5f) * spacing,
                                       low.z() + (static_cast<float>(k) + 0.5f) * spacing);
                     const Voxel voxel =
-                        classify(newborn, newborn.fields(point), point, spacing, settings.region * size);
+                        classify(anatomy, anatomy.fields(point), point, spacing, settings.region * size);
                     if (!voxel.filled || voxel.fine != fine) {
                         continue;
                     }
@@ -99,7 +99,7 @@ void build_particles(const Newborn& newborn, const BuildSettings& settings, Pati
                     set.radius.push_back(0.5f * spacing);
                     set.tissue.push_back(voxel.tissue);
                     set.mass.push_back(voxel.fixed ? 0.0f : tissue_density * spacing * spacing * spacing);
-                    set.bones.push_back(newborn.bone_weights(point, voxel.tissue));
+                    set.bones.push_back(anatomy.bone_weights(point, voxel.tissue));
                 }
             }
         }
@@ -108,10 +108,10 @@ void build_particles(const Newborn& newborn, const BuildSettings& settings, Pati
     fill(settings.fine_spacing * size, true);
 }
 
-void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
-    const ParticleSet& set = patient.particles;
+void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+    ParticleSet& set = patient.particles;
     ClusterSet& clusters = patient.clusters;
-    const float size = newborn.scale() / millimetre;
+    const float size = anatomy.scale() / millimetre;
     const float coarse = settings.spacing * size;
     const PointGrid grid(set.rest, 2.0f * coarse);
     clusters.first.push_back(0);
@@ -132,7 +132,7 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
     };
     // The epiglottis is one cluster over exactly its particles (Xiao et al. 2020, sec. 4.2). Its stalk,
     // where it is rooted in the larynx, also counts in the body's clusters: that is its hinge.
-    const Vec3f stalk = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
+    const Vec3f stalk = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
     const auto is_stalk = [&](std::uint32_t i) {
         return set.tissue[i] == Tissue::epiglottis && (set.rest[i] - stalk).norm() < 3.0e-3f * size;
     };
@@ -176,13 +176,37 @@ void build_clusters(const Newborn& newborn, const BuildSettings& settings, Patie
             if (covered[i] == 0) {
                 add(gather(i, 3.5f * spacing), set.tissue[i]);
             }
+            if (covered[i] == 0) {
+                set.mass[i] = 0.0f;  // too far from its like to be held: goes with the bones
+            }
+        }
+    }
+    // A large tongue may leave no cluster's centre so near the stalk: then the hinge is one of its own.
+    const bool hinged =
+        std::ranges::any_of(std::views::iota(std::size_t{0}, clusters.size()), [&](std::size_t c) {
+            return clusters.tissue[c] != Tissue::epiglottis &&
+                   std::ranges::any_of(clusters.members(c), is_stalk);
+        });
+    for (float reach = 2.0f * coarse; !hinged && reach < 6.0f * coarse; reach += 0.5f * coarse) {
+        std::vector<std::uint32_t> members;
+        std::size_t body = 0;
+        grid.within(stalk, reach, [&](std::uint32_t i, float) {
+            if (family_of(set.tissue[i]) == 0 || is_stalk(i)) {
+                members.push_back(i);
+                body += is_stalk(i) ? 0 : 1;
+            }
+        });
+        if (body >= 6) {
+            std::sort(members.begin(), members.end());
+            add(members, Tissue::larynx);
+            break;
         }
     }
 }
 
-void build_links(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     const ParticleSet& set = patient.particles;
-    const float size = newborn.scale() / millimetre;
+    const float size = anatomy.scale() / millimetre;
     const float spacing = settings.spacing * size;
     const PointGrid grid(set.rest, 2.0f * spacing);
     const auto link = [&](std::uint32_t a, std::uint32_t b, float stiffness) {
@@ -193,7 +217,7 @@ void build_links(const Newborn& newborn, const BuildSettings& settings, Patient&
     // A link stands for a column of tissue of one spacing squared: stiffness E h^2 / h.
     const float floor_stiffness = settings.tissue_stiffness * spacing;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
-        if (set.tissue[i] != Tissue::tongue || newborn.fields(set.rest[i]).cavity < -0.3f * spacing) {
+        if (set.tissue[i] != Tissue::tongue || anatomy.fields(set.rest[i]).cavity < -0.3f * spacing) {
             continue;
         }
         grid.within(set.rest[i], 1.5f * spacing, [&](std::uint32_t k, float) {
@@ -205,7 +229,7 @@ void build_links(const Newborn& newborn, const BuildSettings& settings, Patient&
     }
     // Hyoepiglottic ligament: the midline of the epiglottis's lower half to the tongue root before it.
     // A blade in the vallecula draws on it and so lifts the epiglottis.
-    const auto points = newborn.landmarks();
+    const auto points = anatomy.landmarks();
     const Vec3f base = at(points, Landmark::epiglottis_base);
     const Vec3f axis = at(points, Landmark::epiglottis_tip) - base;
     for (std::uint32_t i = 0; i < set.size(); ++i) {

@@ -6,11 +6,12 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
+#include "common/mesh/distance.hpp"
 #include "common/mesh/isosurface.hpp"
-#include "common/mesh/simplify.hpp"
-#include "common/mesh/smooth.hpp"
+#include "common/mesh/point_grid.hpp"
+#include "common/mesh/uncrossed.hpp"
 #include "server/anatomy/build.hpp"
-#include "server/anatomy/point_grid.hpp"
+#include "server/anatomy/newborn.hpp"
 
 namespace eti::anatomy {
 
@@ -19,6 +20,8 @@ namespace {
 // Takes the slivers of marching tetrahedra out, which would keep edges from collapsing; moves vertices by
 // a tenth of the grid's spacing.
 constexpr int smoothing = 3;
+
+constexpr float shell_band = 4e-3f;  // [m], within which the shell's distances are exact
 
 DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
     DistanceGrid grid;
@@ -34,12 +37,12 @@ DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
 
 /// Evaluates the fields on a grid once and hands them to `store(node index, fields, point)`.
 template <class Store>
-void sample(const Newborn& newborn, const DistanceGrid& grid, const Store& store) {
+void sample(const Anatomy& anatomy, const DistanceGrid& grid, const Store& store) {
     tbb::parallel_for(0, grid.size[2], [&](int z) {
         for (int y = 0; y < grid.size[1]; ++y) {
             for (int x = 0; x < grid.size[0]; ++x) {
                 const Vec3f point = grid.node(x, y, z);
-                store(grid.index(x, y, z), newborn.fields(point), point);
+                store(grid.index(x, y, z), anatomy.fields(point), point);
             }
         }
     });
@@ -47,14 +50,14 @@ void sample(const Newborn& newborn, const DistanceGrid& grid, const Store& store
 
 /// The body without tongue and epiglottis; the tongue sinks a little into the mouth floor, so that no
 /// gap shows between their surfaces.
-float body_field(const NewbornFields& f, float overlap) {
+float body_field(const Fields& f, float overlap) {
     return std::max(f.skin, -std::min(f.cavity, f.tongue + overlap));
 }
 
-Tissue lining_tissue(const Newborn& newborn, const Vec3f& point) {
-    const NewbornFields f = newborn.fields(point);
-    const float margin = 0.6f * newborn.scale();
-    const Vec3f model = newborn.to_model(point);
+Tissue lining_tissue(const Anatomy& anatomy, const Vec3f& point) {
+    const Fields f = anatomy.fields(point);
+    const float margin = 0.6f * anatomy.scale();
+    const Vec3f model = anatomy.to_model(point);
     if (f.upper_gum < margin) {
         return Tissue::upper_gum;
     }
@@ -77,9 +80,9 @@ Tissue lining_tissue(const Newborn& newborn, const Vec3f& point) {
 /// particle is near.
 class Skinner {
   public:
-    Skinner(const Newborn& newborn, const BuildSettings& settings, const Patient& patient)
-        : newborn_(newborn), patient_(patient), clusters_of_(patient.particles.size()) {
-        reach_ = 2.2f * settings.spacing * newborn.scale() / millimetre;
+    Skinner(const Anatomy& anatomy, const BuildSettings& settings, const Patient& patient)
+        : anatomy_(anatomy), patient_(patient), clusters_of_(patient.particles.size()) {
+        reach_ = 2.2f * settings.spacing * anatomy.scale() / millimetre;
         const ClusterSet& clusters = patient.clusters;
         for (std::uint32_t c = 0; c < clusters.size(); ++c) {
             for (std::uint32_t k = clusters.first[c]; k < clusters.first[c + 1]; ++k) {
@@ -109,7 +112,7 @@ class Skinner {
                 found = true;
             }
         });
-        if (!found || clusters_of_[nearest].empty() || is_bone(tissue)) {
+        if (!found || clusters_of_[nearest].empty() || goes_with_bone(tissue)) {
             return by_bones(point, tissue);
         }
         std::vector<std::pair<float, std::uint32_t>> near;
@@ -140,12 +143,12 @@ class Skinner {
     }
 
   private:
-    [[nodiscard]] static bool is_bone(Tissue tissue) {
+    [[nodiscard]] static bool goes_with_bone(Tissue tissue) {
         return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine ||
                tissue == Tissue::upper_gum || tissue == Tissue::lower_gum;
     }
     [[nodiscard]] SkinWeights by_bones(const Vec3f& point, Tissue tissue) const {
-        const BoneWeights weights = newborn_.bone_weights(point, tissue);
+        const BoneWeights weights = anatomy_.bone_weights(point, tissue);
         SkinWeights skin;
         for (std::size_t b = 0; b < bone_count; ++b) {
             skin.frame[b] = static_cast<std::uint16_t>(b);
@@ -154,7 +157,7 @@ class Skinner {
         return skin;
     }
 
-    const Newborn& newborn_;
+    const Anatomy& anatomy_;
     const Patient& patient_;
     float reach_ = 0.0f;
     std::vector<std::vector<std::uint32_t>> clusters_of_;
@@ -163,32 +166,33 @@ class Skinner {
     std::vector<PointGrid> grids_;
 };
 
-Surface surface_from(const Newborn& newborn, const Skinner& skinner, const DistanceGrid& field,
+Surface surface_from(const Anatomy& anatomy, const Skinner& skinner, const DistanceGrid& field,
                      std::string name, Tissue tissue, std::size_t budget) {
     Surface surface;
     surface.name = std::move(name);
     surface.tissue = tissue;
     surface.mesh = isosurface(field, 0.0f);
-    smooth(surface.mesh, smoothing);
+    smooth_without_crossing(surface.mesh, smoothing);
     if (budget > 0 && surface.mesh.triangles.size() > budget) {
         // The lining of the airway is looked at from near: keep it fine, let the scalp go coarse.
         std::vector<float> importance(surface.mesh.vertices.size(), 1.0f);
-        const auto [low, high] = newborn.airway_bounds();
+        const auto [low, high] = anatomy.airway_bounds();
         for (std::size_t i = 0; i < importance.size(); ++i) {
             const Vec3f& p = surface.mesh.vertices[i];
             const bool near = (p.array() > low.array()).all() && (p.array() < high.array()).all();
             importance[i] = near ? 8.0f : 1.0f;
         }
-        surface.mesh = simplify(surface.mesh, {.triangles = budget, .importance = importance});
+        surface.mesh =
+            simplify_without_crossing(surface.mesh, {.triangles = budget, .importance = importance});
     }
     for (const Triangle& t : surface.mesh.triangles) {
         const Vec3f middle =
             (surface.mesh.vertices[t[0]] + surface.mesh.vertices[t[1]] + surface.mesh.vertices[t[2]]) / 3.0f;
-        surface.triangle_tissue.push_back(tissue == Tissue::soft ? lining_tissue(newborn, middle) : tissue);
+        surface.triangle_tissue.push_back(tissue == Tissue::soft ? lining_tissue(anatomy, middle) : tissue);
     }
     surface.skin.reserve(surface.mesh.vertices.size());
     for (const Vec3f& v : surface.mesh.vertices) {
-        surface.skin.push_back(skinner(v, tissue == Tissue::soft ? lining_tissue(newborn, v) : tissue));
+        surface.skin.push_back(skinner(v, tissue == Tissue::soft ? lining_tissue(anatomy, v) : tissue));
     }
     return surface;
 }
@@ -204,74 +208,80 @@ Vec3f cluster_centre(const Patient& patient, std::size_t c) {
 
 }  // namespace
 
-void build_surfaces(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     patient.frame_rest_centre.assign(bone_count, Vec3f::Zero());
     for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
         patient.frame_rest_centre.push_back(cluster_centre(patient, c));
     }
-    const Skinner skinner(newborn, settings, patient);
-    const float size = newborn.scale() / millimetre;
-    const auto [low, high] = newborn.bounds();
-    const auto [inner_low, inner_high] = newborn.airway_bounds();
+    const Skinner skinner(anatomy, settings, patient);
+    const float size = anatomy.scale() / millimetre;
+    const auto [low, high] = anatomy.bounds();
+    const auto [inner_low, inner_high] = anatomy.airway_bounds();
 
     DistanceGrid body = grid_over(low, high, settings.surface_spacing * size);
     DistanceGrid skull = grid_over(low, high, 1.5f * settings.surface_spacing * size);
     DistanceGrid mandible = skull;
     DistanceGrid spine = skull;
-    sample(newborn, body, [&](std::size_t i, const NewbornFields& f, const Vec3f&) {
+    DistanceGrid hyoid = grid_over(inner_low, inner_high, 0.7f * settings.surface_spacing * size);
+    sample(anatomy, body, [&](std::size_t i, const Fields& f, const Vec3f&) {
         body.value[i] = body_field(f, 0.5e-3f * size);
     });
-    sample(newborn, skull, [&](std::size_t i, const NewbornFields& f, const Vec3f&) {
+    sample(anatomy, skull, [&](std::size_t i, const Fields& f, const Vec3f&) {
         skull.value[i] = f.skull;
         mandible.value[i] = f.mandible;
         spine.value[i] = f.spine;
     });
+    sample(anatomy, hyoid, [&](std::size_t i, const Fields& f, const Vec3f&) { hyoid.value[i] = f.hyoid; });
     DistanceGrid tongue = grid_over(inner_low, inner_high, settings.surface_spacing * size);
-    sample(newborn, tongue,
-           [&](std::size_t i, const NewbornFields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
-    const Vec3f tip = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_tip)];
-    const Vec3f base = newborn.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
+    sample(anatomy, tongue,
+           [&](std::size_t i, const Fields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
+    const Vec3f tip = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_tip)];
+    const Vec3f base = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
     const Vec3f margin = Vec3f::Constant(9e-3f * size);
     DistanceGrid epiglottis = grid_over(tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin,
                                         0.4f * settings.surface_spacing * size);
-    sample(newborn, epiglottis,
-           [&](std::size_t i, const NewbornFields& f, const Vec3f&) { epiglottis.value[i] = f.epiglottis; });
+    sample(anatomy, epiglottis,
+           [&](std::size_t i, const Fields& f, const Vec3f&) { epiglottis.value[i] = f.epiglottis; });
 
     patient.surfaces.push_back(
-        surface_from(newborn, skinner, body, "body", Tissue::soft, settings.body_triangles));
-    patient.surfaces.push_back(surface_from(newborn, skinner, tongue, "tongue", Tissue::tongue, 6000));
+        surface_from(anatomy, skinner, body, "body", Tissue::soft, settings.body_triangles));
+    patient.surfaces.push_back(surface_from(anatomy, skinner, tongue, "tongue", Tissue::tongue, 6000));
     patient.surfaces.push_back(
-        surface_from(newborn, skinner, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
-    patient.surfaces.push_back(surface_from(newborn, skinner, skull, "skull", Tissue::skull, 16000));
-    patient.surfaces.push_back(surface_from(newborn, skinner, mandible, "mandible", Tissue::mandible, 4000));
-    patient.surfaces.push_back(surface_from(newborn, skinner, spine, "spine", Tissue::spine, 8000));
+        surface_from(anatomy, skinner, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
+    patient.surfaces.push_back(surface_from(anatomy, skinner, skull, "skull", Tissue::skull, 16000));
+    patient.surfaces.push_back(surface_from(anatomy, skinner, mandible, "mandible", Tissue::mandible, 4000));
+    patient.surfaces.push_back(surface_from(anatomy, skinner, spine, "spine", Tissue::spine, 8000));
+    // Hangs in the soft tissue and goes with it.
+    patient.surfaces.push_back(surface_from(anatomy, skinner, hyoid, "hyoid", Tissue::hyoid, 1500));
 }
 
-void build_shell(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
-    const float size = newborn.scale() / millimetre;
-    const auto [low, high] = newborn.airway_bounds();
+void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+    const float size = anatomy.scale() / millimetre;
+    const auto [low, high] = anatomy.airway_bounds();
     // The face belongs to it: a blade must not pass through lips and nose.
     const Vec3f room(10e-3f * size, 12e-3f * size, 8e-3f * size);
     DistanceGrid field = grid_over(low - room, high + room, 1.0e-3f * size);
-    sample(newborn, field, [&](std::size_t i, const NewbornFields& f, const Vec3f& point) {
-        field.value[i] = body_field(f, 0.0f) + newborn.shell_offset(point, f);
+    sample(anatomy, field, [&](std::size_t i, const Fields& f, const Vec3f& point) {
+        field.value[i] = body_field(f, 0.0f) + anatomy.shell_offset(point, f);
     });
     TriangleMesh shell = isosurface(field, 0.0f);
-    smooth(shell, smoothing);
-    patient.shell.mesh = simplify(shell, {.triangles = settings.shell_triangles, .importance = {}});
-    patient.shell.distance = std::move(field);
+    smooth_without_crossing(shell, smoothing);
+    patient.shell.mesh =
+        simplify_without_crossing(shell, {.triangles = settings.shell_triangles, .importance = {}});
+    patient.shell.distance =
+        mesh_distance(patient.shell.mesh, field.origin, field.spacing, field.size, shell_band);
     for (const Triangle& t : patient.shell.mesh.triangles) {
         const auto& v = patient.shell.mesh.vertices;
-        patient.shell.triangle_tissue.push_back(lining_tissue(newborn, (v[t[0]] + v[t[1]] + v[t[2]]) / 3.0f));
+        patient.shell.triangle_tissue.push_back(lining_tissue(anatomy, (v[t[0]] + v[t[1]] + v[t[2]]) / 3.0f));
     }
     for (const Vec3f& v : patient.shell.mesh.vertices) {
-        patient.shell.vertex_bones.push_back(newborn.bone_weights(v, lining_tissue(newborn, v)));
+        patient.shell.vertex_bones.push_back(anatomy.bone_weights(v, lining_tissue(anatomy, v)));
     }
 }
 
-void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
-    const Skinner skinner(newborn, settings, patient);
-    const auto points = newborn.landmarks();
+void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+    const Skinner skinner(anatomy, settings, patient);
+    const auto points = anatomy.landmarks();
     for (std::size_t i = 0; i < landmark_count; ++i) {
         Tissue tissue = Tissue::soft;
         switch (static_cast<Landmark>(i)) {
@@ -298,24 +308,28 @@ void build_landmarks(const Newborn& newborn, const BuildSettings& settings, Pati
     SkinWeights& mouth = patient.landmarks[static_cast<std::size_t>(Landmark::mouth_opening)].skin;
     mouth = {{static_cast<std::uint16_t>(Bone::skull), static_cast<std::uint16_t>(Bone::mandible)},
              {0.5f, 0.5f}};
-    for (const Vec3f& p : newborn.glottis_contour()) {
+    for (const Vec3f& p : anatomy.glottis_contour()) {
         patient.glottis_contour.push_back({p, skinner(p, Tissue::larynx)});
     }
 }
 
-Patient build_patient(const NewbornParameters& parameters, const BuildSettings& settings) {
-    const Newborn newborn(parameters);
+Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings) {
     Patient patient;
-    patient.weight = parameters.weight;
-    patient.skeleton = newborn.skeleton();
-    build_particles(newborn, settings, patient);
-    build_clusters(newborn, settings, patient);
-    build_tetrahedra(newborn, settings, patient);
-    build_links(newborn, settings, patient);
-    build_surfaces(newborn, settings, patient);
-    build_shell(newborn, settings, patient);
-    build_landmarks(newborn, settings, patient);
+    patient.weight = anatomy.weight();
+    patient.tissue_stiffness = settings.tissue_stiffness;
+    patient.skeleton = anatomy.skeleton();
+    build_particles(anatomy, settings, patient);
+    build_clusters(anatomy, settings, patient);
+    build_tetrahedra(anatomy, settings, patient);
+    build_links(anatomy, settings, patient);
+    build_surfaces(anatomy, settings, patient);
+    build_shell(anatomy, settings, patient);
+    build_landmarks(anatomy, settings, patient);
     return patient;
+}
+
+Patient build_patient(const NewbornShape& shape, const BuildSettings& settings) {
+    return build_patient(Newborn(shape), settings);
 }
 
 }  // namespace eti::anatomy

@@ -28,9 +28,9 @@ constexpr int cut[2][5][4] = {
 
 }  // namespace
 
-void build_tetrahedra(const Newborn& newborn, const BuildSettings& settings, Patient& patient) {
+void build_tetrahedra(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     const ParticleSet& set = patient.particles;
-    const Vec3f low = newborn.airway_bounds()[0];
+    const Vec3f low = anatomy.airway_bounds()[0];
     std::map<Cell, std::uint32_t> particle_at;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
         const float spacing = 2.0f * set.radius[i];

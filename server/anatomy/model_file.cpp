@@ -22,7 +22,7 @@ using hdf5::read_rows;
 using hdf5::write_rows;
 
 constexpr std::string_view file_kind = "NeoETI patient model";
-constexpr std::uint64_t schema = 2;
+constexpr std::uint64_t schema = 3;
 
 void write_carried(const Group& parent, const std::string& name, std::span<const CarriedPoint> points) {
     const Group group = parent.create(name);
@@ -225,6 +225,7 @@ Shell read_shell(const Group& group) {
 
 void write(const Group& root, const Patient& patient) {
     root.set_number("weight_kg", static_cast<double>(patient.weight));
+    root.set_number("tissue_stiffness_pa", static_cast<double>(patient.tissue_stiffness));
     const Group skeleton = root.create("skeleton");
     skeleton.write<float>("neck_joint", {patient.skeleton.neck_joint.data(), 3}, {3}, {"m", "patient frame"});
     skeleton.write<float>("jaw_joint", {patient.skeleton.jaw_joint.data(), 3}, {3}, {"m", "patient frame"});
@@ -253,12 +254,14 @@ Vec3f read_point(const Group& group, const std::string& name) {
 Patient read(const Group& root) {
     Patient patient;
     patient.weight = static_cast<float>(root.number("weight_kg"));
+    patient.tissue_stiffness = static_cast<float>(root.number("tissue_stiffness_pa"));
     const Group skeleton = root.open("skeleton");
     patient.skeleton = {read_point(skeleton, "neck_joint"), read_point(skeleton, "jaw_joint"),
                         static_cast<float>(skeleton.number("jaw_slide_m_per_rad"))};
-    if (!(patient.weight > 0.0f) || !std::isfinite(patient.weight) ||
-        !std::isfinite(patient.skeleton.jaw_slide_per_radian)) {
-        throw hdf5::Error(fmt::format("{}: weight or jaw slide is not a usable number", root.place()));
+    if (!(patient.weight > 0.0f) || !std::isfinite(patient.weight) || !(patient.tissue_stiffness > 0.0f) ||
+        !std::isfinite(patient.tissue_stiffness) || !std::isfinite(patient.skeleton.jaw_slide_per_radian)) {
+        throw hdf5::Error(
+            fmt::format("{}: weight, tissue stiffness or jaw slide is not a usable number", root.place()));
     }
     patient.particles = read_particles(root.open("particles"));
     patient.clusters = read_clusters(root.open("clusters"), patient.particles.size());

@@ -15,7 +15,7 @@ const Vec3f jaw_joint(0.0f, 2.0f, 13.0f);
 const Vec3f neck_joint(0.0f, -12.0f, 2.0f);
 const Vec3f gum_crest(0.0f, 45.5f, -6.9f);
 // The mouth is sampled slightly open, so that the lips are apart; posture adds to this.
-constexpr float rest_jaw_deg = 4.0f;
+constexpr float parted_lips_deg = 4.0f;
 constexpr float jaw_slide_per_deg = 0.12f;
 // How far a tongue can be pressed into the floor of the mouth where nothing firm is nearer.
 constexpr float soft_floor = 9.0f;
@@ -44,11 +44,36 @@ float duct(const Vec3f& p, std::initializer_list<Station> stations, float taper 
     return anatomy::duct(p, std::span(stations.begin(), stations.size()), taper);
 }
 
+Vec3f turn_back_about_jaw(Vec3f p, float degrees) {
+    p.y() += jaw_slide_per_deg * degrees;
+    const float c = std::cos(degrees * degree);
+    const float s = std::sin(degrees * degree);
+    const float a = p.y() - jaw_joint.y();
+    const float z = p.z() - jaw_joint.z();
+    return {p.x(), jaw_joint.y() + a * c + z * s, jaw_joint.z() - a * s + z * c};
+}
+
+// The cranium grows from this height upwards and about this axis; face and airway do not follow it.
+constexpr float cranium_floor = 26.0f;
+constexpr float cranium_axis_y = -18.0f;
+
+/// From a head whose cranium is `size` times the usual one to the usual head.
+Vec3f usual_cranium(const Vec3f& p, float size) {
+    if (size == 1.0f || p.z() <= cranium_floor) {
+        return p;
+    }
+    const float above = p.z() - cranium_floor;
+    const float wide = 1.0f + (size - 1.0f) * smoothstep(0.0f, 22.0f, above);
+    return {p.x() / wide, cranium_axis_y + (p.y() - cranium_axis_y) / wide,
+            p.z() - (1.0f - 1.0f / size) * above * above / (above + 12.0f)};
+}
+
 Vec3f mirrored(const Vec3f& p) {
     return {std::fabs(p.x()), p.y(), p.z()};
 }
 
-float skin_field(const Vec3f& p, const Vec3f& in_jaw) {
+float skin_field(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
+    const Vec3f p = usual_cranium(point, cranium_size);
     const Vec3f q = mirrored(p);
     const float cranium = ellipsoid(p, {0, -18, 47}, {47, 58, 46});
     const float socket = ellipsoid(q, {17, 47, 24}, {11, 7, 8});
@@ -107,10 +132,7 @@ float soft_palate(const Vec3f& p) {
     return smooth_union(velum, round_cone(p, {0, 8.4f, -6.5f}, {0, 8.6f, -10.5f}, 1.9f, 1.5f), 1.5f);
 }
 
-float tongue_field(const Vec3f& p, float scale) {
-    // The tongue follows the jaw at its tip and stays with the hyoid at its root.
-    const float follow = 0.95f * smoothstep(6, 34, p.y());
-    const Vec3f in_jaw = turn_about_jaw(p, rest_jaw_deg * follow);
+float tongue_shape(const Vec3f& in_jaw, float scale) {
     const Vec3f centre(0, 18, -18);
     const Vec3f t = centre + (in_jaw - centre) / scale;
     float shape = smooth_union(
@@ -146,7 +168,8 @@ struct Cavities {
 };
 
 /// Lumen of mouth, pharynx, larynx and gullet, and the solid larynx that it runs through.
-Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums) {
+Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums, float rest_jaw_deg,
+                       float mouth_width) {
     const Vec3f q = mirrored(p);
     const float gap = 2.0f * std::sin(rest_jaw_deg * degree / 2.0f) * 48.0f;
     // Pharynx from the nasopharynx to the hypopharynx.
@@ -158,10 +181,11 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums) {
     const Vec3f half = turn_about_jaw(p, rest_jaw_deg * 0.5f);
     float middle = ellipsoid(half, {0, 28, -7}, {17, 24, 6.5f + gap * 0.33f});
     const float slit = std::max(gap * 0.36f, 0.4f);
-    const float rima = std::max((std::sqrt(half.x() * half.x() / (12.0f * 12.0f) +
+    const float corner = 12.0f * mouth_width;
+    const float rima = std::max((std::sqrt(half.x() * half.x() / (corner * corner) +
                                            (half.z() + 6.3f) * (half.z() + 6.3f) / (slit * slit)) -
                                  1.0f) *
-                                    std::min(12.0f, slit),
+                                    std::min(corner, slit),
                                 36.0f - half.y());
     middle = smooth_union(middle, rima, 2.5f);
     const float vestibule =
@@ -208,7 +232,8 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums) {
     return {smooth_union(air, lumen, 0.5f), wall};
 }
 
-float skull_field(const Vec3f& p) {
+float skull_field(const Vec3f& point, float cranium_size) {
+    const Vec3f p = usual_cranium(point, cranium_size);
     const Vec3f q = mirrored(p);
     const float cranium = ellipsoid(p, {0, -18, 47}, {47, 58, 46});
     float vault = std::max(cranium + 3.0f, -(cranium + 5.6f));
@@ -283,12 +308,83 @@ float spine_field(const Vec3f& p) {
     return bone;
 }
 
+float hyoid_field(const Vec3f& p) {
+    // Body below the tongue's root, before the epiglottis; greater horns beside the pharynx.
+    const Vec3f q = mirrored(p);
+    return smooth_union(
+        chain(q, {{0, 16.5f, -33.5f}, {6.5f, 14.5f, -33.0f}}, 1.5f, 1.4f),
+        chain(q, {{6.5f, 14.5f, -33.0f}, {10.5f, 9.5f, -31.5f}, {12.0f, 3.5f, -30.0f}}, 1.1f, 0.9f), 1.0f);
+}
+
+/// The cranium's size against that of an isometrically grown head.
+float cranium_of(const NewbornShape& shape) {
+    const float grown = usual_head_circumference(shape.gestational_age).mean /
+                        usual_head_circumference(40.0f).mean / std::cbrt(shape.weight / 3.5f);
+    return grown * shape.head_scale;
+}
+
+/// Where the larynx's displacement counts: from the tongue's root to half-way down the trachea, between
+/// spine and chin.
+float laryngeal_share(const Vec3f& p) {
+    return (1.0f - smoothstep(-26.0f, -13.0f, p.z())) * smoothstep(-84.0f, -50.0f, p.z()) *
+           smoothstep(-11.0f, -3.0f, p.y()) * (1.0f - smoothstep(14.0f, 30.0f, p.y())) *
+           (1.0f - smoothstep(14.0f, 26.0f, std::fabs(p.x())));
+}
+
 }  // namespace
 
-Newborn::Newborn(const NewbornParameters& parameters)
-    : parameters_(parameters),
+Newborn::Newborn(const NewbornShape& shape)
+    : shape_(shape),
       // Isometric growth: lengths go with the cube root of weight.
-      scale_(1e-3f * std::cbrt(parameters.weight / 3.5f)) {}
+      scale_(1e-3f * std::cbrt(shape.weight / 3.5f)),
+      rest_jaw_deg_(parted_lips_deg + shape.jaw_opening / degree),
+      cranium_(cranium_of(shape)),
+      larynx_shift_(0.0f, 1e3f * shape.larynx_anterior, 1e3f * shape.larynx_superior) {}
+
+Vec3f Newborn::own_place(const Vec3f& model) const {
+    return model + laryngeal_share(model) * larynx_shift_;
+}
+
+Vec3f Newborn::usual_place(const Vec3f& model) const {
+    if (larynx_shift_.isZero(0.0f)) {
+        return model;
+    }
+    // The share changes by less than 1 over the shift's length, so this converges.
+    Vec3f place = model - laryngeal_share(model) * larynx_shift_;
+    for (int round = 0; round < 6; ++round) {
+        place = model - laryngeal_share(place) * larynx_shift_;
+    }
+    return place;
+}
+
+Vec3f Newborn::to_jaw(const Vec3f& model) const {
+    Vec3f closed = turn_about_jaw(model, rest_jaw_deg_);
+    if (shape_.mandible_scale != 1.0f) {
+        closed.y() = jaw_joint.y() + (closed.y() - jaw_joint.y()) / shape_.mandible_scale;
+    }
+    return closed;
+}
+
+Vec3f Newborn::from_jaw(const Vec3f& closed) const {
+    Vec3f own = closed;
+    if (shape_.mandible_scale != 1.0f) {
+        own.y() = jaw_joint.y() + (own.y() - jaw_joint.y()) * shape_.mandible_scale;
+    }
+    return turn_back_about_jaw(own, rest_jaw_deg_);
+}
+
+float Newborn::tongue_field(const Vec3f& model) const {
+    // The tongue follows the jaw at its tip and stays with the hyoid at its root.
+    const float follow = 0.95f * smoothstep(6, 34, model.y());
+    Vec3f in_jaw = turn_about_jaw(model, rest_jaw_deg_ * follow);
+    if (shape_.mandible_scale != 1.0f) {
+        // A short jaw holds the tip back and pushes the root into the throat (glossoptosis).
+        const float longer = (in_jaw.y() - jaw_joint.y()) * (1.0f / shape_.mandible_scale - 1.0f);
+        const float pushed = 0.25f * (1.0f - shape_.mandible_scale) * (gum_crest.y() - jaw_joint.y());
+        in_jaw.y() += follow * longer + (1.0f - follow) * pushed;
+    }
+    return tongue_shape(in_jaw, shape_.tongue_scale);
+}
 
 Vec3f Newborn::to_model(const Vec3f& point) const {
     return Vec3f(point.x(), -point.y(), point.z()) / scale_ + gum_crest;
@@ -299,27 +395,28 @@ Vec3f Newborn::from_model(const Vec3f& point) const {
     return {q.x(), -q.y(), q.z()};
 }
 
-NewbornFields Newborn::fields(const Vec3f& point) const {
-    const Vec3f p = to_model(point);
-    const Vec3f in_jaw = turn_about_jaw(p, rest_jaw_deg);
-    NewbornFields f;
-    f.skin = skin_field(p, in_jaw) * scale_;
+Fields Newborn::fields(const Vec3f& point) const {
+    const Vec3f p = usual_place(to_model(point));
+    const Vec3f in_jaw = to_jaw(p);
+    Fields f;
+    f.skin = skin_field(p, in_jaw, cranium_) * scale_;
     if (f.skin > 2e-3f) {
         return f;
     }
     const Gums gums = gum_fields(p, in_jaw);
-    const Cavities cavities = cavity_fields(p, in_jaw, gums);
+    const Cavities cavities = cavity_fields(p, in_jaw, gums, rest_jaw_deg_, shape_.mouth_scale);
     f.cavity = cavities.air * scale_;
     f.larynx = cavities.larynx * scale_;
-    f.tongue = tongue_field(p, parameters_.tongue_scale) * scale_;
+    f.tongue = tongue_field(p) * scale_;
     f.epiglottis = epiglottis_field(p) * scale_;
     f.upper_gum = gums.upper * scale_;
     f.lower_gum = gums.lower * scale_;
     f.palate = std::min(hard_palate(p), soft_palate(p)) * scale_;
     // Bone stays a millimetre clear of the lumen: mucosa covers it.
-    f.skull = std::max(skull_field(p), 1.0f - cavities.air) * scale_;
+    f.skull = std::max(skull_field(p, cranium_), 1.0f - cavities.air) * scale_;
     f.mandible = std::max(mandible_field(in_jaw), 1.0f - cavities.air) * scale_;
     f.spine = std::max(spine_field(p), 1.0f - cavities.air) * scale_;
+    f.hyoid = std::max(hyoid_field(p), 1.0f - cavities.air) * scale_;
     return f;
 }
 
@@ -346,7 +443,7 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
         default: {
             // Height below the surface half-way between the jaws, as an angle about the jaw joint: sharp
             // where the mouth parts the tissue, wide where the cheek stretches.
-            const Vec3f half = turn_about_jaw(p, rest_jaw_deg * 0.5f);
+            const Vec3f half = turn_about_jaw(p, rest_jaw_deg_ * 0.5f);
             const float radius = std::hypot(p.y() - jaw_joint.y(), p.z() - jaw_joint.z());
             const float below = (-6.3f - half.z()) / std::max(radius, 1.0f);
             const float turned = std::atan2(jaw_joint.z() - p.z(), p.y() - jaw_joint.y());
@@ -355,8 +452,8 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
             jaw = smoothstep(-half_width, half_width, below) *
                   (1.0f - smoothstep(56 * degree, 82 * degree, turned)) * smoothstep(-4, 8, p.y());
             // The mouth floor goes with the tongue that grows out of it.
-            const float floor = (1.0f - smoothstep(1.0f, 8.0f, tongue_field(p, parameters_.tongue_scale))) *
-                                (1.0f - smoothstep(-14, -9, p.z()));
+            const float floor =
+                (1.0f - smoothstep(1.0f, 8.0f, tongue_field(p))) * (1.0f - smoothstep(-14, -9, p.z()));
             jaw += floor * (0.95f * smoothstep(6, 34, p.y()) - jaw);
             break;
         }
@@ -364,7 +461,7 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
     return {1 - head, head * (1 - jaw), head * jaw};
 }
 
-float Newborn::shell_offset(const Vec3f& point, const NewbornFields& fields) const {
+float Newborn::shell_offset(const Vec3f& point, const Fields& fields) const {
     const Vec3f p = to_model(point);
     const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate}) / scale_;
     float offset = 0.4f + 1.1f * smoothstep(0.0f, 2.0f, bony);
@@ -374,7 +471,7 @@ float Newborn::shell_offset(const Vec3f& point, const NewbornFields& fields) con
     offset += 5.0f * lips * smoothstep(0.5f, 2.0f, bony);
     // Floor of the mouth and the tissue before the tongue's root are as soft as the tongue that is pressed
     // into them: the shell keeps a tongue from mandible and skin, not from them.
-    const Vec3f half = turn_about_jaw(p, rest_jaw_deg * 0.5f);
+    const Vec3f half = turn_about_jaw(p, rest_jaw_deg_ * 0.5f);
     const float depth = std::min(fields.cavity, fields.tongue) / scale_;
     const float firm = std::min({fields.mandible, fields.skull, fields.spine, fields.lower_gum}) / scale_;
     const float soft = std::min({soft_floor, depth - fields.skin / scale_ - 2.5f, depth + firm - 1.0f});
@@ -392,22 +489,18 @@ float Newborn::shell_offset(const Vec3f& point, const NewbornFields& fields) con
 std::array<Vec3f, landmark_count> Newborn::landmarks() const {
     std::array<Vec3f, landmark_count> points{};
     const auto set = [&](Landmark which, const Vec3f& model) {
-        points[static_cast<std::size_t>(which)] = from_model(model);
+        points[static_cast<std::size_t>(which)] = from_model(own_place(model));
     };
-    // Points of the jaw are given closed and turned to rest: the inverse of turn_about_jaw.
-    const auto opened = [](Vec3f p) {
-        p.y() += jaw_slide_per_deg * rest_jaw_deg;
-        const float c = std::cos(rest_jaw_deg * degree);
-        const float s = std::sin(rest_jaw_deg * degree);
-        const float a = p.y() - jaw_joint.y();
-        const float z = p.z() - jaw_joint.z();
-        return Vec3f(p.x(), jaw_joint.y() + a * c + z * s, jaw_joint.z() - a * s + z * c);
-    };
+    const auto opened = [&](const Vec3f& closed) { return from_jaw(closed); };
     set(Landmark::upper_gum, gum_crest);
     set(Landmark::lower_gum, opened({0, 43.5f, -5.8f}));
     set(Landmark::upper_lip, {0, 53.5f, -6.4f});
     set(Landmark::lower_lip, opened({0, 52.5f, -7.0f}));
-    set(Landmark::mouth_opening, {0, 53.0f, -8.0f});
+    // Half-way between the lips, however far they are apart.
+    const Vec3f between_lips(0, 53.0f, -8.0f);
+    const float wider_deg = rest_jaw_deg_ - parted_lips_deg;
+    set(Landmark::mouth_opening,
+        wider_deg > 0.0f ? turn_back_about_jaw(between_lips, 0.5f * wider_deg) : between_lips);
     set(Landmark::tongue_tip, opened({0, 43.0f, -8.5f}));
     set(Landmark::tongue_dorsum, {0, 24.0f, 0.2f});
     set(Landmark::vallecula, {0, 8.4f, -27.0f});
@@ -423,29 +516,11 @@ std::array<Vec3f, landmark_count> Newborn::landmarks() const {
     return points;
 }
 
-std::vector<Vec3f> Newborn::glottis_contour() const {
-    // The rim of the glottic opening in its plane, found on the field itself by bisection.
-    constexpr int count = 24;
-    std::vector<Vec3f> contour;
-    for (int i = 0; i < count; ++i) {
-        const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / count;
-        const Vec3f direction(std::cos(angle), std::sin(angle), 0.0f);
-        float inside = 0.0f;
-        float outside = 4.0f;
-        for (int step = 0; step < 20; ++step) {
-            const float middle = 0.5f * (inside + outside);
-            const Vec3f at = from_model(Vec3f(0, glottis_y, glottis_z) + middle * direction);
-            (fields(at).cavity < 0.0f ? inside : outside) = middle;
-        }
-        contour.push_back(from_model(Vec3f(0, glottis_y, glottis_z) + inside * direction));
-    }
-    return contour;
-}
-
 std::array<Vec3f, 2> Newborn::bounds() const {
     // Patient frame: posterior is positive, so model maxima of y become minima.
-    const Vec3f a = from_model({-62, 66, -98});
-    const Vec3f b = from_model({62, -80, 98});
+    const float size = std::max(cranium_, 1.0f);
+    const Vec3f a = from_model({-62 * size, 66, -98});
+    const Vec3f b = from_model({62 * size, cranium_axis_y - 62 * size, cranium_floor + 72 * size});
     return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 

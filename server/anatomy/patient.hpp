@@ -112,6 +112,7 @@ struct Patient {
     std::array<CarriedPoint, landmark_count> landmarks;
     std::vector<CarriedPoint> glottis_contour;  ///< closed polygon around the glottic opening
     float weight = 3.5f;                        ///< [kg]
+    float tissue_stiffness = 8e3f;              ///< [Pa], Young's modulus of tongue and mucosa
 };
 
 }  // namespace eti::anatomy

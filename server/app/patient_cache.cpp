@@ -12,22 +12,6 @@ namespace eti::app {
 
 namespace {
 
-anatomy::Provenance provenance_of(const anatomy::NewbornParameters& parameters,
-                                  const anatomy::BuildSettings& settings) {
-    return {{"generator", "implicit newborn"},
-            {"revision", ETI_ANATOMY_REVISION},  // hash of the sources that shape the model
-            {"weight_kg", fmt::format("{}", parameters.weight)},
-            {"gestational_age_weeks", fmt::format("{}", parameters.gestational_age)},
-            {"tongue_scale", fmt::format("{}", parameters.tongue_scale)},
-            {"spacing_m", fmt::format("{}", settings.spacing)},
-            {"fine_spacing_m", fmt::format("{}", settings.fine_spacing)},
-            {"region_m", fmt::format("{}", settings.region)},
-            {"tissue_stiffness_pa", fmt::format("{}", settings.tissue_stiffness)},
-            {"surface_spacing_m", fmt::format("{}", settings.surface_spacing)},
-            {"body_triangles", fmt::format("{}", settings.body_triangles)},
-            {"shell_triangles", fmt::format("{}", settings.shell_triangles)}};
-}
-
 std::uint64_t hash_of(const anatomy::Provenance& provenance) {
     std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
     for (const auto& [key, value] : provenance) {
@@ -51,9 +35,8 @@ std::filesystem::path cache_folder() {
     return std::filesystem::path(home != nullptr ? home : "/tmp") / ".cache" / "neoeti";
 }
 
-anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
-                                const anatomy::BuildSettings& settings) {
-    const anatomy::Provenance provenance = provenance_of(parameters, settings);
+anatomy::Patient cached_patient(const NewbornShape& shape, const anatomy::BuildSettings& settings) {
+    const anatomy::Provenance provenance = anatomy::provenance_of(shape, settings);
     const std::filesystem::path file =
         cache_folder() / fmt::format("newborn-{:016x}.h5", hash_of(provenance));
     std::error_code error;
@@ -67,7 +50,7 @@ anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
         }
     }
     spdlog::info("building the patient model; it is cached as {}", file.string());
-    anatomy::Patient patient = anatomy::build_patient(parameters, settings);
+    anatomy::Patient patient = anatomy::build_patient(shape, settings);
     try {
         std::filesystem::create_directories(file.parent_path());
         anatomy::save_patient(patient, file, provenance);

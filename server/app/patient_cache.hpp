@@ -13,7 +13,7 @@ namespace eti::app {
 
 /// The patient for these parameters, from the cache or built anew (some seconds) and then cached. A
 /// cache that cannot be written or read is reported and does without; it never stops the server.
-[[nodiscard]] anatomy::Patient cached_patient(const anatomy::NewbornParameters& parameters,
+[[nodiscard]] anatomy::Patient cached_patient(const NewbornShape& shape,
                                               const anatomy::BuildSettings& settings);
 
 }  // namespace eti::app

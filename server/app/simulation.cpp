@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/anatomy/from_scenario.hpp"
 #include "server/app/patient_cache.hpp"
 
 namespace eti::app {
@@ -24,10 +25,10 @@ int checked_substeps(const Scenario& scenario, const anatomy::Patient& patient) 
         const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
         const float stiffest = pbd::Tetrahedra::stiffest(spacing, anatomy::tissue_density,
                                                          scene::step_duration / static_cast<float>(substeps));
-        const float wanted = scenario.patient.tissue_stiffness;
+        const float wanted = patient.tissue_stiffness;
         if (wanted > stiffest) {
             throw InputError(fmt::format(
-                "scenario '{}': patient.tissue_stiffness_kpa is {:g}, but tetrahedra of {:.3g} mm bear at "
+                "scenario '{}': tissue_stiffness_kpa is {:g}, but tetrahedra of {:.3g} mm bear at "
                 "most {:.3g} with {} substeps; raise physics.substeps to {} or physics.spacing_mm, or set "
                 "physics.tissue_model to clusters",
                 scenario.name, 1e-3f * wanted, 1e3f * spacing, 1e-3f * stiffest, substeps,
@@ -48,12 +49,10 @@ scene::Inputs parked(const Scenario& scenario) {
 }
 
 anatomy::Patient patient_of(const Scenario& scenario) {
-    return cached_patient(
-        {scenario.patient.weight, scenario.patient.gestational_age, scenario.patient.tongue_scale},
-        {.spacing = scenario.physics.spacing,
-         .fine_spacing = scenario.physics.fine_spacing,
-         .region = scenario.physics.region,
-         .tissue_stiffness = scenario.patient.tissue_stiffness});
+    if (!scenario.patient.model.empty()) {
+        return anatomy::load_patient(scenario.patient.model);
+    }
+    return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
 }
 
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
@@ -66,8 +65,7 @@ Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient
                              .saliva = scenario.saliva,
                              .seed = scenario.seed}),
       viewer_(patient, scope_),
-      tube_depth_rule_(
-          static_cast<float>(tube_depth_by_weight(static_cast<double>(scenario.patient.weight)))) {
+      tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {
     metrics_.begin(patient, scope_, static_cast<double>(scenario.time_limit));
 }
 

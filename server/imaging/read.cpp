@@ -108,11 +108,12 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
     return refused;
 }
 
-[[noreturn]] void broken(const std::filesystem::path& path, const std::string& how) {
+[[noreturn]] void broken(const std::filesystem::path& path, const std::string& how,
+                         const char* expected = "a CT volume") {
     throw VolumeError(
-        fmt::format("{}: damaged: reading it ended with {}; expected a CT volume. Remedy: copy or "
+        fmt::format("{}: damaged: reading it ended with {}; expected {}. Remedy: copy or "
                     "export it again.",
-                    path.string(), how));
+                    path.string(), how, expected));
 }
 
 }  // namespace
@@ -181,6 +182,48 @@ Reading read(const std::filesystem::path& path, const GuardLimits& limits) {
     }
     require_finite(reading.volume, path.string());
     return reading;
+}
+
+Bytes run_parser(const std::function<Bytes()>& parse_it, const std::string& name, const GuardLimits& limits) {
+    const Channel channel;
+    const Guarded ended = run_guarded(
+        [&]() -> int {
+            try {
+                const Bytes made = parse_it();
+                const std::size_t size = made.size();
+                channel.put(&size, sizeof(size));
+                channel.put(made.data(), size);
+                return whole;
+            } catch (const std::bad_alloc&) {
+                channel.put(name +
+                            ": reading it takes more memory than is allowed; expected a smaller file.");
+            } catch (const std::exception& error) {
+                channel.put(error.what());
+            }
+            return refused;
+        },
+        limits);
+    constexpr const char* expected = "a whole file";
+    if (ended.broken) {
+        broken(name, *ended.broken, expected);
+    }
+    channel.rewind();
+    if (ended.status != whole) {
+        std::string finding;
+        if (!channel.get(finding)) {
+            broken(name, fmt::format("status {}", ended.status), expected);
+        }
+        throw VolumeError(finding);
+    }
+    std::size_t size = 0;
+    Bytes made;
+    if (channel.get(&size, sizeof(size)) && size <= limits.memory_bytes) {
+        made.resize(size);
+        if (channel.get(made.data(), size)) {
+            return made;
+        }
+    }
+    broken(name, "an incomplete result", expected);
 }
 
 Format format_of(const std::filesystem::path& file) {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "common/process/guard.hpp"
+#include "server/imaging/bytes.hpp"
 #include "server/imaging/volume.hpp"
 
 namespace eti::imaging {
@@ -25,6 +27,11 @@ struct Reading {
 /// parse() in a child process with bounded time and memory: a crash or a hang in there is a
 /// VolumeError here.
 [[nodiscard]] Reading read(const std::filesystem::path& path, const GuardLimits& limits = {});
+
+/// Runs a parser of foreign data in a child process with bounded time and memory and hands back what it
+/// made. Its VolumeErrors arrive here; a crash or a hang in there is a VolumeError that names `name`.
+[[nodiscard]] Bytes run_parser(const std::function<Bytes()>& parse, const std::string& name,
+                               const GuardLimits& limits);
 
 /// Writes CT as 16 bit integers, labels as 8 bit, in the format of the file's name (.nrrd, .nii,
 /// .nii.gz). The file is whole or not there. Throws VolumeError.

@@ -6,14 +6,6 @@
 #include <cmath>
 
 namespace eti::metrics {
-namespace {
-
-bool is_bone(Tissue tissue) {
-    return tissue == Tissue::skull || tissue == Tissue::mandible || tissue == Tissue::spine;
-}
-
-}  // namespace
-
 AreaSamples sample_polygon(std::span<const Vec3f> contour, int count) {
     AreaSamples samples;
     if (contour.size() < 3) {

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <iostream>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/math/units.hpp"
 #include "server/imaging/formats.hpp"
 #include "server/imaging/read.hpp"
 #include "server/segmentation/agreement.hpp"
+#include "server/segmentation/commands.hpp"
 #include "server/segmentation/phantom.hpp"
 #include "server/segmentation/picture.hpp"
 #include "server/segmentation/points_file.hpp"
@@ -27,93 +24,10 @@ using namespace eti;
 using namespace eti::segmentation;
 using std::filesystem::path;
 
-std::atomic<bool> stop_asked{false};
-
-constexpr int refused = 1;
-constexpr int misused = 2;
-constexpr int interrupted = 130;
-
-/// Draws a bar on a terminal, at most ten times a second; several threads may tell it.
-class ProgressBar {
-  public:
-    bool operator()(float share, std::string_view what) {
-        const auto now = std::chrono::steady_clock::now();
-        const std::lock_guard lock(mutex_);
-        if (on_terminal_ && now - drawn_ > std::chrono::milliseconds(100)) {
-            drawn_ = now;
-            const auto full = static_cast<std::size_t>(30.0f * std::clamp(share, 0.0f, 1.0f));
-            std::cerr << fmt::format("\r\033[K[{:<30}] {:3.0f} % {}", std::string(full, '='), 100.0f * share,
-                                     what)
-                      << std::flush;
-        }
-        return !stop_asked;
-    }
-    void clear() const {
-        if (on_terminal_) {
-            std::cerr << "\r\033[K";
-        }
-    }
-
-  private:
-    bool on_terminal_ = ::isatty(STDERR_FILENO) != 0;
-    std::chrono::steady_clock::time_point drawn_{};
-    std::mutex mutex_;
-};
-
-ProgressBar progress;
-const Told told = [](float share, std::string_view what) { return progress(share, what); };
-
-/// The file's name without its format, for what lies beside it.
-path stem_of(const path& file) {
-    std::string name = file.string();
-    for (const char* ending : {".nii.gz", ".nii", ".nrrd"}) {
-        if (name.ends_with(ending)) {
-            name.resize(name.size() - std::string_view(ending).size());
-            break;
-        }
-    }
-    return name;
-}
-
 path beside(const path& file, const std::string& what) {
     const std::string ending = file.string().substr(stem_of(file).string().size());
     return stem_of(file).string() + what + ending;
 }
-
-imaging::Reading read_told(const path& file) {
-    (void)told(0.0f, "reading " + file.string());
-    imaging::Reading reading = imaging::read(file);
-    if (stop_asked) {
-        throw Stopped();
-    }
-    for (const std::string& remark : reading.remarks) {
-        progress.clear();
-        std::cerr << "eti-anatomy: " << remark << '\n';
-    }
-    return reading;
-}
-
-imaging::Mask read_labels(const path& file) {
-    const imaging::Reading reading = read_told(file);
-    imaging::Mask labels{reading.volume.geometry, {}};
-    labels.value.reserve(reading.volume.value.size());
-    for (const float v : reading.volume.value) {
-        if (v < 0.0f || v >= static_cast<float>(label_count) || v != std::floor(v)) {
-            throw imaging::VolumeError(
-                fmt::format("{}: a value is {}; expected labels from 0 to {}. Remedy: give labels that "
-                            "eti-anatomy segment "
-                            "wrote, or number your own as docs/anatomy.md says.",
-                            file.string(), v, label_count - 1));
-        }
-        labels.value.push_back(static_cast<std::uint8_t>(v));
-    }
-    return labels;
-}
-
-struct Result {
-    std::string text;             ///< for people
-    nlohmann::ordered_json json;  ///< for programs
-};
 
 Result run_phantom(const PhantomSettings& settings, const path& out) {
     (void)imaging::format_of(out);
@@ -183,7 +97,7 @@ Result run_segment(SegmentRequest request) {
     }
     (void)told(0.95f, "drawing");
     const imaging::Bytes png = imaging::encode_png(draw(ct, found.labels, centre_of(found)));
-    if (stop_asked) {
+    if (stop_asked()) {
         throw Stopped();
     }
     imaging::write_bytes(request.picture, png);
@@ -239,29 +153,15 @@ Result run_surfaces(const path& in, const path& ct_file, const path& folder,
                                    ": there is no label but 0; expected a segmentation. Remedy: run "
                                    "eti-anatomy segment first.");
     }
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    Result result;
-    for (const NamedSurface& surface : surfaces) {
-        const path file = folder / (surface.name + ".stl");
-        imaging::write_bytes(file, encode_stl(surface.mesh));
-        const MeshReport& r = surface.report;
-        result.text += fmt::format("{}: {} triangles in {} parts, {:.1f} ml; closed, manifold, oriented\n",
-                                   file.string(), r.triangles, r.components, 1e6 * r.volume);
-        result.json["surfaces"].push_back({{"name", surface.name},
-                                           {"file", file.string()},
-                                           {"triangles", r.triangles},
-                                           {"parts", r.components},
-                                           {"volume_ml", 1e6 * r.volume}});
-    }
-    return result;
+    return write_surfaces(surfaces, folder);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Turns CT volumes into labels and surfaces; makes CT volumes of a parametric newborn.",
-                 "eti-anatomy");
+    CLI::App app(
+        "Turns CT volumes into labels, surfaces and models; makes CT volumes of a parametric newborn.",
+        "eti-anatomy");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     app.fallthrough();
@@ -274,18 +174,11 @@ int main(int argc, char** argv) {
     PhantomSettings phantom_settings;
     path phantom_out;
     double spacing_mm = 0.6;
-    phantom->add_option("--weight-kg", phantom_settings.newborn.weight, "Weight")
+    const ShapeOptions phantom_shape(*phantom);
+    double jaw_opening_deg = 0.0;
+    phantom->add_option("--jaw-opening-deg", jaw_opening_deg, "How far the mouth is open in the volume")
         ->capture_default_str()
-        ->check(CLI::Range(0.4, 6.0));
-    phantom
-        ->add_option("--gestational-age-weeks", phantom_settings.newborn.gestational_age, "Gestational age")
-        ->capture_default_str()
-        ->check(CLI::Range(22.0, 44.0));
-    phantom
-        ->add_option("--tongue-scale", phantom_settings.newborn.tongue_scale,
-                     "Size of the tongue; 1 is usual")
-        ->capture_default_str()
-        ->check(CLI::Range(0.5, 1.5));
+        ->check(CLI::Range(0.0, 25.0));
     phantom
         ->add_option("--spacing-mm", spacing_mm,
                      "Distance of the voxels; half of it takes eight times as long")
@@ -341,34 +234,39 @@ int main(int argc, char** argv) {
     surfaces->add_option("--bone-above-hu", surface_settings.bone_above, "As given to 'segment'")
         ->capture_default_str();
 
+    Run run;
+    add_build(app, run);
+    add_check(app, run);
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : misused;
+        return app.exit(error) == 0 ? 0 : status_misused;
     }
-    std::signal(SIGINT, [](int) { stop_asked = true; });
-    std::signal(SIGTERM, [](int) { stop_asked = true; });
+    stop_on_signals();
     try {
         Result result;
         if (phantom->parsed()) {
             phantom_settings.spacing = static_cast<float>(1e-3 * spacing_mm);
+            phantom_settings.newborn = phantom_shape.shape();
+            phantom_settings.newborn.jaw_opening = static_cast<float>(jaw_opening_deg) * degree;
             result = run_phantom(phantom_settings, phantom_out);
         } else if (segment->parsed()) {
             request.settings.closing = static_cast<float>(1e-3 * closing_mm);
             result = run_segment(request);
-        } else {
+        } else if (surfaces->parsed()) {
             result = run_surfaces(labels, ct, folder, surface_settings);
+        } else {
+            result = run();
         }
-        progress.clear();
+        clear_progress();
         std::cout << (json ? result.json.dump(2) + "\n" : result.text);
-        return 0;
+        return result.status;
     } catch (const Stopped& error) {
-        progress.clear();
-        std::cerr << "eti-anatomy: " << error.what() << '\n';
-        return interrupted;
+        remark(error.what());
+        return status_interrupted;
     } catch (const std::exception& error) {
-        progress.clear();
-        std::cerr << "eti-anatomy: " << (stop_asked ? "stopped; nothing was written" : error.what()) << '\n';
-        return stop_asked ? interrupted : refused;
+        remark(stop_asked() ? "stopped; nothing was written" : error.what());
+        return stop_asked() ? status_interrupted : status_refused;
     }
 }

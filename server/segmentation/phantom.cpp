@@ -15,16 +15,16 @@ namespace eti::segmentation {
 
 namespace {
 
-using anatomy::NewbornFields;
+using anatomy::Fields;
 
-Label label_of(const NewbornFields& f) {
+Label label_of(const Fields& f) {
     if (f.skin > 0.0f) {
         return Label::outside;
     }
     if (f.cavity < 0.0f && f.tongue > 0.0f && f.epiglottis > 0.0f) {
         return Label::airway;
     }
-    const float bone = std::min({f.skull, f.mandible, f.spine});
+    const float bone = std::min({f.skull, f.mandible, f.spine, f.hyoid});
     if (bone < 0.0f) {
         return bone == f.mandible ? Label::mandible : bone == f.spine ? Label::spine : Label::bone;
     }
@@ -35,9 +35,9 @@ Label label_of(const NewbornFields& f) {
 }
 
 /// How near [m] the closest border is; fields are distances only roughly.
-float nearest_border(const NewbornFields& f) {
+float nearest_border(const Fields& f) {
     return std::min({std::fabs(f.skin), std::fabs(f.cavity), std::fabs(f.tongue), std::fabs(f.epiglottis),
-                     std::fabs(f.skull), std::fabs(f.mandible), std::fabs(f.spine)});
+                     std::fabs(f.skull), std::fabs(f.mandible), std::fabs(f.spine), std::fabs(f.hyoid)});
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ Phantom make_phantom(const PhantomSettings& settings, const Told& told) {
         for (int y = 0; y < geometry.size[1]; ++y) {
             for (int x = 0; x < geometry.size[0]; ++x) {
                 const Vec3f centre = geometry.point(x, y, z).cast<float>();
-                const NewbornFields f = newborn.fields(centre);
+                const Fields f = newborn.fields(centre);
                 Label label = label_of(f);
                 float value = hounsfield_of(label);
                 if (nearest_border(f) < 1.2f * h) {

@@ -11,7 +11,7 @@
 namespace eti::segmentation {
 
 struct PhantomSettings {
-    anatomy::NewbornParameters newborn;
+    NewbornShape newborn;
     float spacing = 0.6e-3f;  ///< [m] between voxels; half of it takes eight times as long
     float noise = 20.0f;      ///< [HU], standard deviation
     std::uint64_t seed = 1;   ///< of the noise

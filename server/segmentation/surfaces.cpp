@@ -7,11 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "common/mesh/intersect.hpp"
 #include "common/mesh/isosurface.hpp"
-#include "common/mesh/simplify.hpp"
-#include "common/mesh/smooth.hpp"
-#include "server/anatomy/point_grid.hpp"
+#include "common/mesh/uncrossed.hpp"
 #include "server/imaging/filter.hpp"
 
 namespace eti::segmentation {
@@ -52,109 +49,6 @@ void place(TriangleMesh& mesh, const Geometry& g) {
     if (g.step.determinant() < 0.0) {
         for (Triangle& t : mesh.triangles) {
             std::swap(t[1], t[2]);
-        }
-    }
-}
-
-/// Smooths, but leaves places where smoothing makes the surface cross itself as they were: marching
-/// tetrahedra's surface never does.
-void smooth_without_crossing(TriangleMesh& mesh, int passes) {
-    constexpr int rounds = 8;
-    constexpr int rings = 3;
-    const std::vector<Vec3f> rough = mesh.vertices;
-    smooth(mesh, passes);
-    std::vector<std::uint8_t> kept(rough.size(), 0);
-    for (int round = 0; round < rounds; ++round) {
-        const auto crossings = self_intersections(mesh);
-        if (crossings.empty()) {
-            return;
-        }
-        for (const auto& pair : crossings) {
-            for (const std::uint32_t t : pair) {
-                for (const std::uint32_t v : mesh.triangles[t]) {
-                    kept[v] = 1;
-                }
-            }
-        }
-        for (int ring = 0; ring < rings; ++ring) {
-            const std::vector<std::uint8_t> core = kept;
-            for (const Triangle& t : mesh.triangles) {
-                if ((core[t[0]] | core[t[1]] | core[t[2]]) != 0) {
-                    kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
-                }
-            }
-        }
-        for (std::size_t v = 0; v < kept.size(); ++v) {
-            if (kept[v] != 0) {
-                mesh.vertices[v] = rough[v];
-            }
-        }
-    }
-}
-
-/// Relaxes the vertices of triangles that cross towards their neighbours' mean. A few crossings of a
-/// simplified surface, far smaller than its triangles, come apart so; it says whether all did.
-bool relax_crossings(TriangleMesh& mesh) {
-    constexpr int rounds = 8;
-    std::vector<Vec3f> sum(mesh.vertices.size());
-    std::vector<float> count(mesh.vertices.size());
-    for (int round = 0; round < rounds; ++round) {
-        const auto crossings = self_intersections(mesh);
-        if (crossings.empty()) {
-            return true;
-        }
-        std::fill(sum.begin(), sum.end(), Vec3f::Zero());
-        std::fill(count.begin(), count.end(), 0.0f);
-        for (const Triangle& t : mesh.triangles) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                sum[t[k]] += mesh.vertices[t[(k + 1) % 3]];
-                count[t[k]] += 1.0f;
-            }
-        }
-        std::vector<std::uint8_t> moved(mesh.vertices.size(), 0);
-        for (const auto& pair : crossings) {
-            for (const std::uint32_t t : pair) {
-                for (const std::uint32_t v : mesh.triangles[t]) {
-                    if (moved[v] == 0) {
-                        moved[v] = 1;
-                        mesh.vertices[v] = 0.5f * (mesh.vertices[v] + sum[v] / count[v]);
-                    }
-                }
-            }
-        }
-    }
-    return self_intersections(mesh).empty();
-}
-
-/// Simplifies to a budget. Where the coarse surface crosses itself and cannot be relaxed, the next round
-/// keeps it fine; what still crosses then is left to the check.
-TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, std::size_t budget) {
-    constexpr int rounds = 12;
-    constexpr float much = 1e6f;
-    // Rounds work on a mesh that is fine enough and not a hundred times too large.
-    TriangleMesh fine = simplify(mesh, {.triangles = 4 * budget, .importance = {}});
-    relax_crossings(fine);
-    std::vector<float> importance(fine.vertices.size(), 1.0f);
-    std::optional<anatomy::PointGrid> points;
-    for (int round = 0;; ++round) {
-        const TriangleMesh coarse = simplify(fine, {.triangles = budget, .importance = importance});
-        TriangleMesh relaxed = coarse;
-        if (relax_crossings(relaxed) || round == rounds) {
-            return relaxed;
-        }
-        if (!points) {
-            points.emplace(fine.vertices, 2e-3f);
-        }
-        for (const auto& pair : self_intersections(coarse)) {
-            for (const std::uint32_t t : pair) {
-                const Vec3f& a = coarse.vertices[coarse.triangles[t][0]];
-                const Vec3f& b = coarse.vertices[coarse.triangles[t][1]];
-                const Vec3f& c = coarse.vertices[coarse.triangles[t][2]];
-                const Vec3f middle = (a + b + c) / 3.0f;
-                const float reach =
-                    1.2f * std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
-                points->within(middle, reach, [&](std::uint32_t i, float) { importance[i] = much; });
-            }
         }
     }
 }
@@ -215,7 +109,8 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
         surface.mesh = isosurface(field_of(g, member, ct, wanted.threshold), 0.0f);
         place(surface.mesh, g);
         smooth_without_crossing(surface.mesh, settings.smoothing);
-        surface.mesh = simplify_without_crossing(surface.mesh, wanted.budget);
+        surface.mesh =
+            simplify_without_crossing(surface.mesh, {.triangles = wanted.budget, .importance = {}});
         surface.report = check(surface.mesh);
         if (!surface.report.sound()) {
             const Vec3f at = 1e3f * surface.report.fault_at.value_or(Vec3f::Zero());

@@ -44,6 +44,43 @@ class Anatomy(support.Case):
             size = (self.folder / "surfaces" / f"{surface['name']}.stl").stat().st_size
             self.assertEqual(size, 84 + 50 * surface["triangles"])
 
+    def test_a_built_model_is_what_the_server_builds(self):
+        coarse = "patient: {weight_kg: 2.5}\nphysics: {spacing_mm: 3, fine_spacing_mm: 1.5}\n"
+        whole = self.folder / "whole.yaml"
+        whole.write_text(coarse)
+        done = self.anatomy("build", "--scenario", whole, "--out", self.folder / "newborn.h5", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["provenance"]["generator"], "implicit newborn")
+        done = self.anatomy("check", self.folder / "newborn.h5", "--json")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        result = json.loads(done.stdout)
+        self.assertTrue(result["sound"])
+        self.assertTrue(all(d["source"] for d in result["dimensions"]))
+        named = self.folder / "named.yaml"
+        named.write_text("patient: {model: newborn.h5}\n")
+        hashes = set()
+        for scenario in (whole, named):
+            done = support.run("eti-server", "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds",
+                               "--steps", 400, "--json", timeout=200, env={**support.os.environ,
+                                                                          "ETI_CACHE": str(self.folder / "cache")})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            hashes.add(json.loads(done.stdout)["state_hash"])
+        self.assertEqual(len(hashes), 1, "the same steps of the same patient end in different states")
+
+    def test_what_makes_no_model_is_said_and_nothing_is_left(self):
+        (self.folder / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        before = sorted(self.folder.iterdir())
+        out = self.folder / "model.h5"
+        self.assert_refused(self.anatomy("build", self.folder / "open.obj", "--out", out), "its name does not tell",
+                            "Remedy")
+        skin = (self.folder / "open.obj").rename(self.folder / "skin.obj")
+        self.assert_refused(self.anatomy("build", skin, "--out", out), "3 open", "near", "Remedy")
+        skin.rename(self.folder / "open.obj")
+        self.assert_refused(self.anatomy("build", "--weight-kg", 1, "--gestational-age-weeks", 40, "--out", out),
+                            "weight_kg is 1", "expected")
+        self.assert_refused(self.anatomy("check", self.folder / "open.obj"), "open.obj")
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
     def test_damaged_files_are_refused_and_nothing_is_written(self):
         ct = self.phantom()
         cut = self.folder / "cut.nii.gz"

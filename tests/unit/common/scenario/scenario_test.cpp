@@ -52,9 +52,9 @@ seed: 42
 )");
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.description, "tries every key");
-    EXPECT_FLOAT_EQ(s.patient.weight, 1.1f);
-    EXPECT_FLOAT_EQ(s.patient.gestational_age, 28);
-    EXPECT_FLOAT_EQ(s.patient.tongue_scale, 1.15f);
+    EXPECT_FLOAT_EQ(s.patient.shape.weight, 1.1f);
+    EXPECT_FLOAT_EQ(s.patient.shape.gestational_age, 28);
+    EXPECT_FLOAT_EQ(s.patient.shape.tongue_scale, 1.15f);
     EXPECT_FLOAT_EQ(s.patient.head_elevation, 25 * degree);
     EXPECT_FLOAT_EQ(s.patient.jaw_opening, 20 * degree);
     EXPECT_FLOAT_EQ(s.patient.tissue_stiffness, 9e3f);
@@ -79,7 +79,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     const Scenario s = read("seed: 2\n"), defaults;
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.text, "seed: 2\n");
-    EXPECT_EQ(s.patient.weight, defaults.patient.weight);
+    EXPECT_EQ(s.patient.shape.weight, defaults.patient.shape.weight);
     EXPECT_EQ(s.blade, defaults.blade);
     EXPECT_EQ(s.physics.substeps, defaults.physics.substeps);
     EXPECT_EQ(s.time_limit, defaults.time_limit);
@@ -112,15 +112,48 @@ TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(refused("name: \"two\\nlines\"\n", {"name", "one line"}));
 }
 
+TEST(Scenario, AgeFollowsWeightAndBothMustFit) {
+    EXPECT_NEAR(read("patient: {weight_kg: 1.126}\n").patient.shape.gestational_age, 28.0f, 1e-3);
+    EXPECT_FLOAT_EQ(
+        read("patient: {weight_kg: 1.1, gestational_age_weeks: 30}\n").patient.shape.gestational_age, 30.0f);
+    EXPECT_TRUE(refused("patient: {weight_kg: 1.1, gestational_age_weeks: 40}\n",
+                        {"baby.yaml:1", "patient.weight_kg", "1.1", "1.79 to 6.09", "leave the age out"}));
+}
+
+TEST(Scenario, VariantsSetWhatIsNotGiven) {
+    EXPECT_LT(read("patient: {variant: micrognathia}\n").patient.shape.mandible_scale, 1.0f);
+    const NewbornShape both =
+        read("patient: {variant: anterior-larynx, larynx_anterior_mm: 1}\n").patient.shape;
+    EXPECT_FLOAT_EQ(both.larynx_anterior, 1e-3f);
+    EXPECT_GT(both.larynx_superior, 0.0f);
+    EXPECT_TRUE(refused("patient: {variant: giant}\n", {"variant", "'giant'", "micrognathia"}));
+}
+
+TEST(Scenario, AModelLiesBesideItsScenarioAndHoldsItsShape) {
+    EXPECT_EQ(parse_scenario("patient: {model: baby.h5}\n", "some/where/baby.yaml").patient.model,
+              "some/where/baby.h5");
+    EXPECT_EQ(parse_scenario("patient: {model: /tmp/baby.h5}\n", "some/baby.yaml").patient.model,
+              "/tmp/baby.h5");
+    EXPECT_EQ(read("patient: {model: a.h5, head_elevation_deg: 20}\n").patient.head_elevation, 20 * degree);
+    for (const char* key :
+         {"weight_kg: 3", "variant: normal", "tissue_stiffness_kpa: 9", "tongue_scale: 1"}) {
+        EXPECT_TRUE(refused(std::string("patient: {model: a.h5, ") + key + "}\n",
+                            {"patient.", "build another model"}))
+            << key;
+    }
+    EXPECT_TRUE(
+        refused("patient: {model: a.h5}\nphysics: {spacing_mm: 3}\n", {"spacing_mm", "patient.model"}));
+}
+
 TEST(Scenario, NumbersMustBeFiniteDecimals) {
     for (const char* typed :
          {".nan", ".inf", "-.inf", "1e400", "nan", "inf", "0x3", "3,5", "3 5", "''", "+", "1e"}) {
         EXPECT_TRUE(refused(std::string("patient: {weight_kg: ") + typed + "}\n", {"weight_kg"})) << typed;
     }
-    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 35e-1}\n").patient.weight, 3.5f);
-    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 4.5}\n").patient.weight, 4.5f)
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 35e-1}\n").patient.shape.weight, 3.5f);
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 4.5}\n").patient.shape.weight, 4.5f)
         << "the ends belong to the range";
-    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 0.5}\n").patient.weight, 0.5f);
+    EXPECT_FLOAT_EQ(read("patient: {weight_kg: 0.5}\n").patient.shape.weight, 0.5f);
 }
 
 TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
@@ -131,9 +164,9 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
     EXPECT_FALSE(term.saliva);
     EXPECT_EQ(premature.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(premature.tube.inner_diameter, 2.5e-3f);
-    EXPECT_GT(premature.patient.tongue_scale, term.patient.tongue_scale);
+    EXPECT_GT(premature.patient.shape.tongue_scale, term.patient.shape.tongue_scale);
     EXPECT_LT(premature.patient.jaw_opening, term.patient.jaw_opening);
-    EXPECT_LT(premature.patient.weight, term.patient.weight);
+    EXPECT_LT(premature.patient.shape.weight, term.patient.shape.weight);
     EXPECT_TRUE(premature.saliva);
     // The enhanced conditions differ in what is shown and in nothing else.
     for (const auto& [plain, name] :
@@ -142,9 +175,9 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
         EXPECT_FALSE(plain.enhanced_view);
         EXPECT_TRUE(enhanced.enhanced_view);
         EXPECT_EQ(enhanced.name, name);
-        EXPECT_EQ(enhanced.patient.weight, plain.patient.weight);
-        EXPECT_EQ(enhanced.patient.gestational_age, plain.patient.gestational_age);
-        EXPECT_EQ(enhanced.patient.tongue_scale, plain.patient.tongue_scale);
+        EXPECT_EQ(enhanced.patient.shape.weight, plain.patient.shape.weight);
+        EXPECT_EQ(enhanced.patient.shape.gestational_age, plain.patient.shape.gestational_age);
+        EXPECT_EQ(enhanced.patient.shape.tongue_scale, plain.patient.shape.tongue_scale);
         EXPECT_EQ(enhanced.patient.head_elevation, plain.patient.head_elevation);
         EXPECT_EQ(enhanced.patient.jaw_opening, plain.patient.jaw_opening);
         EXPECT_EQ(enhanced.patient.tissue_stiffness, plain.patient.tissue_stiffness);

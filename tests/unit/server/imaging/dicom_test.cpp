@@ -3,6 +3,7 @@
 #include <gdcmAttribute.h>
 #include <gdcmImageWriter.h>
 
+#include "common/math/random.hpp"
 #include "sample_volume.hpp"
 
 namespace eti::imaging {
@@ -143,6 +144,42 @@ TEST_F(Dicom, UnequalSlicesAreRefused) {
     wide.position = Vec3d(10, 20, 30) + 10.0 * normal;
     write_slice(folder / "wide.dcm", wide);
     expect_refused(folder, "series' first slice");
+}
+
+TEST_F(Dicom, DamagedFilesAreRefusedOrHarmless) {
+    write_series(4);
+    std::vector<Bytes> whole;
+    for (int k = 0; k < 4; ++k) {
+        whole.push_back(read_bytes(folder / (std::to_string(k) + ".dcm")));
+    }
+    Random random(1902);
+    int refusals = 0;
+    constexpr int rounds = 150;
+    for (int round = 0; round < rounds; ++round) {
+        const std::size_t which = random.bits() % whole.size();
+        Bytes data = whole[which];
+        for (int flips = 1 + static_cast<int>(random.bits() % 6); flips > 0; --flips) {
+            data[random.bits() % data.size()] = static_cast<std::uint8_t>(random.bits());
+        }
+        if (round % 5 == 0) {
+            data.resize(random.bits() % data.size());
+        }
+        const std::filesystem::path file = folder / (std::to_string(which) + ".dcm");
+        write_bytes(file, data);
+        try {
+            // In a child process: whatever a library does there, here it is a refusal.
+            const Reading reading = read(folder, {.processor_seconds = 10});
+            EXPECT_EQ(reading.volume.value.size(), reading.volume.geometry.count());
+            require_finite(reading.volume, "round");
+        } catch (const VolumeError& error) {
+            ++refusals;
+            EXPECT_NE(std::string(error.what()).find(folder.string()), std::string::npos) << error.what();
+        }
+        write_bytes(file, whole[which]);
+    }
+    // Pixels may change unnoticed; tags and lengths may not.
+    EXPECT_GT(refusals, rounds / 10);
+    EXPECT_LT(refusals, rounds);
 }
 
 }  // namespace

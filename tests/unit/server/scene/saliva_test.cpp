@@ -19,8 +19,8 @@ namespace {
 
 /// The newborn of the premature scenarios; only its skin is coarser.
 const anatomy::Patient& premature() {
-    static const anatomy::Patient patient =
-        anatomy::build_patient({1.1f, 28.0f, 1.15f}, {.surface_spacing = 2.5e-3f});
+    static const anatomy::Patient patient = anatomy::build_patient(
+        {.weight = 1.1f, .gestational_age = 28.0f, .tongue_scale = 1.15f}, {.surface_spacing = 2.5e-3f});
     return patient;
 }
 

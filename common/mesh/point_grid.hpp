@@ -10,9 +10,9 @@
 
 #include "common/math/transform.hpp"
 
-namespace eti::anatomy {
+namespace eti {
 
-/// Points sorted into cubic cells, for neighbour queries while building a model.
+/// Points sorted into cubic cells, for neighbour queries.
 class PointGrid {
   public:
     PointGrid(std::span<const Vec3f> points, float cell) : points_(points), cell_(cell) {
@@ -90,4 +90,4 @@ class PointGrid {
     std::vector<std::uint32_t> start_, order_;
 };
 
-}  // namespace eti::anatomy
+}  // namespace eti

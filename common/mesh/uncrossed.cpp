@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/mesh/uncrossed.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/intersect.hpp"
+#include "common/mesh/point_grid.hpp"
+
+namespace eti {
+
+namespace {
+
+/// Relaxes the vertices of triangles that cross towards their neighbours' mean. A few crossings of a
+/// simplified surface, far smaller than its triangles, come apart so; it says whether all did.
+bool relax_crossings(TriangleMesh& mesh) {
+    constexpr int rounds = 8;
+    std::vector<Vec3f> sum(mesh.vertices.size());
+    std::vector<float> count(mesh.vertices.size());
+    for (int round = 0; round < rounds; ++round) {
+        const auto crossings = self_intersections(mesh);
+        if (crossings.empty()) {
+            return true;
+        }
+        std::fill(sum.begin(), sum.end(), Vec3f::Zero());
+        std::fill(count.begin(), count.end(), 0.0f);
+        for (const Triangle& t : mesh.triangles) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                sum[t[k]] += mesh.vertices[t[(k + 1) % 3]];
+                count[t[k]] += 1.0f;
+            }
+        }
+        std::vector<std::uint8_t> moved(mesh.vertices.size(), 0);
+        for (const auto& pair : crossings) {
+            for (const std::uint32_t t : pair) {
+                for (const std::uint32_t v : mesh.triangles[t]) {
+                    if (moved[v] == 0) {
+                        moved[v] = 1;
+                        mesh.vertices[v] = 0.5f * (mesh.vertices[v] + sum[v] / count[v]);
+                    }
+                }
+            }
+        }
+    }
+    return self_intersections(mesh).empty();
+}
+
+}  // namespace
+
+void smooth_without_crossing(TriangleMesh& mesh, int iterations) {
+    constexpr int rounds = 8;
+    constexpr int rings = 3;
+    const std::vector<Vec3f> rough = mesh.vertices;
+    smooth(mesh, iterations);
+    std::vector<std::uint8_t> kept(rough.size(), 0);
+    for (int round = 0; round < rounds; ++round) {
+        const auto crossings = self_intersections(mesh);
+        if (crossings.empty()) {
+            return;
+        }
+        for (const auto& pair : crossings) {
+            for (const std::uint32_t t : pair) {
+                for (const std::uint32_t v : mesh.triangles[t]) {
+                    kept[v] = 1;
+                }
+            }
+        }
+        for (int ring = 0; ring < rings; ++ring) {
+            const std::vector<std::uint8_t> core = kept;
+            for (const Triangle& t : mesh.triangles) {
+                if ((core[t[0]] | core[t[1]] | core[t[2]]) != 0) {
+                    kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
+                }
+            }
+        }
+        for (std::size_t v = 0; v < kept.size(); ++v) {
+            if (kept[v] != 0) {
+                mesh.vertices[v] = rough[v];
+            }
+        }
+    }
+}
+
+TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, const SimplifySettings& settings) {
+    constexpr int rounds = 12;
+    constexpr float much = 1e6f;
+    TriangleMesh coarse = simplify(mesh, settings);
+    TriangleMesh relaxed = coarse;
+    if (relax_crossings(relaxed)) {
+        return relaxed;
+    }
+    // Rounds work on a mesh that is fine enough and not a hundred times too large.
+    SimplifySettings finer = settings;
+    finer.triangles = 4 * settings.triangles;
+    TriangleMesh fine = simplify(mesh, finer);
+    relax_crossings(fine);
+    const PointGrid points(fine.vertices, 2e-3f);
+    std::vector<float> importance(fine.vertices.size(), 1.0f);
+    if (!settings.importance.empty()) {
+        // A vertex that is left lies near where it was.
+        const PointGrid before(mesh.vertices, 2e-3f);
+        for (std::size_t i = 0; i < fine.vertices.size(); ++i) {
+            float nearest = 4e-6f;
+            before.within(fine.vertices[i], 2e-3f, [&](std::uint32_t k, float squared) {
+                if (squared < nearest) {
+                    nearest = squared;
+                    importance[i] = settings.importance[k];
+                }
+            });
+        }
+    }
+    for (int round = 0; round < rounds; ++round) {
+        for (const auto& pair : self_intersections(coarse)) {
+            for (const std::uint32_t t : pair) {
+                const Vec3f& a = coarse.vertices[coarse.triangles[t][0]];
+                const Vec3f& b = coarse.vertices[coarse.triangles[t][1]];
+                const Vec3f& c = coarse.vertices[coarse.triangles[t][2]];
+                const Vec3f middle = (a + b + c) / 3.0f;
+                const float reach =
+                    1.2f * std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
+                points.within(middle, reach, [&](std::uint32_t i, float) { importance[i] = much; });
+            }
+        }
+        coarse = simplify(fine, {.triangles = settings.triangles, .importance = importance});
+        relaxed = coarse;
+        if (relax_crossings(relaxed)) {
+            break;
+        }
+    }
+    return relaxed;
+}
+
+}  // namespace eti
