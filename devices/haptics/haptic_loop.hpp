@@ -10,8 +10,8 @@
 #include "common/bus/bus.hpp"
 #include "devices/haptics/force_renderer.hpp"
 #include "devices/haptics/timing.hpp"
-#include "devices/haptics/triple_buffer.hpp"
 #include "devices/sensor/sensor.hpp"
+#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 

@@ -9,7 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "devices/haptics/scene_state.hpp"
-#include "devices/haptics/triple_buffer.hpp"
+#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
