@@ -123,6 +123,9 @@ TEST_F(Engaged, WhatIsNotFiniteGivesNothingAtOnceAndForGood) {
             ASSERT_EQ(cycle().force.norm(), 0.0f) << "it came back without a quiet device";
         }
         scene_.tissue.wrench.force = Vec3f::Zero();
+        for (int i = 0; i < settled; ++i) {
+            (void)cycle();
+        }
     }
 }
 
