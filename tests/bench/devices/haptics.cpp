@@ -8,16 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/devices/closed_loop.hpp"
 #include "tests/bench/devices/live.hpp"
 #include "tests/bench/server/table.hpp"
 #include "tests/bench/server/tongue_laws.hpp"
+#include "tests/validation/haptics/closed_loop.hpp"
 
 namespace eti::bench {
 
 namespace {
 
 using devices::SoftForce;
+using namespace validation;
 
 struct Surface {
     std::string_view name;
@@ -155,11 +156,22 @@ void compare_laws(const HapticsOptions& options) {
 
 }  // namespace
 
+std::vector<std::string> haptics_table_names() {
+    return {"stability", "rendered", "laws", "live"};
+}
+
 int haptics(const HapticsOptions& options) {
-    map_stability(options);
-    compare_stiffness(options);
-    compare_laws(options);
-    if (!options.quick && options.live_seconds > 0.0) {
+    const auto wanted = [&](std::string_view name) { return options.only.empty() || options.only == name; };
+    if (wanted("stability")) {
+        map_stability(options);
+    }
+    if (wanted("rendered")) {
+        compare_stiffness(options);
+    }
+    if (wanted("laws")) {
+        compare_laws(options);
+    }
+    if (wanted("live") && !options.quick && options.live_seconds > 0.0) {
         run_beside_a_server(options);
     }
     return 0;

@@ -5,9 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "tests/bench/devices/closed_loop.hpp"
+#include "tests/validation/haptics/closed_loop.hpp"
 
 namespace eti::bench {
+
+using validation::Channel;
 
 struct LiveCase {
     std::string name;

@@ -22,6 +22,8 @@ int main(int argc, char** argv) {
     haptics->add_option("--live-seconds", options.live_seconds, "Of the run beside a server; 0: none")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 3600.0));
+    haptics->add_option("--only", options.only, "One table")
+        ->check(CLI::IsMember(eti::bench::haptics_table_names()));
     haptics->add_flag("--quick", options.quick, "A corner of the maps, no run beside a server");
     try {
         app.parse(argc, argv);

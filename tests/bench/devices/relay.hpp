@@ -9,11 +9,12 @@
 #include "common/bus/bus.hpp"
 #include "common/math/random.hpp"
 #include "devices/haptics/timing.hpp"
-#include "tests/bench/devices/closed_loop.hpp"
+#include "tests/validation/haptics/closed_loop.hpp"
 
 namespace eti::bench {
 
 namespace msg = bus::msg;
+using validation::Channel;
 
 /// Passes one topic on from one session to another, late and with losses.
 template <class Message>

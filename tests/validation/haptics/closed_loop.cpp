@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "tests/bench/devices/closed_loop.hpp"
+#include "tests/validation/haptics/closed_loop.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "devices/haptics/haptic_loop.hpp"
 #include "server/rigid/rigid_layer.hpp"
 
-namespace eti::bench {
+namespace eti::validation {
 
 namespace {
 
@@ -294,4 +294,4 @@ double largest_stable_stiffness(LoopCase loop) {
     return good;
 }
 
-}  // namespace eti::bench
+}  // namespace eti::validation

@@ -8,7 +8,7 @@
 #include "common/operator/hand.hpp"
 #include "devices/haptics/force_renderer.hpp"
 
-namespace eti::bench {
+namespace eti::validation {
 
 /// What the hand presses the blade on.
 enum class Medium : std::uint8_t {
@@ -61,4 +61,4 @@ inline constexpr double most_excursion = 0.3e-3;
 /// Largest stiffness [N/m] that shows no limit cycle, to 15 %, between 50 and 20,000 N/m; 0 if none does.
 [[nodiscard]] double largest_stable_stiffness(LoopCase loop);
 
-}  // namespace eti::bench
+}  // namespace eti::validation
