@@ -87,9 +87,10 @@ void map_stability(const HapticsOptions& options) {
 }
 
 void compare_stiffness(const HapticsOptions& options) {
-    Table table(options.out, "haptics-rendered.csv",
-                "surface,passivity,delay_ms,loss_percent,set_n_per_m,rendered_n_per_m,onset_ms,excursion_mm,"
-                "energy_lowest_mj,dissipated_mj");
+    Table table(
+        options.out, "haptics-rendered.csv",
+        "surface,passivity,delay_ms,loss_percent,set_n_per_m,rendered_n_per_m,onset_ms,excursion_mm,dip_mm,"
+        "energy_lowest_mj,dissipated_mj");
     for (const Surface& surface : surfaces) {
         for (const bool passivity : {false, true}) {
             for (const double delay : {0.0, 0.010, 0.020, 0.050}) {
@@ -101,10 +102,11 @@ void compare_stiffness(const HapticsOptions& options) {
                     loop.stiffness = stiffness;
                     loop.channel = {delay, 0.1 * delay, delay > 0.0 ? 0.01 : 0.0};
                     const LoopOutcome o = run_loop(loop);
-                    table.row(fmt::format("\"{}\",{},{:g},{:g},{:g},{:.1f},{:.0f},{:.4f},{:.4f},{:.4f}",
-                                          surface.name, passivity ? 1 : 0, 1e3 * delay,
-                                          1e2 * loop.channel.loss, stiffness, o.rendered, 1e3 * o.onset,
-                                          1e3 * o.excursion, 1e3 * o.energy_lowest, 1e3 * o.dissipated));
+                    table.row(
+                        fmt::format("\"{}\",{},{:g},{:g},{:g},{:.1f},{:.0f},{:.4f},{:.4f},{:.4f},{:.4f}",
+                                    surface.name, passivity ? 1 : 0, 1e3 * delay, 1e2 * loop.channel.loss,
+                                    stiffness, o.rendered, 1e3 * o.onset, 1e3 * o.excursion, 1e3 * o.dip,
+                                    1e3 * o.energy_lowest, 1e3 * o.dissipated));
                 }
             }
         }

@@ -3,6 +3,7 @@
 #include "tests/validation/haptics/closed_loop.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <memory>
@@ -223,7 +224,11 @@ LoopOutcome run_loop(const LoopCase& loop) {
     LoopOutcome out;
     std::int64_t next_step = origin_ns;
     SceneState state, arrived;
-    double low = 1.0, high = -1.0, crossed = -1.0;
+    constexpr int windows = 5, window = (deeper_at - held_from) / windows;
+    std::array<double, windows> low{}, high{};
+    low.fill(1.0);
+    high.fill(-1.0);
+    double crossed = -1.0;
     double force[2] = {0.0, 0.0}, depth[2] = {0.0, 0.0};
     for (int i = 0; i < cycles; ++i) {
         const std::int64_t now = origin_ns + i * ms;
@@ -255,8 +260,9 @@ LoopOutcome run_loop(const LoopCase& loop) {
             out.onset = 1e-3 * (i - crossed);
         }
         if (i >= held_from + 700 && i < deeper_at + 700) {
-            low = std::min(low, height);
-            high = std::max(high, height);
+            const auto w = static_cast<std::size_t>((i - held_from - 700) / window);
+            low[w] = std::min(low[w], height);
+            high[w] = std::max(high[w], height);
             force[0] += given;
             depth[0] -= height;
         }
@@ -265,7 +271,11 @@ LoopOutcome run_loop(const LoopCase& loop) {
             depth[1] -= height;
         }
     }
-    out.excursion = high - low;
+    out.excursion = 1.0;
+    for (std::size_t w = 0; w < low.size(); ++w) {
+        out.excursion = std::min(out.excursion, high[w] - low[w]);
+        out.dip = std::max(out.dip, high[w] - low[w]);
+    }
     const double counts[2] = {1000.0, 300.0};
     out.rendered =
         (force[1] / counts[1] - force[0] / counts[0]) / (depth[1] / counts[1] - depth[0] / counts[0]);

@@ -41,9 +41,12 @@ struct LoopCase {
 };
 
 struct LoopOutcome {
-    double excursion = 0.0;  ///< [m], peak to peak of the device in the last second, pressed and held still
-    double rendered = 0.0;   ///< [N/m], force over depth between two depths held still
-    double onset = 0.0;      ///< [s], from the blade's reaching the surface to a force of 0.05 N
+    /// [m], peak to peak of the device, pressed and held still for a second: the least of five windows, for
+    /// a limit cycle goes on and on.
+    double excursion = 0.0;
+    double dip = 0.0;       ///< [m], the most of those windows: where messages are missing, the force lets go
+    double rendered = 0.0;  ///< [N/m], force over depth between two depths held still
+    double onset = 0.0;     ///< [s], from the blade's reaching the surface to a force of 0.05 N
     double energy_lowest = 0.0;  ///< [J], the observer's
     double dissipated = 0.0;     ///< [J], by the controller
     float most_force = 0.0f;     ///< [N]
