@@ -16,6 +16,7 @@ namespace eti::devices {
 namespace {
 
 constexpr double late_cycle = 1.2e-3;  // [s]
+constexpr double most_stale = 0.05;    // share of the time
 constexpr std::chrono::milliseconds poll_interval{5};
 
 volatile std::sig_atomic_t panic_signals = 0;
@@ -82,6 +83,13 @@ void log(const nlohmann::ordered_json& s) {
         s["compute_us"]["p50"].get<double>(), s["compute_us"]["p99"].get<double>(),
         s["energy_mj"]["lowest"].get<double>(), s["energy_mj"]["dissipated"].get<double>(),
         100.0 * s["passivity_share"].get<double>());
+    if (s["stale_share"].get<double>() > most_stale) {
+        spdlog::warn(
+            "the server was late or silent for {:.0f} % of the time, and forces faded; run it on a faster "
+            "machine, or "
+            "bridge its gaps with --silence-ms",
+            100.0 * s["stale_share"].get<double>());
+    }
     if (s["messages_refused"].get<std::uint64_t>() > 0) {
         spdlog::warn(
             "{} messages were refused: not finite or not of this version; do server and device match?",

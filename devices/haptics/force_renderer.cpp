@@ -103,6 +103,9 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
     }
     const Wrench out = scaled(last_, fresh);
     passivity_.exerted(out);
+    if (share < 1.0f || fresh < 1.0f) {
+        passivity_.forgive();
+    }
     return out;
 }
 

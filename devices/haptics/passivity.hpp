@@ -32,6 +32,10 @@ class PassivityController {
     /// What was exerted in the end, where it differs from what apply() returned (limits).
     void exerted(const Wrench& wrench) { last_ = wrench; }
 
+    /// What forces give while they fade or ramp up is meant, bounded, and no oscillation: it is not asked
+    /// back.
+    void forgive() { stored_ = stored_ > 0.0 ? stored_ : 0.0; }
+
     /// [J] that the hand has given and not got back in this contact; negative: it was given energy.
     [[nodiscard]] double stored() const { return stored_; }
     [[nodiscard]] double lowest() const { return lowest_; }          ///< [J], of stored(), so far

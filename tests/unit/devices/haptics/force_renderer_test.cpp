@@ -203,6 +203,26 @@ TEST_F(Engaged, ReleasedThereIsNothingUntilTheDeviceIsQuietAndThenTheRamp) {
     EXPECT_LT(cycle().force.norm(), 1.0f);
 }
 
+// Forces that come back under a pressing hand push it out; that is no oscillation to be braked.
+TEST_F(Engaged, WhatTheRampGivesIsNotAskedBack) {
+    scene_.tissue.wrench.force = {5.0f, 0, 0};
+    renderer_.release();
+    scene_.tissue.wrench.force = Vec3f::Zero();
+    for (int i = 0; i < 100; ++i) {
+        (void)cycle();
+    }
+    scene_.tissue.wrench.force = {5.0f, 0, 0};
+    for (int i = 0; i < 200; ++i) {
+        device_.velocity = {0.01f, 0, 0};
+        device_.pose.translation.x() += 0.01f * dt;
+        (void)cycle();
+    }
+    // Some 2 N over a cycle's 0.01 mm.
+    EXPECT_LT(renderer_.passivity().lowest(), -5e-6) << "it gave nothing";
+    EXPECT_EQ(renderer_.passivity().stored(), 0.0);
+    EXPECT_EQ(renderer_.passivity().active_cycles(), 0u);
+}
+
 TEST_F(Engaged, ATubeIsFeltByItsOwnForceAlone) {
     settings_.tool = Tool::tube;
     renderer_ = ForceRenderer(settings_);
