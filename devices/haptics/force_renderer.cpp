@@ -96,16 +96,14 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
         raw = limited(sum, settings_.coupling);
     }
     const float share = engagement_.update(fresh > 0.0f, raw.force.norm(), dt);
-    const Wrench passive = limited(passivity_.apply(scaled(raw, share), device, dt), settings_.coupling);
+    const Wrench passive = limited(
+        passivity_.apply(scaled(raw, share), device, dt, share >= 1.0f && fresh >= 1.0f), settings_.coupling);
     last_ = rate_limited(passive, last_, dt, settings_.coupling);
     if (fresh == 0.0f || share == 0.0f) {
         last_ = {};
     }
     const Wrench out = scaled(last_, fresh);
     passivity_.exerted(out);
-    if (share < 1.0f || fresh < 1.0f) {
-        passivity_.forgive();
-    }
     return out;
 }
 

@@ -14,7 +14,7 @@ double work(const Wrench& wrench, const Vec3f& way, const Vec3f& turn) {
 
 }  // namespace
 
-Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, float dt) {
+Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, float dt, bool whole) {
     if (any_) {
         const Vec3f way = device.pose.translation - pose_.translation;
         const Vec3f turn = rotation_vector(device.pose.rotation * pose_.rotation.conjugate());
@@ -28,6 +28,9 @@ Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, fl
         wanted.force.norm() + wanted.torque.norm() / settings_.arm < settings_.idle_force ? idle_ + dt : 0.0f;
     if (idle_ > settings_.idle_time) {
         stored_ = 0.0;
+    }
+    if (!whole) {
+        stored_ = std::max(stored_, 0.0);
     }
     damping_ = {};
     const float arm2 = settings_.arm * settings_.arm;

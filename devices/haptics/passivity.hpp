@@ -26,15 +26,13 @@ class PassivityController {
   public:
     explicit PassivityController(const PassivitySettings& settings = {}) : settings_(settings) {}
 
-    /// `wanted` with the controller's damping; `device` as just read, `dt` [s] since the last call.
-    Wrench apply(const Wrench& wanted, const Motion& device, float dt);
+    /// `wanted` with the controller's damping; `device` as just read, `dt` [s] since the last call. Not
+    /// `whole`: the wrench fades or ramps up. What that gives is meant, bounded, and no oscillation, so it
+    /// is not asked back.
+    Wrench apply(const Wrench& wanted, const Motion& device, float dt, bool whole = true);
 
     /// What was exerted in the end, where it differs from what apply() returned (limits).
     void exerted(const Wrench& wrench) { last_ = wrench; }
-
-    /// What forces give while they fade or ramp up is meant, bounded, and no oscillation: it is not asked
-    /// back.
-    void forgive() { stored_ = stored_ > 0.0 ? stored_ : 0.0; }
 
     /// [J] that the hand has given and not got back in this contact; negative: it was given energy.
     [[nodiscard]] double stored() const { return stored_; }

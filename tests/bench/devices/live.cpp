@@ -36,19 +36,33 @@ constexpr const char* lever = R"(
 name: lever_and_hold
 laryngoscope:
   - stage: to the mouth
-    tip: {at: mouth_opening, offset_mm: [0, -5, 5]}
-    axis: {from: upper_gum, from_offset_mm: [0, -6, -9]}
+    tip: {at: mouth_opening, offset_mm: [0, -6, 2]}
+    axis: {from: mouth_opening, from_offset_mm: [0, -60, 10]}
+    speed_mm_per_s: 80
+  - stage: between the gums
+    tip: {at: upper_gum, offset_mm: [0, 3, -8]}
+    axis: {from: upper_gum, from_offset_mm: [0, -30, -8]}
     speed_mm_per_s: 60
-  - stage: onto the tongue
-    tip: {at: vallecula, offset_mm: [0, -2, 2]}
-    axis: {from: upper_gum, from_offset_mm: [0, -6, -9]}
+  - stage: over the tongue
+    tip: {at: tongue_dorsum, offset_mm: [0, 0, 4]}
+    axis: {from: upper_gum, from_offset_mm: [0, -7, -7]}
+    speed_mm_per_s: 50
+  - stage: behind the tongue
+    tip: {at: tongue_dorsum, offset_mm: [0, 11, -9]}
+    axis: {from: upper_gum, from_offset_mm: [0, -7, -6]}
     speed_mm_per_s: 40
+  - stage: down behind the epiglottis
+    tip: {at: glottis, offset_mm: [0, -3, 30]}
+    axis: {from: upper_gum, from_offset_mm: [0, -6, -6]}
+    speed_mm_per_s: 40
+  - stage: beneath the epiglottis
+    tip: {at: glottis, offset_mm: [0, -4, 9]}
+    axis: {from: upper_gum, from_offset_mm: [0, -6, -6]}
+    speed_mm_per_s: 30
   - stage: lever on the gum and hold
     keep: on
     pitch_deg: 8
-    pivot: upper_gum
-    lift_mm: 6
-    speed_mm_per_s: 20
+    speed_mm_per_s: 40
     hold_s: 119
 )";
 
