@@ -120,6 +120,7 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
              ? fmt::format("tube {:4.1f} cm past cords", readout.tube_past_cords_cm)
              : std::string("tube before cords"),
          white);
+    line(fmt::format("tube force  {:5.2f} N", readout.tube_force_n), white);
     const bool late = readout.behind_s > 0.5f;
     line(late ? fmt::format("server {:.0f} %, {:.0f} s late", 100.0f * readout.server_load, readout.behind_s)
               : fmt::format("server {:3.0f} %", 100.0f * readout.server_load),

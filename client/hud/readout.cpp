@@ -33,6 +33,7 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
         readout.gum_force_n = metrics->gum_force_n();
         readout.glottic_opening_percent = metrics->glottic_opening_percent();
         readout.tube_past_cords_cm = metrics->tube_depth_past_glottis() / centimetre;
+        readout.tube_force_n = metrics->tube_force_n();
         readout.message = metrics->message().to_string();
     }
     if (scene.laryngoscope() && scene.laryngoscope_pose()) {

@@ -22,6 +22,7 @@ struct Readout {
     float glottic_opening_percent = 0.0f;
     float blade_depth_cm = 0.0f;       ///< past the upper gum; 0 while the tip is outside
     float tube_past_cords_cm = -1.0f;  ///< negative before the cords
+    float tube_force_n = 0.0f;         ///< on the hand that holds the tube
     float server_load = 0.0f;          ///< step time over step budget
     float behind_s = 0.0f;             ///< wall clock minus simulation time
     std::string scenario;

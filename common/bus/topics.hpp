@@ -31,6 +31,7 @@ inline constexpr Topic<msg::ToolPose> tube_pose{"eti/tube_pose", {}};
 inline constexpr Topic<msg::EyePose> eye_pose{"eti/eye_pose", {}};
 inline constexpr Topic<msg::ProxyState> proxy{"eti/proxy", {}};
 inline constexpr Topic<msg::TissueContacts> tissue_contacts{"eti/tissue_contacts", {}};
+inline constexpr Topic<msg::TubeForce> tube_force{"eti/tube_force", {}};
 // Best effort with room for the chunks of a few states: keep last 1 would drop all but the last chunk.
 inline constexpr Topic<msg::DeformationState> deformation{"eti/deformation", {.depth = 1024}};
 inline constexpr Topic<msg::DeformationState> deformation_slow{"eti/deformation_slow", {.depth = 1024}};

@@ -27,6 +27,9 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
 [[nodiscard]] inline bool within_bounds(const msg::ToolPose&) {
     return true;
 }
+[[nodiscard]] inline bool within_bounds(const msg::TubeForce&) {
+    return true;
+}
 [[nodiscard]] inline bool within_bounds(const msg::EyePose&) {
     return true;
 }

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,14 +10,19 @@
 
 #include "devices/app/program.hpp"
 #include "devices/haptics/haptic_loop.hpp"
+#include "devices/sensor/terminal.hpp"
 
 namespace eti::devices {
 namespace {
 
 constexpr double late_cycle = 1.2e-3;  // [s]
-constexpr std::chrono::milliseconds poll_interval{20};
+constexpr double most_stale = 0.05;    // share of the time
+constexpr std::chrono::milliseconds poll_interval{5};
 
-nlohmann::ordered_json statistics(const Program& program, const SceneLink& link, const HapticLoop& loop) {
+volatile std::sig_atomic_t panic_signals = 0;
+
+nlohmann::ordered_json statistics(const Program& program, const SceneLink& link, const HapticLoop& loop,
+                                  const SensorWatch& watch) {
     const HapticCycle& cycle = loop.cycle();
     const HapticRecord& record = cycle.record();
     const CycleStatistics& intervals = record.intervals;
@@ -39,13 +45,25 @@ nlohmann::ordered_json statistics(const Program& program, const SceneLink& link,
     out["real_time"] = loop.priority_refusal().empty();
     out["force_n"] = {{"max", record.force_max},
                       {"mean", record.force_sum / static_cast<double>(intervals.count() + 1)}};
+    out["compute_us"] = {{"p50", 1e6 * record.computing.percentile(0.5)},
+                         {"p99", 1e6 * record.computing.percentile(0.99)},
+                         {"max", 1e6 * record.computing.longest()}};
+    const PassivityController& passivity = cycle.renderer().passivity();
+    out["energy_mj"] = {{"stored", 1e3 * passivity.stored()},
+                        {"lowest", 1e3 * passivity.lowest()},
+                        {"dissipated", 1e3 * passivity.dissipated()}};
+    out["passivity_share"] = share(passivity.active_cycles());
     out["engaged_share"] = share(record.engaged_cycles);
+    out["stopped_share"] = share(record.stopped_cycles);
+    out["absent_share"] = share(record.absent_cycles);
     out["stale_share"] = share(record.stale_cycles);
     out["not_finite_cycles"] = cycle.renderer().not_finite();
     out["poses_published"] = loop.published();
     out["states_received"] = link.received();
     out["messages_refused"] = link.refused();
     out["outages"] = link.outages();
+    out["device_losses"] = watch.health().losses;
+    out["poses_left_out"] = watch.health().jumps + watch.health().not_finite;
     return out;
 }
 
@@ -59,6 +77,19 @@ void log(const nlohmann::ordered_json& s) {
     spdlog::info("force max {:.2f} N, mean {:.2f} N; engaged {:.1f} %, scene stale {:.1f} % of the time",
                  s["force_n"]["max"].get<double>(), s["force_n"]["mean"].get<double>(),
                  100.0 * s["engaged_share"].get<double>(), 100.0 * s["stale_share"].get<double>());
+    spdlog::info(
+        "computing took p50 {:.0f}, p99 {:.0f} us of a cycle; energy: lowest {:.2f} mJ, {:.2f} mJ taken back "
+        "by the passivity controller, which acted in {:.2f} % of the cycles",
+        s["compute_us"]["p50"].get<double>(), s["compute_us"]["p99"].get<double>(),
+        s["energy_mj"]["lowest"].get<double>(), s["energy_mj"]["dissipated"].get<double>(),
+        100.0 * s["passivity_share"].get<double>());
+    if (s["stale_share"].get<double>() > most_stale) {
+        spdlog::warn(
+            "the server was late or silent for {:.0f} % of the time, and forces faded; run it on a faster "
+            "machine, or "
+            "bridge its gaps with --silence-ms",
+            100.0 * s["stale_share"].get<double>());
+    }
     if (s["messages_refused"].get<std::uint64_t>() > 0) {
         spdlog::warn(
             "{} messages were refused: not finite or not of this version; do server and device match?",
@@ -66,8 +97,22 @@ void log(const nlohmann::ordered_json& s) {
     }
 }
 
-int run(const ProgramOptions& options, const RenderSettings& settings) {
-    Program program(options, Tool::laryngoscope);
+/// The panic key: SIGUSR1 and, in a terminal, any key but 'r' let go; 'r' gives forces back.
+void heed_panic(Terminal& terminal, HapticLoop& loop) {
+    static std::sig_atomic_t heeded = 0;
+    const std::optional<char> key = terminal.key(std::chrono::milliseconds(0));
+    if (panic_signals != heeded || (key && *key != 'r' && *key != '\0')) {
+        heeded = panic_signals;
+        loop.panic(true);
+        spdlog::warn("forces are off; press r to have them back");
+    } else if (key && *key == 'r') {
+        loop.panic(false);
+        spdlog::info("forces come back when the device is free");
+    }
+}
+
+int run(const ProgramOptions& options, RenderSettings settings) {
+    Program program(options, settings.tool);
     const std::unique_ptr<Sensor> sensor = program.open_sensor();
     if (!sensor) {
         spdlog::info("ended ({}) before the server was heard", program.ended());
@@ -81,16 +126,32 @@ int run(const ProgramOptions& options, const RenderSettings& settings) {
         }
         return 0;
     }
-    HapticLoop loop(program.node(), *sensor, program.link().newest(), settings);
+    SensorWatch watch(*sensor);
+    const Abilities abilities = watch.abilities();
+    settings.coupling.force_limit = std::min(settings.coupling.force_limit, abilities.force);
+    settings.coupling.torque_limit = std::min(settings.coupling.torque_limit, abilities.torque);
+    settings.torque = abilities.torque > 0.0f;
+    settings.gimbal = program.gimbal();
+    if (abilities.force <= 0.0f) {
+        spdlog::warn("device '{}' has no motors: its hand feels nothing", options.device);
+    }
+    Terminal terminal;
+    HapticLoop loop(program.node(), watch, program.link().newest(), settings);
+    if (terminal.there()) {
+        spdlog::info("any key lets go of the device at once (panic key); r gives forces back");
+    }
     if (!loop.priority_refusal().empty()) {
         spdlog::warn("{}", loop.priority_refusal());
     }
     while (!program.should_end()) {
         std::this_thread::sleep_for(poll_interval);
+        watch.tend();
+        program.report(watch);
+        heed_panic(terminal, loop);
     }
     loop.stop();
     spdlog::info("ended: {}", program.ended());
-    const auto result = statistics(program, program.link(), loop);
+    const auto result = statistics(program, program.link(), loop, watch);
     log(result);
     if (options.json) {
         std::cout << result.dump(2) << std::endl;
@@ -107,11 +168,18 @@ int main(int argc, char** argv) {
     ProgramOptions options;
     options.bus.name = "eti-haptics";
     RenderSettings settings;
-    float stale_ms = 1e3f * settings.safety.stale_after;
+    float silence_ms = 1e3f * settings.safety.silence_limit;
     CLI::App app(
         "The haptic device: a 1 kHz loop that lets the hand feel the scene and tells the server where it is.",
         "eti-haptics");
-    add_options(app, options, eti::Tool::laryngoscope);
+    options.haptic = true;
+    add_options(app, options);
+    std::string tool = "laryngoscope";
+    app.add_option("--tool", tool, "What the device holds")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"laryngoscope", "tube"}));
+    app.add_flag("!--no-passivity-control", settings.passivity.on,
+                 "Observe the energy without taking any back; for measurements without a hand");
     std::string soft_force = "constraint";
     app.add_option("--soft-force", soft_force,
                    "Force of soft tissue: 'constraint' (the simulation's contact forces) or 'displacement' "
@@ -119,16 +187,18 @@ int main(int argc, char** argv) {
         ->capture_default_str()
         ->check(CLI::IsMember({"constraint", "displacement"}));
     app.add_option(
-           "--stale-ms", stale_ms,
-           "Forces fade after this time without a message [ms]; more bridges a late server's gaps, at "
+           "--silence-ms", silence_ms,
+           "Forces are gone after this time without a message [ms]; more bridges a late server's gaps, at "
            "the cost of feeling an old scene for as long")
         ->capture_default_str()
-        ->check(CLI::Range(5.0f, 1000.0f));
+        ->check(CLI::Range(10.0f, 1000.0f));
     if (const auto code = parse(app, argc, argv)) {
         return *code;
     }
     settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
-    settings.safety.stale_after = 1e-3f * stale_ms;
+    settings.safety.silence_limit = 1e-3f * silence_ms;
+    settings.tool = tool == "tube" ? eti::Tool::tube : eti::Tool::laryngoscope;
+    std::signal(SIGUSR1, [](int) { panic_signals = panic_signals + 1; });
     try {
         return run(options, settings);
     } catch (const std::exception& error) {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/scenario/scenario.hpp"
+#include "devices/calibration/calibrated_sensor.hpp"
 
 namespace eti::devices {
 
@@ -26,25 +27,48 @@ std::optional<OperatorScript> script_of(const ProgramOptions& options) {
     return load_operator(find_data_file(options.operator_name, "operators"));
 }
 
+std::optional<Calibration> calibration_of(const ProgramOptions& options) {
+    return options.calibration.empty() ? std::nullopt : std::optional(load_calibration(options.calibration));
+}
+
+SceneLink::Feel feel_of(const ProgramOptions& options, Tool tool) {
+    if (!options.haptic) {
+        return SceneLink::Feel::nothing;
+    }
+    return tool == Tool::tube ? SceneLink::Feel::tube : SceneLink::Feel::tissue;
+}
+
 }  // namespace
 
-void add_options(CLI::App& app, ProgramOptions& options, Tool tool) {
-    std::string known;
-    for (const Driver& driver : drivers()) {
-        if (driver.tool == tool) {
-            known += fmt::format("{}{}: {}", known.empty() ? "" : "; ", driver.name, driver.description);
-        }
+void add_device_options(CLI::App& app, ProgramOptions& options, Use use) {
+    app.add_option("--device", options.device, driver_list(use))->required();
+    app.add_option("--source", options.source, "The device's file, name or number; see --device");
+    if (use == Use::tool) {
+        app.add_option("--library", options.library, "The vendor's library by path, if not found by itself");
     }
+}
+
+void add_options(CLI::App& app, ProgramOptions& options) {
     app.set_version_flag("--version", ETI_VERSION);
-    app.add_option("--device", options.device, known)->required();
+    add_device_options(app, options, Use::tool);
+    app.add_option("--calibration", options.calibration,
+                   "Where the device stands: a file that eti-calibrate wrote");
     app.add_option("--operator", options.operator_name,
                    "Scripted hand by name or path; without it the device is held still");
+    add_bus_options(app, options);
+}
+
+void add_bus_options(CLI::App& app, ProgramOptions& options) {
     app.add_option("--session", options.bus.session, "Session to join")->capture_default_str();
     app.add_option("--domain", options.bus.domain, "DDS domain")->capture_default_str();
     app.add_option("--profile", options.bus.profile, "Fast DDS XML profile file (see deploy/dds)");
     app.add_option("--duration", options.duration, "End after this time [s]; else when the session ends")
         ->check(CLI::PositiveNumber);
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");
+}
+
+const volatile std::sig_atomic_t& stop_flag() {
+    return stop_requested;
 }
 
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
@@ -65,11 +89,26 @@ void set_up_process(const std::string& name) {
 Program::Program(const ProgramOptions& options, Tool tool)
     : options_(options),
       tool_(tool),
-      driver_(driver_named(options.device, tool)),
+      driver_(driver_named(options.device, Use::tool)),
       script_(script_of(options)),
+      calibration_(calibration_of(options)),
       started_(std::chrono::steady_clock::now()),
       node_(options.bus),
-      link_(node_, tool == Tool::laryngoscope) {
+      link_(node_, feel_of(options, tool)) {
+    if (calibration_ && calibration_->device != options.device) {
+        throw DeviceError(
+            fmt::format("--calibration {}: is of device '{}', not '{}'; run eti-calibrate for this one",
+                        options.calibration, calibration_->device, options.device));
+    }
+    if (calibration_) {
+        spdlog::info("calibration of {}: {} points, {:.2f} mm (leave-one-out {:.2f} mm)", calibration_->date,
+                     calibration_->points, 1e3 * calibration_->error, 1e3 * calibration_->left_out_error);
+    } else if (driver_.needs_calibration) {
+        spdlog::warn(
+            "device '{}' is not calibrated: its poses are taken as if its frame were the patient's; run "
+            "eti-calibrate and name its file with --calibration",
+            driver_.name);
+    }
     for (const std::string& warning : bus::self_check(node_, false, look_for_server).warnings) {
         spdlog::warn("{}", warning);
     }
@@ -79,6 +118,8 @@ std::unique_ptr<Sensor> Program::open_sensor() {
     SensorSetup setup;
     setup.tool = tool_;
     setup.script = script_;
+    setup.source = options_.source;
+    setup.library = options_.library;
     if (script_) {
         spdlog::info("'{}' waits for the scene of session '{}' on domain {}", script_->name,
                      options_.bus.session, options_.bus.domain);
@@ -93,9 +134,43 @@ std::unique_ptr<Sensor> Program::open_sensor() {
         setup.tool_length = tool_ == Tool::tube ? around->grip_to_tip : around->blade_length;
         setup.curvature = tool_ == Tool::tube ? around->tube_curvature : 0.0f;
     }
+    const bool scripted = driver_.name == "simulated" || driver_.name == "scripted";
     spdlog::info("device '{}' in session '{}'{}", driver_.name, options_.bus.session,
-                 script_ ? ", moved by '" + script_->name + "'" : ", held still");
-    return driver_.open(setup);
+                 script_    ? ", moved by '" + script_->name + "'"
+                 : scripted ? ", held still"
+                            : "");
+    std::unique_ptr<Sensor> sensor = driver_.open(setup);
+    if (calibration_) {
+        sensor = std::make_unique<CalibratedSensor>(std::move(sensor), *calibration_);
+    }
+    return sensor;
+}
+
+Vec3f Program::gimbal() const {
+    return calibration_ ? calibration_->tool.inverse().translation : Vec3f(Vec3f::Zero());
+}
+
+void Program::report(const SensorWatch& watch) {
+    const SensorHealth now = watch.health();
+    const std::string fault = watch.fault();
+    if (now.lost && (!reported_.lost || fault != reported_fault_)) {
+        spdlog::warn("device '{}' is lost{}; waiting for it to come back", driver_.name,
+                     fault.empty() ? ": it sends nothing" : ": " + fault);
+    } else if (!now.lost && reported_.lost) {
+        spdlog::info("device '{}' is back", driver_.name);
+    }
+    if (now.slow && !reported_.slow) {
+        spdlog::warn(
+            "device '{}' is slow: {:.0f} measurements a second, {:.0f} expected; check its cable and the "
+            "load of this machine",
+            driver_.name, now.rate, watch.abilities().rate);
+    }
+    if ((now.jumps > 0) != (reported_.jumps > 0) || (now.not_finite > 0) != (reported_.not_finite > 0)) {
+        spdlog::warn("device '{}' says what no hand can do ({} jumps, {} poses that are none); left out",
+                     driver_.name, now.jumps, now.not_finite);
+    }
+    reported_ = now;
+    reported_fault_ = fault;
 }
 
 bool Program::should_end() {

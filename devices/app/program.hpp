@@ -5,27 +5,43 @@
 #include <CLI/CLI.hpp>
 
 #include <chrono>
+#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "devices/calibration/calibration_file.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/drivers.hpp"
+#include "devices/sensor/sensor_watch.hpp"
 
 namespace eti::devices {
 
 /// What both device programs understand.
 struct ProgramOptions {
     std::string device;
+    std::string source;         ///< of the device: file, name or number; empty: the usual one
+    std::string library;        ///< the vendor's, by path; empty: by its usual names
+    std::string calibration;    ///< file of eti-calibrate; empty: none
     std::string operator_name;  ///< by name or path; empty: nobody moves the tool
     bus::Options bus;
     double duration = 0.0;  ///< [s] of the clock; 0: until the session ends
     bool json = false;
+    bool haptic = false;  ///< forces are rendered: what is felt is followed too
 };
 
 /// Adds these options to the program's own.
-void add_options(CLI::App& app, ProgramOptions& options, Tool tool);
+void add_options(CLI::App& app, ProgramOptions& options);
+
+/// Of a device alone: which, where, by what library.
+void add_device_options(CLI::App& app, ProgramOptions& options, Use use);
+
+/// Of the bus and of the program's end.
+void add_bus_options(CLI::App& app, ProgramOptions& options);
+
+/// Not zero once Ctrl-C or SIGTERM has come.
+[[nodiscard]] const volatile std::sig_atomic_t& stop_flag();
 
 /// Parses; the exit status when the program is done already (--help, --version, a mistake).
 [[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, char** argv);
@@ -43,6 +59,12 @@ class Program {
     /// Null when the program was asked to end first.
     [[nodiscard]] std::unique_ptr<Sensor> open_sensor();
 
+    /// Where on the tool the device holds it, tool frame [m]; the origin without a calibration.
+    [[nodiscard]] Vec3f gimbal() const;
+
+    /// Says what has changed about the device's health since last asked.
+    void report(const SensorWatch& watch);
+
     /// True when there is a reason to end; it is kept for ended().
     [[nodiscard]] bool should_end();
     [[nodiscard]] const std::string& ended() const { return ended_; }
@@ -56,6 +78,9 @@ class Program {
     Tool tool_;
     const Driver& driver_;
     std::optional<OperatorScript> script_;
+    std::optional<Calibration> calibration_;
+    SensorHealth reported_;
+    std::string reported_fault_;
     std::chrono::steady_clock::time_point started_;
     bus::Node node_;
     SceneLink link_;

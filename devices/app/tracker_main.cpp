@@ -13,12 +13,13 @@ namespace eti::devices {
 namespace {
 
 constexpr std::int64_t period_ns = 1'000'000'000 / 240;
+constexpr std::uint64_t cycles_per_report = 48;  // five times a second
 
 /// Follows the tube at 240 Hz until there is a reason to end.
 class TubeTracker {
   public:
     TubeTracker(Program& program, Sensor& sensor)
-        : program_(program), sensor_(sensor), topic_(program.node(), bus::topics::tube_pose) {
+        : program_(program), watch_(sensor), topic_(program.node(), bus::topics::tube_pose) {
         message_.tool(static_cast<std::uint32_t>(Tool::tube));
     }
 
@@ -30,7 +31,11 @@ class TubeTracker {
             if (now < next) {
                 continue;
             }
+            watch_.tend();
             cycle(now, static_cast<float>(now - last) * 1e-9f);
+            if (++cycles_ % cycles_per_report == 0) {
+                program_.report(watch_);
+            }
             intervals_.record(now - last);
             last = now;
             next += period_ns * (1 + (now - next) / period_ns);
@@ -50,7 +55,9 @@ class TubeTracker {
                 {"poses_published", published_},
                 {"states_received", program_.link().received()},
                 {"messages_refused", program_.link().refused()},
-                {"outages", program_.link().outages()}};
+                {"outages", program_.link().outages()},
+                {"device_losses", watch_.health().losses},
+                {"poses_left_out", watch_.health().jumps + watch_.health().not_finite}};
     }
 
   private:
@@ -61,10 +68,13 @@ class TubeTracker {
         if (scene->proxy_arrived != 0) {
             Observation seen = scene->seen;
             seen.time = time = time_.at(*scene, now);
-            sensor_.look(seen);
+            watch_.look(seen);
         }
         // A tracked tube has no motors.
-        const Reading reading = sensor_.exchange({}, elapsed);
+        const Reading reading = watch_.exchange({}, elapsed);
+        if (!reading.present) {
+            return;
+        }
         message_.header(
             bus::make_header(static_cast<std::uint64_t>(time * 1e9), static_cast<std::uint32_t>(published_)));
         message_.pose(bus::to_msg(reading.motion.pose));
@@ -73,12 +83,13 @@ class TubeTracker {
     }
 
     Program& program_;
-    Sensor& sensor_;
+    SensorWatch watch_;
     bus::Publisher<msg::ToolPose> topic_;
     msg::ToolPose message_;
     SimulationTime time_;
     CycleStatistics intervals_;
     std::uint64_t published_ = 0;
+    std::uint64_t cycles_ = 0;
 };
 
 int run(const ProgramOptions& options) {
@@ -109,7 +120,7 @@ int main(int argc, char** argv) {
     ProgramOptions options;
     options.bus.name = "eti-tracker";
     CLI::App app("The tube's tracker: tells the server at 240 Hz where the tube is held.", "eti-tracker");
-    add_options(app, options, eti::Tool::tube);
+    add_options(app, options);
     if (const auto code = parse(app, argc, argv)) {
         return *code;
     }

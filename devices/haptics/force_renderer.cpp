@@ -4,11 +4,14 @@
 
 #include <algorithm>
 
+#include "devices/haptics/gimbal_force.hpp"
+
 namespace eti::devices {
 
 namespace {
 
-constexpr float never = -1.0f;  // an age that Freshness takes for stale
+constexpr float never = -1.0f;                     // an age that Freshness takes for stale
+constexpr float message_interval = 1.0f / 180.0f;  // [s], of simulation time
 
 float age_of(std::int64_t arrived, std::int64_t now) {
     return arrived > 0 ? static_cast<float>(now - arrived) * 1e-9f : never;
@@ -18,54 +21,90 @@ Wrench scaled(const Wrench& wrench, float by) {
     return {by * wrench.force, by * wrench.torque};
 }
 
+bool finite(const Wrench& wrench) {
+    return wrench.force.allFinite() && wrench.torque.allFinite();
+}
+
 }  // namespace
 
 ForceRenderer::ForceRenderer(const RenderSettings& settings)
     : settings_(settings),
       freshness_(settings.safety),
       tissue_freshness_(settings.safety),
-      engagement_(settings.safety) {}
+      engagement_(settings.safety),
+      passivity_(settings.passivity) {}
 
-Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform& proxy) const {
-    // When the whole scene falls silent the fade of the sum below is enough; twice would be too steep.
+Wrench ForceRenderer::rigid_wrench(const Motion& device, const Motion& proxy) const {
+    return settings_.tool == Tool::tube ? Wrench{} : coupling_wrench(device, proxy, settings_.coupling);
+}
+
+Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt) {
+    Wrench now = scene.tissue.wrench;
+    if (settings_.tool == Tool::laryngoscope) {
+        now = settings_.soft_force == SoftForce::constraint
+                  ? constraint_wrench(scene.tissue, proxy)
+                  : displacement_wrench(scene.tissue.touching(), scene.blade, proxy, tissue_stiffness());
+    }
+    const float due =
+        std::min(message_interval / std::max(scene.pace, settings_.prediction.slowest_pace), 0.02f);
+    const Wrench smooth = soft_.update(now, scene.tissue_arrived, due, dt);
+    // When the whole scene falls silent the fade of the sum is enough; twice would be too steep.
     const float all = freshness_.share();
     const float share = all > 0.0f ? std::min(1.0f, tissue_freshness_.share() / all) : 0.0f;
-    const float gain = settings_.coupling.tissue_gain * share;
-    return scaled(settings_.soft_force == SoftForce::constraint
-                      ? scene.tissue.wrench
-                      : displacement_wrench(scene.tissue.touching(), scene.blade, proxy, tissue_stiffness()),
-                  gain);
+    return scaled(smooth, settings_.coupling.tissue_gain * share);
+}
+
+Wrench ForceRenderer::for_device(const Wrench& wrench, const Motion& device, const SceneState& scene) const {
+    if (settings_.torque) {
+        return wrench;
+    }
+    if (scene.proxy.contacts == 0) {
+        return {wrench.force, Vec3f::Zero()};
+    }
+    return {gimbal_force(wrench, device.pose.translation, scene.proxy.contact_centre,
+                         device.pose * settings_.gimbal),
+            Vec3f::Zero()};
+}
+
+void ForceRenderer::release() {
+    engagement_.disengage();
+    last_ = {};
+    passivity_.exerted({});
 }
 
 Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::int64_t now, float dt) {
     const float age = age_of(scene.proxy_arrived, now);
-    const std::optional<Motion> proxy =
-        age >= 0.0f ? predicted_proxy(device, scene.proxy, age * scene.pace, scene.pace, settings_.prediction)
-                    : std::nullopt;
+    std::optional<Motion> proxy;
+    if (age >= 0.0f) {
+        proxy = settings_.tool == Tool::tube ? device
+                                             : predicted_proxy(device, scene.proxy, age * scene.pace,
+                                                               scene.pace, settings_.prediction);
+    }
     const float fresh = freshness_.update(proxy ? age : never, dt);
     tissue_freshness_.update(age_of(scene.tissue_arrived, now), dt);
 
     Wrench raw;
     if (proxy) {
-        const Wrench rigid = coupling_wrench(device, *proxy, settings_.coupling);
-        const Wrench soft = soft_wrench(scene, proxy->pose);
-        const Wrench sum{rigid.force + soft.force, rigid.torque + soft.torque};
-        if (!sum.force.allFinite() || !sum.torque.allFinite()) {
+        const Wrench rigid = rigid_wrench(device, *proxy);
+        const Wrench soft = soft_wrench(scene, proxy->pose, dt);
+        const Wrench sum = for_device({rigid.force + soft.force, rigid.torque + soft.torque}, device, scene);
+        if (!finite(sum)) {
             ++not_finite_;
-            engagement_.disengage();
-            last_ = {};
+            release();
             return {};
         }
         raw = limited(sum, settings_.coupling);
-    } else {
-        raw = last_;  // fades from what was felt last
     }
     const float share = engagement_.update(fresh > 0.0f, raw.force.norm(), dt);
-    last_ = rate_limited(proxy ? scaled(raw, share) : raw, last_, dt, settings_.coupling);
-    if (fresh == 0.0f) {
+    const Wrench passive = limited(
+        passivity_.apply(scaled(raw, share), device, dt, share >= 1.0f && fresh >= 1.0f), settings_.coupling);
+    last_ = rate_limited(passive, last_, dt, settings_.coupling);
+    if (fresh == 0.0f || share == 0.0f) {
         last_ = {};
     }
-    return scaled(last_, fresh);
+    const Wrench out = scaled(last_, fresh);
+    passivity_.exerted(out);
+    return out;
 }
 
 }  // namespace eti::devices

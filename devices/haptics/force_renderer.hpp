@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include "common/model/tools.hpp"
+#include "devices/haptics/passivity.hpp"
 #include "devices/haptics/proxy_prediction.hpp"
 #include "devices/haptics/safety.hpp"
 #include "devices/haptics/scene_state.hpp"
@@ -10,10 +12,14 @@
 namespace eti::devices {
 
 struct RenderSettings {
+    Tool tool = Tool::laryngoscope;  ///< a tube has no proxy: only its own force is felt
     CouplingSettings coupling;
     SafetySettings safety;
     PredictionBounds prediction;
     SoftForce soft_force = SoftForce::constraint;
+    PassivitySettings passivity;
+    bool torque = true;            ///< the device has it; else turning is resisted by a force at its gimbal
+    Vec3f gimbal = Vec3f::Zero();  ///< [m], tool frame; where a device without torque pulls
 };
 
 /// From the device's motion and the newest scene to the wrench that the hand feels; one call a cycle.
@@ -25,6 +31,11 @@ class ForceRenderer {
     /// `now` [ns, CLOCK_MONOTONIC], `dt` [s] since the last call.
     Wrench cycle(const Motion& device, const SceneState& scene, std::int64_t now, float dt);
 
+    /// No force, at once; then only after quiet cycles and by the ramp. For a device that cannot be trusted
+    /// and for a person who wants it to stop.
+    void release();
+
+    [[nodiscard]] const PassivityController& passivity() const { return passivity_; }
     [[nodiscard]] bool stale() const { return freshness_.share() < 1.0f; }
     [[nodiscard]] bool engaged() const { return engagement_.share() > 0.0f; }
     [[nodiscard]] std::uint64_t not_finite() const {
@@ -32,11 +43,16 @@ class ForceRenderer {
     }  ///< cycles with a force that was not
 
   private:
-    [[nodiscard]] Wrench soft_wrench(const SceneState& scene, const RigidTransform& proxy) const;
+    [[nodiscard]] Wrench rigid_wrench(const Motion& device, const Motion& proxy) const;
+    [[nodiscard]] Wrench soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt);
+    [[nodiscard]] Wrench for_device(const Wrench& wrench, const Motion& device,
+                                    const SceneState& scene) const;
 
     RenderSettings settings_;
     Freshness freshness_, tissue_freshness_;
     Engagement engagement_;
+    SmoothSoftForce soft_;
+    PassivityController passivity_;
     Wrench last_;  // before the fade
     std::uint64_t not_finite_ = 0;
 };

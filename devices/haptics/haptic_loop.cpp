@@ -30,9 +30,10 @@ double SimulationTime::at(const SceneState& scene, std::int64_t now) {
 }
 
 HapticCycle::HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings)
-    : sensor_(sensor), scene_(scene), renderer_(settings), device_(sensor.exchange({}, 0.0f).motion) {}
+    : sensor_(sensor), scene_(scene), renderer_(settings), device_(sensor.exchange({}, 0.0f)) {}
 
-OutgoingPose HapticCycle::run(std::int64_t now) {
+std::optional<OutgoingPose> HapticCycle::run(std::int64_t now, bool stop) {
+    const std::int64_t started = monotonic_ns();
     const float elapsed = last_ == 0 ? first_interval : static_cast<float>(now - last_) * 1e-9f;
     if (last_ != 0) {
         record_.intervals.record(now - last_);
@@ -46,9 +47,15 @@ OutgoingPose HapticCycle::run(std::int64_t now) {
         seen_.time = time_.at(*scene, now);
         sensor_.look(seen_);
     }
-    wrench_ = renderer_.cycle(device_, *scene, now, elapsed);
-    const Reading reading = sensor_.exchange(wrench_, elapsed);
-    device_ = reading.motion;
+    wrench_ = renderer_.cycle(device_.motion, *scene, now, elapsed);
+    if (stop || !device_.present) {
+        wrench_ = {};
+        renderer_.release();
+        record_.stopped_cycles += stop ? 1 : 0;
+        record_.absent_cycles += device_.present ? 0 : 1;
+    }
+    record_.computing.record(monotonic_ns() - started);
+    device_ = sensor_.exchange(wrench_, elapsed);
 
     const float force = wrench_.force.norm();
     record_.force_sum += static_cast<double>(force);
@@ -57,13 +64,23 @@ OutgoingPose HapticCycle::run(std::int64_t now) {
     record_.engaged_cycles += renderer_.engaged() ? 1 : 0;
     record_.last_message = scene->proxy_arrived;
     record_.last_force = force > 0.0f ? now : record_.last_force;
-    return {reading.motion.pose, reading.buttons, static_cast<std::uint64_t>(seen_.time * 1e9)};
+    if (!device_.present) {
+        return std::nullopt;
+    }
+    return OutgoingPose{device_.motion.pose, device_.buttons, static_cast<std::uint64_t>(seen_.time * 1e9)};
 }
 
 HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
                        const RenderSettings& settings)
-    : sensor_(sensor), cycle_(sensor, scene, settings), topic_(node, bus::topics::laryngoscope_pose) {
+    : sensor_(sensor),
+      tool_(settings.tool),
+      cycle_(sensor, scene, settings),
+      topic_(node, tool_ == Tool::tube ? bus::topics::tube_pose : bus::topics::laryngoscope_pose) {
     publisher_ = std::thread([this] { publish(); });
+    on_servo_ = sensor_.start_servo(*this);
+    if (on_servo_) {
+        return;
+    }
     std::binary_semaphore started{0};
     loop_ = std::thread([this, &started] {
         priority_refusal_ = become_real_time(loop_priority);
@@ -79,8 +96,12 @@ HapticLoop::~HapticLoop() {
 
 void HapticLoop::stop() {
     ending_.store(true, std::memory_order_relaxed);
-    if (loop_.joinable()) {
-        loop_.join();
+    if (publisher_.joinable()) {
+        if (on_servo_) {
+            sensor_.stop_servo();
+        } else {
+            loop_.join();
+        }
         publisher_.join();
         (void)sensor_.exchange({}, first_interval);
     }
@@ -94,18 +115,28 @@ void HapticLoop::run() {
         if (now < next) {
             continue;  // a signal woke it early
         }
-        outgoing_.write(cycle_.run(now));
-        posted_.release();
-        force_.store(cycle_.wrench().force.norm(), std::memory_order_relaxed);
+        cycle(now);
         // Cycles that were missed are not made up for: the device has moved on.
         next += period_ns * (1 + (now - next) / period_ns);
     }
 }
 
+void HapticLoop::cycle(std::int64_t now) {
+    if (const auto pose = cycle_.run(now, panic_.load(std::memory_order_relaxed))) {
+        outgoing_.write(*pose);
+        posted_.release();
+    }
+    force_.store(cycle_.wrench().force.norm(), std::memory_order_relaxed);
+}
+
+void HapticLoop::servo_cycle() noexcept {
+    cycle(monotonic_ns());
+}
+
 void HapticLoop::publish() {
     (void)become_real_time(publisher_priority);
     msg::ToolPose message;
-    message.tool(static_cast<std::uint32_t>(Tool::laryngoscope));
+    message.tool(static_cast<std::uint32_t>(tool_));
     const OutgoingPose* pose = nullptr;
     while (!ending_.load(std::memory_order_relaxed)) {
         if (!posted_.try_acquire_for(publisher_patience) || !outgoing_.read(pose)) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <semaphore>
 #include <string>
 #include <thread>
@@ -10,8 +11,8 @@
 #include "common/bus/bus.hpp"
 #include "devices/haptics/force_renderer.hpp"
 #include "devices/haptics/timing.hpp"
-#include "devices/haptics/triple_buffer.hpp"
 #include "devices/sensor/sensor.hpp"
+#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -36,12 +37,15 @@ class SimulationTime {
 /// What a cycle did; kept by the loop's thread, read when it has ended.
 struct HapticRecord {
     CycleStatistics intervals;
+    CycleStatistics computing;       // time that a cycle took, without the exchange with the device
     double force_sum = 0.0;          // [N], over cycles
     float force_max = 0.0f;          // [N]
     std::uint64_t stale_cycles = 0;  // with less than all force for want of messages
     std::uint64_t engaged_cycles = 0;
-    std::int64_t last_message = 0;  // [ns], arrival of the newest ProxyState that a cycle saw
-    std::int64_t last_force = 0;    // [ns], newest cycle that gave the device any force
+    std::uint64_t absent_cycles = 0;   // without a device to go by
+    std::uint64_t stopped_cycles = 0;  // by the panic key
+    std::int64_t last_message = 0;     // [ns], arrival of the newest ProxyState that a cycle saw
+    std::int64_t last_force = 0;       // [ns], newest cycle that gave the device any force
 };
 
 /// One cycle of the 1 kHz loop: read what is newest, let the hand look, render the force, exchange it
@@ -50,8 +54,9 @@ class HapticCycle {
   public:
     HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings);
 
-    /// `now` [ns, CLOCK_MONOTONIC], at least as late as in the last call. Returns the pose to publish.
-    OutgoingPose run(std::int64_t now);
+    /// `now` [ns, CLOCK_MONOTONIC], at least as late as in the last call. `stop`: no force, whatever there is
+    /// to feel. Returns the pose to publish; nothing while there is no device to go by.
+    std::optional<OutgoingPose> run(std::int64_t now, bool stop = false);
 
     [[nodiscard]] const Wrench& wrench() const { return wrench_; }
     [[nodiscard]] const HapticRecord& record() const { return record_; }
@@ -63,49 +68,59 @@ class HapticCycle {
     ForceRenderer renderer_;
     SimulationTime time_;
     Observation seen_;
-    Motion device_;
+    Reading device_;
     Wrench wrench_;
     std::int64_t last_ = 0;
     HapticRecord record_;
 };
 
-/// Runs the cycle at 1 kHz on a thread of its own, and the publishing of poses on another.
+/// Runs the cycle at 1 kHz on a thread of its own, or on the device's servo thread where it has one, and
+/// the publishing of poses on another.
 ///
 /// A DDS write takes locks and a system call and may take milliseconds on a loaded machine, so it has
 /// no place in the loop; the loop leaves the pose in a triple buffer and posts a semaphore, which
 /// never waits. The second thread, of lower priority, wakes on it, so a pose is as fresh on the bus as
 /// if the loop had sent it, and when publishing is held up, poses are skipped and not queued.
-class HapticLoop {
+class HapticLoop final : private ServoCycle {
   public:
     static constexpr std::int64_t period_ns = 1'000'000;
 
     HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
                const RenderSettings& settings);
-    ~HapticLoop();
+    ~HapticLoop() override;
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
     void stop();  ///< ends both threads; the last wrench given to the device is zero
+
+    /// No force from the next cycle on, until `off` is false again; then it takes quiet cycles and the ramp.
+    void panic(bool off) { panic_.store(off, std::memory_order_relaxed); }
 
     /// [N], that the hand feels now.
     [[nodiscard]] float force() const { return force_.load(std::memory_order_relaxed); }
     /// After stop().
     [[nodiscard]] const HapticCycle& cycle() const { return cycle_; }
     [[nodiscard]] std::uint64_t published() const { return published_; }
-    /// Empty when the loop has a real-time priority, else why not.
+    /// The device's own thread runs the cycle.
+    [[nodiscard]] bool on_servo() const { return on_servo_; }
+    /// Empty when the loop has a real-time priority, or is not ours to give one; else why not.
     [[nodiscard]] const std::string& priority_refusal() const { return priority_refusal_; }
 
   private:
+    void servo_cycle() noexcept override;
+    void cycle(std::int64_t now);
     void run();
     void publish();
 
     Sensor& sensor_;
+    Tool tool_;
     HapticCycle cycle_;
     bus::Publisher<msg::ToolPose> topic_;
     TripleBuffer<OutgoingPose> outgoing_;
     std::counting_semaphore<> posted_{0};
-    std::atomic<bool> ending_{false};
+    std::atomic<bool> ending_{false}, panic_{false};
     std::atomic<float> force_{0.0f};
+    bool on_servo_ = false;
     std::string priority_refusal_;
     std::uint64_t published_ = 0;
     std::thread publisher_, loop_;

@@ -17,10 +17,15 @@ Vec3f approached(const Vec3f& last, const Vec3f& wanted, float most) {
 }  // namespace
 
 float Freshness::update(float age, float dt) {
-    const bool fresh = age >= 0.0f && age <= settings_.stale_after;
-    const float change = fresh ? dt / settings_.recovery_time : -dt / settings_.fade_time;
+    const bool fresh = age >= 0.0f && age <= settings_.stale_after();
+    if (!fresh) {
+        // By the age and not by the cycles, which may come late themselves.
+        const float left = (settings_.silence_limit - age) / settings_.fade_time;
+        share_ = age >= 0.0f ? std::min(share_, std::max(left, 0.0f)) : 0.0f;
+        return share_;
+    }
     // The first message after a silence that lasted gives all of it: the engagement's ramp follows.
-    share_ = fresh && share_ == 0.0f ? 1.0f : std::clamp(share_ + change, 0.0f, 1.0f);
+    share_ = share_ == 0.0f ? 1.0f : std::min(share_ + dt / settings_.recovery_time, 1.0f);
     return share_;
 }
 
@@ -47,7 +52,7 @@ void Engagement::disengage() {
 
 Wrench rate_limited(const Wrench& wanted, const Wrench& last, float dt, const CouplingSettings& settings) {
     const float force = settings.force_rate_limit * dt;
-    const float torque = force * settings.torque_limit / settings.force_limit;
+    const float torque = force * settings.torque_limit / std::max(settings.force_limit, 0.1f);
     return {approached(last.force, wanted.force, force), approached(last.torque, wanted.torque, torque)};
 }
 

@@ -8,14 +8,16 @@ namespace eti::devices {
 
 /// When forces begin, and how they end when the scene falls silent.
 struct SafetySettings {
-    float quiet_force = 0.3f;    ///< [N], a cycle that would exert less is quiet
-    int quiet_cycles = 20;       ///< in a row, before forces engage
-    float ramp_time = 0.5f;      ///< [s], from no force to all of it
-    float stale_after = 0.020f;  ///< [s] without a message; larger keeps forces through a late server's
-                                 ///< gaps, at the cost of feeling an old scene for as long
-    /// [s], from all force to none once stale: the whole range in less than 20 ms, and slow enough
-    /// that the fade alone (7.9 N in 15 ms = 527 N/s) keeps within the force-rate limit.
-    float fade_time = 0.015f;
+    float quiet_force = 0.3f;  ///< [N], a cycle that would exert less is quiet
+    int quiet_cycles = 20;     ///< in a row, before forces engage
+    float ramp_time = 0.5f;    ///< [s], from no force to all of it
+    /// [s] without a message, by which there is no force; larger keeps forces through a late server's gaps,
+    /// at the cost of feeling an old scene for as long.
+    float silence_limit = 0.020f;
+    /// [s] before that limit, over which the force fades. One message of 180 Hz may be lost (11 ms) before
+    /// it begins. The fade is faster than the force-rate limit: that is against pushes, this lets go.
+    float fade_time = 0.008f;
+    [[nodiscard]] float stale_after() const { return silence_limit - fade_time; }
     float recovery_time = 0.1f;  ///< [s], back to all force after a gap that ended before the fade did
 };
 

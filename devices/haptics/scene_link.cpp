@@ -38,16 +38,34 @@ bool is_motion(const msg::ProxyState& m) {
     return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) && bus::is_finite(m.velocity()) &&
            bus::is_finite(m.angular_velocity()) &&
            std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
-               return std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
+               return bus::is_finite(c.position()) && std::isfinite(c.force()) &&
+                      std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
            });
 }
 
 bool is_tissue(const msg::TissueContacts& m) {
     return from_msg(m.force()).norm() < most_force && from_msg(m.torque()).norm() < most_force &&
-           std::ranges::all_of(m.contacts(), [](const msg::TissueContactPoint& c) {
-               return bus::is_finite(c.position()) && bus::is_finite(c.rest()) && std::isfinite(c.radius()) &&
-                      c.tissue() < tissue_count;
-           });
+           std::ranges::all_of(m.contacts(),
+                               [](const msg::TissueContactPoint& c) {
+                                   return bus::is_finite(c.position()) && bus::is_finite(c.rest()) &&
+                                          from_msg(c.force()).norm() < most_force &&
+                                          std::isfinite(c.radius()) && c.tissue() < tissue_count;
+                               }) &&
+           bus::is_valid(m.proxy());
+}
+
+/// Of the first `count` contacts, weighted by their forces; of all alike where there is no force.
+Vec3f centre_of(const std::vector<msg::ShellContact>& contacts, std::size_t count) {
+    Vec3f weighted = Vec3f::Zero(), plain = Vec3f::Zero();
+    float force = 0.0f;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float weight = std::max(contacts[i].force(), 0.0f);
+        weighted += weight * from_msg(contacts[i].position());
+        plain += from_msg(contacts[i].position());
+        force += weight;
+    }
+    return force > 0.0f ? Vec3f(weighted / force)
+                        : Vec3f(plain / static_cast<float>(std::max<std::size_t>(count, 1)));
 }
 
 Blade blade_of(const msg::SceneDescription& scope, float length) {
@@ -62,13 +80,15 @@ Blade blade_of(const msg::SceneDescription& scope, float length) {
 
 }  // namespace
 
-SceneLink::SceneLink(bus::Node& node, bool with_tissue)
+SceneLink::SceneLink(bus::Node& node, Feel feel)
     : proxy_topic_(node, bus::topics::proxy),
       live_topic_(node, bus::topics::live_metrics),
       scene_topic_(node, bus::topics::scene),
       status_topic_(node, bus::topics::session_status) {
-    if (with_tissue) {
+    if (feel == Feel::tissue) {
         tissue_topic_.emplace(node, bus::topics::tissue_contacts);
+    } else if (feel == Feel::tube) {
+        tube_topic_.emplace(node, bus::topics::tube_force);
     }
     thread_ = std::thread([this] { run(); });
 }
@@ -87,10 +107,13 @@ std::optional<Surroundings> SceneLink::surroundings() const {
 
 void SceneLink::run() {
     while (!ending_.load(std::memory_order_relaxed)) {
-        // The server sends TissueContacts right after ProxyState: once the second is here, both are.
-        (void)(tissue_topic_ ? tissue_topic_->wait(poll_interval) : proxy_topic_.wait(poll_interval));
+        // The server sends these right after ProxyState: once the second is here, both are.
+        (void)(tissue_topic_ ? tissue_topic_->wait(poll_interval)
+               : tube_topic_ ? tube_topic_->wait(poll_interval)
+                             : proxy_topic_.wait(poll_interval));
         bool changed = take_proxy();
         changed = take_tissue() || changed;
+        changed = take_tube() || changed;
         changed = take_live() || changed;
         take_scene();
         take_status();
@@ -124,6 +147,7 @@ bool SceneLink::take_proxy() {
     for (std::size_t i = 0; i < state_.proxy.contacts; ++i) {
         state_.proxy.normals[i] = from_msg(proxy_.contacts()[i].normal()).normalized();
     }
+    state_.proxy.contact_centre = centre_of(proxy_.contacts(), state_.proxy.contacts);
     state_.proxy_arrived = now;
     state_.seen.time = static_cast<double>(simulation_ns) * 1e-9;
     state_.seen.proxy = state_.proxy.proxy.pose;
@@ -158,8 +182,26 @@ bool SceneLink::take_tissue() {
     for (std::size_t i = 0; i < report.count; ++i) {
         const msg::TissueContactPoint& c = tissue_.contacts()[i];
         report.points[i] = {from_msg(c.position()), from_msg(c.rest()), c.radius(),
-                            static_cast<Tissue>(c.tissue())};
+                            static_cast<Tissue>(c.tissue()), from_msg(c.force())};
     }
+    report.represents = report.count > 0
+                            ? 1.0f + static_cast<float>(tissue_.dropped()) / static_cast<float>(report.count)
+                            : 1.0f;
+    report.proxy = from_msg(tissue_.proxy());
+    state_.tissue_arrived = monotonic_ns();
+    return true;
+}
+
+bool SceneLink::take_tube() {
+    if (!tube_topic_ || !tube_topic_->take_latest(tube_)) {
+        return false;
+    }
+    const Wrench wrench{from_msg(tube_.force()), from_msg(tube_.torque())};
+    if (!(wrench.force.norm() < most_force && wrench.torque.norm() < most_force)) {
+        refused_.fetch_add(1, std::memory_order_relaxed);
+        return false;
+    }
+    state_.tissue.wrench = wrench;
     state_.tissue_arrived = monotonic_ns();
     return true;
 }

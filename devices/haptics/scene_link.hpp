@@ -9,7 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "devices/haptics/scene_state.hpp"
-#include "devices/haptics/triple_buffer.hpp"
+#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -26,8 +26,9 @@ struct Surroundings {
 /// of landmarks, is dropped and counted.
 class SceneLink {
   public:
-    /// `with_tissue`: read TissueContacts too.
-    SceneLink(bus::Node& node, bool with_tissue);
+    /// What of the scene a device needs besides the proxy.
+    enum class Feel : std::uint8_t { nothing, tissue, tube };
+    SceneLink(bus::Node& node, Feel feel);
     ~SceneLink();
     SceneLink(const SceneLink&) = delete;
     SceneLink& operator=(const SceneLink&) = delete;
@@ -46,6 +47,7 @@ class SceneLink {
     void run();
     bool take_proxy();
     bool take_tissue();
+    bool take_tube();
     bool take_live();
     void take_scene();
     void take_status();
@@ -54,11 +56,13 @@ class SceneLink {
 
     bus::Subscriber<msg::ProxyState> proxy_topic_;
     std::optional<bus::Subscriber<msg::TissueContacts>> tissue_topic_;
+    std::optional<bus::Subscriber<msg::TubeForce>> tube_topic_;
     bus::Subscriber<msg::LiveMetrics> live_topic_;
     bus::Subscriber<msg::SceneDescription> scene_topic_;
     bus::Subscriber<msg::SessionStatus> status_topic_;
     msg::ProxyState proxy_;
     msg::TissueContacts tissue_;
+    msg::TubeForce tube_;
     msg::LiveMetrics live_;
     msg::SceneDescription scene_;
     msg::SessionStatus status_;

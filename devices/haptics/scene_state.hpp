@@ -30,6 +30,7 @@ struct ProxyReport {
     std::array<Vec3f, most_contacts> normals =
         all_zero<most_contacts>();  ///< from the shell to the proxy, unit
     std::size_t contacts = 0;
+    Vec3f contact_centre = Vec3f::Zero();  ///< [m], of the contacts, weighted by their forces
 
     [[nodiscard]] std::span<const Vec3f> contact_normals() const { return {normals.data(), contacts}; }
 };
@@ -40,14 +41,18 @@ struct TissuePoint {
     Vec3f rest = Vec3f::Zero();      ///< [m], without the blade
     float radius = 0.0f;             ///< [m]
     Tissue tissue = Tissue::soft;
+    Vec3f force = Vec3f::Zero();  ///< [N], of the particle on the blade
 };
 
 /// What the tissue does to the blade, as last reported.
 struct TissueReport {
     static constexpr std::size_t most_points = 96;  ///< as in eti.idl
-    Wrench wrench;                                  ///< on the blade, about the proxy's origin
+    Wrench wrench;                                  ///< on the blade, about the proxy's origin; or of a
+                                                    ///< tube on the hand, about its grip
+    RigidTransform proxy;                           ///< the blade's pose that all this is about
     std::array<TissuePoint, most_points> points{};
     std::size_t count = 0;
+    float represents = 1.0f;  ///< contacts that each point stands for, where the message could not hold all
 
     [[nodiscard]] std::span<const TissuePoint> touching() const { return {points.data(), count}; }
 };

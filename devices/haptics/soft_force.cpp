@@ -66,4 +66,41 @@ Wrench displacement_wrench(std::span<const TissuePoint> points, std::span<const 
     return total;
 }
 
+Wrench constraint_wrench(const TissueReport& report, const RigidTransform& pose) {
+    // [m], below which a displacement says nothing of stiffness: half of a small particle.
+    constexpr float least_displacement = 0.5e-3f;
+    Wrench out = report.wrench;
+    const RigidTransform step = pose * report.proxy.inverse();
+    for (const TissuePoint& point : report.touching()) {
+        const float force = point.force.norm();
+        if (force <= 0.0f) {
+            continue;
+        }
+        const Vec3f way = step * point.position - point.position;
+        const float deeper = -point.force.dot(way) / force;
+        const float displacement = std::max((point.rest - point.position).norm(), least_displacement);
+        const Vec3f change = std::clamp(deeper / displacement, -1.0f, 1.0f) * report.represents * point.force;
+        out.force += change;
+        out.torque += (point.position - report.proxy.translation).cross(change);
+    }
+    return out;
+}
+
+Wrench SmoothSoftForce::update(const Wrench& wanted, std::int64_t arrived, float over, float dt) {
+    if (arrived != arrived_) {
+        arrived_ = arrived;
+        lacking_ = {last_.force - wanted.force, last_.torque - wanted.torque};
+        left_ = 1.0f;
+    }
+    left_ = over > 0.0f ? std::max(0.0f, left_ - dt / over) : 0.0f;
+    last_ = {wanted.force + left_ * lacking_.force, wanted.torque + left_ * lacking_.torque};
+    if (!last_.force.allFinite() || !last_.torque.allFinite()) {
+        lacking_ = {};
+        const Wrench bad = last_;
+        last_ = {};
+        return bad;
+    }
+    return last_;
+}
+
 }  // namespace eti::devices

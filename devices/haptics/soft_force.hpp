@@ -11,7 +11,7 @@ namespace eti::devices {
 
 /// How the soft tissue's force on the hand is found.
 enum class SoftForce : std::uint8_t {
-    constraint,    ///< the contact forces of the simulation's constraints [N]
+    constraint,    ///< the contact forces of the simulation's constraints [N], carried on between messages
     displacement,  ///< Xiao et al. 2020, sec. 4.3: mean displacement times a stiffness per tissue type
 };
 
@@ -33,5 +33,24 @@ enum class SoftForce : std::uint8_t {
 [[nodiscard]] Wrench displacement_wrench(std::span<const TissuePoint> points, std::span<const Capsule> blade,
                                          const RigidTransform& pose,
                                          const std::array<float, tissue_count>& stiffness);
+
+/// The reported wrench, carried on from the reported pose of the blade to `pose`: each particle's force grows
+/// and falls with how far the blade goes into it, by the particle's own secant stiffness, its force over its
+/// displacement from rest. A local model of the tissue in the sense of Mazzella, Montgomery & Latombe (ICRA
+/// 2002), as the planes of proxy_prediction.hpp are one of the shell. No particle pulls, and none pushes
+/// more than twice as hard as reported.
+[[nodiscard]] Wrench constraint_wrench(const TissueReport& report, const RigidTransform& pose);
+
+/// Of the two laws, made smooth: what a new message changes comes in over the time that the next takes.
+class SmoothSoftForce {
+  public:
+    /// `wanted` by the newest message, which came at `arrived` [ns]; `over` [s]: until the next is due.
+    Wrench update(const Wrench& wanted, std::int64_t arrived, float over, float dt);
+
+  private:
+    std::int64_t arrived_ = 0;
+    Wrench last_, lacking_;  // what was given last; what the last message changed, as it comes in
+    float left_ = 0.0f;      // share of `lacking_` that is still to come
+};
 
 }  // namespace eti::devices

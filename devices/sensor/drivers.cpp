@@ -5,7 +5,14 @@
 #include <array>
 #include <string>
 
+#include "devices/sensor/gamepad.hpp"
 #include "devices/sensor/hand_sensor.hpp"
+#include "devices/sensor/keyboard.hpp"
+#include "devices/sensor/mouse.hpp"
+#include "devices/sensor/openhaptics.hpp"
+#include "devices/sensor/recorded.hpp"
+#include "devices/sensor/spacenav.hpp"
+#include "devices/sensor/trakstar.hpp"
 
 namespace eti::devices {
 
@@ -15,9 +22,18 @@ std::unique_ptr<Sensor> open_hand(const SensorSetup& setup) {
     return std::make_unique<HandSensor>(setup);
 }
 
-constexpr std::array<Driver, 2> table = {{
-    {"simulated", Tool::laryngoscope, "haptic arm and the hand that holds it, both simulated", &open_hand},
-    {"scripted", Tool::tube, "tracked tube in a simulated hand", &open_hand},
+constexpr std::array<Driver, 9> table = {{
+    {"simulated", Use::tool, false, "haptic arm and the hand that holds it, both simulated", &open_hand},
+    {"scripted", Use::tool, false, "tracked tool in a simulated hand", &open_hand},
+    {"recorded", Use::tool, false, "hand as recorded in the session file --source", &open_recorded},
+    {"mouse", Use::tool, false, "mouse and keys, in a window of its own", &open_mouse},
+    {"spacenav", Use::tool, false, "6-DOF mouse by spacenavd", &open_spacenav},
+    {"openhaptics", Use::tool, true, "Touch or Touch X by OpenHaptics; --source: its name there",
+     &open_openhaptics},
+    {"trakstar", Use::tool, true, "Ascension 3D Guidance tracker; --source: the sensor's number",
+     &open_trakstar},
+    {"gamepad", Use::commands, false, "pad; --source: its file (default /dev/input/js0)", &open_gamepad},
+    {"keyboard", Use::commands, false, "keys typed in this terminal", &open_keyboard},
 }};
 
 }  // namespace
@@ -26,10 +42,10 @@ std::span<const Driver> drivers() {
     return table;
 }
 
-const Driver& driver_named(std::string_view name, Tool tool) {
+const Driver& driver_named(std::string_view name, Use use) {
     std::string known;
     for (const Driver& driver : table) {
-        if (driver.tool != tool) {
+        if (driver.use != use) {
             continue;
         }
         if (driver.name == name) {
@@ -38,6 +54,22 @@ const Driver& driver_named(std::string_view name, Tool tool) {
         known += (known.empty() ? "" : ", ") + std::string(driver.name);
     }
     throw DeviceError("--device " + std::string(name) + ": no such device; there is: " + known);
+}
+
+std::string driver_list(Use use) {
+    std::string list;
+    for (const Driver& driver : table) {
+        if (driver.use == use) {
+            list += (list.empty() ? "" : "; ") + std::string(driver.name) + ": " +
+                    std::string(driver.description);
+        }
+    }
+    return list;
+}
+
+RigidTransform parked_pose(Tool tool) {
+    return tool == Tool::tube ? RigidTransform{Quatf::Identity(), {-0.12f, -0.25f, 0.10f}}
+                              : RigidTransform{Quatf::Identity(), {0.0f, -0.25f, 0.15f}};
 }
 
 }  // namespace eti::devices

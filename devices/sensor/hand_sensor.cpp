@@ -37,11 +37,6 @@ RigidTransform first_pose(std::optional<TrackPlayer>& player, const SensorSetup&
 
 }  // namespace
 
-RigidTransform parked_pose(Tool tool) {
-    return tool == Tool::tube ? RigidTransform{Quatf::Identity(), {-0.12f, -0.25f, 0.10f}}
-                              : RigidTransform{Quatf::Identity(), {0.0f, -0.25f, 0.15f}};
-}
-
 HandSensor::HandSensor(const SensorSetup& setup)
     : at_start_(player_of(setup)),
       player_(at_start_),
@@ -49,6 +44,11 @@ HandSensor::HandSensor(const SensorSetup& setup)
       goal_(first_pose(player_, setup)),
       wanted_(goal_),
       hand_(HandSettings{}, goal_) {}
+
+Abilities HandSensor::abilities() const {
+    const CouplingSettings range;
+    return {.force = range.force_limit, .torque = range.torque_limit, .rate = 0.0f};
+}
 
 void HandSensor::look(const Observation& seen) {
     if (!player_) {
@@ -84,8 +84,10 @@ Reading HandSensor::exchange(const Wrench& wrench, float elapsed) {
         hand_.step(wanted_, wrench, dt);
         left -= dt;
     }
-    Reading reading{hand_.motion(), 0};
+    Reading reading;
+    reading.motion = hand_.motion();
     reading.motion.pose = hand_.reported();
+    reading.sample = ++sample_;
     return reading;
 }
 

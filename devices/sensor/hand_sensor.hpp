@@ -9,9 +9,6 @@
 
 namespace eti::devices {
 
-/// Where a tool rests while nobody moves it: well clear of the face, patient frame.
-[[nodiscard]] RigidTransform parked_pose(Tool tool);
-
 /// A simulated device in a scripted hand. Without a script the hand holds the device still, parked.
 class HandSensor final : public Sensor {
   public:
@@ -19,6 +16,7 @@ class HandSensor final : public Sensor {
 
     void look(const Observation& seen) override;
     [[nodiscard]] Reading exchange(const Wrench& wrench, float elapsed) override;
+    [[nodiscard]] Abilities abilities() const override;
     [[nodiscard]] bool finished() const override { return player_ && player_->finished(); }
 
   private:
@@ -26,8 +24,9 @@ class HandSensor final : public Sensor {
 
     std::optional<TrackPlayer> at_start_, player_;
     double last_time_ = 0.0;  // [s], of the last look
-    RigidTransform goal_;     // where the script wants the tool
-    RigidTransform wanted_;   // on the way there, no faster than a hand moves
+    std::uint64_t sample_ = 0;
+    RigidTransform goal_;    // where the script wants the tool
+    RigidTransform wanted_;  // on the way there, no faster than a hand moves
     HandDevice hand_;
 };
 

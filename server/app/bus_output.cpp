@@ -78,6 +78,7 @@ BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Lar
       scene_(node, bus::topics::scene),
       proxy_(node, bus::topics::proxy),
       contacts_(node, bus::topics::tissue_contacts),
+      tube_force_(node, bus::topics::tube_force),
       deformation_(node, bus::topics::deformation),
       deformation_slow_(node, bus::topics::deformation_slow),
       live_(node, bus::topics::live_metrics),
@@ -292,6 +293,12 @@ void BusOutput::publish_step(const Work& work) {
     }
     contacts_.publish(contacts);
 
+    msg::TubeForce tube;
+    tube.header(proxy.header());
+    tube.force(to_msg(s.tube_force));
+    tube.torque(to_msg(s.tube_torque));
+    tube_force_.publish(tube);
+
     if (s.step % 2 == 0) {
         publish_deformation(s, deformation_, sent_, refresh_, number_);
         publish_fluid(s);
@@ -371,6 +378,7 @@ void BusOutput::publish_live(const Work& work) {
     message.glottic_opening_percent(work.live.glottic_opening_percent);
     message.gum_force_n(work.live.gum_force);
     message.tube_depth_past_glottis(work.live.tube_depth_past_glottis);
+    message.tube_force_n(work.snapshot.tube_force.norm());
     message.tube_tip(
         to_msg(work.snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : work.snapshot.tube_nodes.back()));
     for (const Vec3f& p : work.snapshot.landmarks) {

@@ -82,6 +82,7 @@ class BusOutput {
     bus::Publisher<msg::SceneDescription> scene_;
     bus::Publisher<msg::ProxyState> proxy_;
     bus::Publisher<msg::TissueContacts> contacts_;
+    bus::Publisher<msg::TubeForce> tube_force_;
     bus::Publisher<msg::DeformationState> deformation_, deformation_slow_;
     std::optional<bus::Publisher<msg::FluidState>> fluid_;  // only with secretions
     bus::Publisher<msg::LiveMetrics> live_;

@@ -248,6 +248,9 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     blade_.end_step(tissue_.body().particles, step_duration, s);
     s.tube_grip = inputs.tube_grip;
     tube_.nodes(s.tube_nodes);
+    const pbd::GripWrench grip = tube_.grip_wrench();
+    s.tube_force = grip.force;
+    s.tube_torque = grip.torque;
     s.suction = inputs.suction;
     tissue_.frames(s.frames);
     const auto carried = [&](const anatomy::CarriedPoint& point) {

@@ -59,9 +59,11 @@ struct Snapshot {
     std::vector<RigidContact> shell_contacts;
     std::vector<TissueContact> tissue_contacts;
 
-    RigidTransform tube_grip;       ///< the tube's tracked grip as latched
-    std::vector<Vec3f> tube_nodes;  ///< [m], centre line from connector to tip
-    float suction = 0.0f;           ///< 0..1
+    RigidTransform tube_grip;           ///< the tube's tracked grip as latched
+    std::vector<Vec3f> tube_nodes;      ///< [m], centre line from connector to tip
+    Vec3f tube_force = Vec3f::Zero();   ///< [N], of the tube on the hand that holds it, mean over the step
+    Vec3f tube_torque = Vec3f::Zero();  ///< [N m], about the grip
+    float suction = 0.0f;               ///< 0..1
     SalivaState saliva;
 
     std::vector<FramePose> frames;  ///< bones, then clusters; index as in the patient model

@@ -67,6 +67,8 @@ void TubeContact::nodes(std::vector<Vec3f>& out) const {
 void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
                              const RigidTransform& grip_to, const RigidTransform& blade_from,
                              const RigidTransform& blade_to) {
+    grip_sum_ = {};
+    grip_count_ = 0;
     grip_from_ = grip_from;
     grip_to_ = grip_to;
     blade_from_ = blade_from;
@@ -112,6 +114,19 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     }
     contacts_.resize(2 * sites());
     contacts_.resize(2 * sites() + near_.size());
+}
+
+void TubeContact::finish() {
+    const pbd::GripWrench now = rod_.grip_wrench();
+    grip_sum_.force += now.force;
+    grip_sum_.torque += now.torque;
+    ++grip_count_;
+    rod_.finish();
+}
+
+pbd::GripWrench TubeContact::grip_wrench() const {
+    const float share = grip_count_ > 0 ? 1.0f / static_cast<float>(grip_count_) : 0.0f;
+    return {share * grip_sum_.force, share * grip_sum_.torque};
 }
 
 void TubeContact::find_ends() {

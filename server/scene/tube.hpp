@@ -26,7 +26,10 @@ class TubeContact {
     /// Solves rod and contacts for the substep that ends at share `end` of the step; moves the particles
     /// that the tube presses on.
     void project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end);
-    void finish() { rod_.finish(); }
+    void finish();
+
+    /// What the tube exerts on the hand that holds it, about the grip; mean over the step's substeps.
+    [[nodiscard]] pbd::GripWrench grip_wrench() const;
 
     void reset(const RigidTransform& grip);
     void nodes(std::vector<Vec3f>& out) const;
@@ -55,6 +58,8 @@ class TubeContact {
     Laryngoscope scope_;
     pbd::Rod rod_;
     float dt_ = 0.0f;
+    pbd::GripWrench grip_sum_;
+    int grip_count_ = 0;
     RigidTransform grip_from_, grip_to_, blade_from_, blade_to_;
     std::vector<pbd::RodContact> contacts_;  ///< shell, blade (one per site each), particles
     std::vector<Ends> ends_, last_ends_;     ///< of the segments; now, and as this step began

@@ -264,7 +264,113 @@ def draw_maps(rows, figure, file):
     plt.close(sheet)
 
 
+def rows_of(file):
+    with file.open(newline="") as table:
+        return list(csv.DictReader(table))
+
+
+def draw_haptics_stability(file, to):
+    """Largest stable stiffness over delay, one panel per surface and grip, against the bounds."""
+    plt = pyplot()
+    rows = rows_of(file)
+    surfaces = list(dict.fromkeys(row["surface"] for row in rows))
+    grips = list(dict.fromkeys(row["grip"] for row in rows))
+    losses = sorted({row["loss_percent"] for row in rows}, key=float)
+    shipped = {"wall": 800.0}
+    figure, panels = plt.subplots(len(grips), len(surfaces), sharex=True, sharey=True, squeeze=False,
+                                  figsize=(4.2 * len(surfaces), 3.4 * len(grips) + 0.8))
+    for line, grip in zip(panels, grips):
+        for axes, surface in zip(line, surfaces):
+            cells = [row for row in rows if row["surface"] == surface and row["grip"] == grip]
+            for passivity, style in (("0", "--"), ("1", "-")):
+                for number, loss in enumerate(losses):
+                    points = sorted((float(row["delay_ms"]), max(float(row["stable_n_per_m"]), 40.0)) for row in cells
+                                    if row["passivity"] == passivity and row["loss_percent"] == loss)
+                    axes.plot(*zip(*points), color=f"C{number}", ls=style, lw=1.2, ms=3.5, marker=MARKERS[number],
+                              label=f"{loss} % lost, controller {'on' if passivity == '1' else 'off'}")
+            bounds = sorted({(float(row["delay_ms"]), float(row["delayed_bound_n_per_m"])) for row in cells})
+            axes.plot(*zip(*bounds), color="black", lw=2, alpha=0.5,
+                      label="bound where the force is late (Gil et al. 2009)")
+            axes.axhline(float(cells[0]["passive_bound_n_per_m"]), color="black", ls=":", lw=1.5,
+                         label="passive without delay (Colgate & Schenkel 1997)")
+            axes.axhline(shipped.get(surface, 160.0), color="gold", lw=4, zorder=0, label="as shipped")
+            axes.set_title(f"{surface}, {grip}", fontsize=9)
+            axes.set(yscale="log", ylim=(60, 60000))
+    for axes in panels[-1]:
+        axes.set_xlabel("round-trip delay [ms], a tenth of it jitter")
+    for line in panels:
+        line[0].set_ylabel("largest stable stiffness [N/m]")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=4, fontsize=8)
+    figure.tight_layout(rect=(0, 0.8 / figure.get_figheight(), 1, 1))
+    figure.savefig(to, metadata={"Date": None})
+    plt.close(figure)
+
+
+def draw_haptics_response(file, to):
+    """Rendered against set stiffness, and how long a new contact takes to be felt."""
+    plt = pyplot()
+    rows = [row for row in rows_of(file) if row["passivity"] == "1"]
+    surfaces = list(dict.fromkeys(row["surface"] for row in rows))
+    delays = sorted({row["delay_ms"] for row in rows}, key=float)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.4))
+    for k, surface in enumerate(surfaces):
+        for number, delay in enumerate(delays):
+            points = sorted((float(row["set_n_per_m"]), float(row["rendered_n_per_m"]) / float(row["set_n_per_m"]))
+                            for row in rows if row["surface"] == surface and row["delay_ms"] == delay)
+            left.plot(*zip(*points), color=f"C{k}", marker=MARKERS[number], ms=4, lw=0.8,
+                      label=f"{surface}, {delay} ms")
+        points = sorted({(float(row["delay_ms"]), float(row["onset_ms"])) for row in rows
+                         if row["surface"] == surface and row["set_n_per_m"] == "800"})
+        right.plot(*zip(*points), color=f"C{k}", marker=MARKERS[k], label=surface)
+    left.axhline(1.0, color="black", lw=1)
+    left.set(xlabel="stiffness set [N/m]", ylabel="stiffness rendered / set", ylim=(0.8, 1.2))
+    right.plot([0, 50], [0, 50], color="black", lw=1, ls="--", label="the delay itself")
+    right.set(xlabel="round-trip delay [ms]", ylabel="from touch to 0.05 N [ms], at 50 mm/s")
+    right.legend(fontsize=8)
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=4, fontsize=7)
+    figure.tight_layout(rect=(0, 0.16, 1, 1))
+    figure.savefig(to, metadata={"Date": None})
+    plt.close(figure)
+
+
+def draw_haptics_laws(file, to):
+    """Force of the device's two laws on the blade that presses the patient's tongue, against finite elements."""
+    plt = pyplot()
+    rows = rows_of(file)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.4, 4.0))
+    reference = sorted({(float(row["depth_mm"]), 1e3 * float(row["reference_n"])) for row in rows})
+    left.plot(*zip(*reference), color="lightgrey", lw=5, label="finite elements")
+    names = {"constraint": "constraint forces (shipped)", "displacement": "displacements (Xiao et al. 2020)"}
+    for number, (law, name) in enumerate(names.items()):
+        points = sorted((float(row["depth_mm"]), 1e3 * float(row["force_n"]), 100 * (float(row["force_n"]) /
+                         float(row["reference_n"]) - 1)) for row in rows if row["law"] == law)
+        left.plot([p[0] for p in points], [p[1] for p in points], marker=MARKERS[number], color=f"C{number}", label=name)
+        right.plot([p[0] for p in points], [p[2] for p in points], marker=MARKERS[number], color=f"C{number}", label=name)
+    right.axhline(0.0, color="grey", lw=3)
+    left.set(xlabel="depth of the blade [mm]", ylabel="force on the blade [mN]", title="the patient's tongue under the blade")
+    right.set(xlabel="depth of the blade [mm]", ylabel="error against finite elements [%]")
+    from matplotlib.ticker import FixedLocator, FuncFormatter
+    right.set_yscale("symlog", linthresh=20)
+    right.set_ylim(-30, 700)
+    right.yaxis.set_major_locator(FixedLocator([-20, -10, 0, 10, 20, 50, 100, 200, 500]))
+    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+g}" if value else "0"))
+    right.yaxis.set_minor_locator(FixedLocator([]))
+    left.legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(to, metadata={"Date": None})
+    plt.close(figure)
+
+
+HAPTICS = {"stability": draw_haptics_stability, "rendered": draw_haptics_response, "laws": draw_haptics_laws}
+
+
 def main(folder):
+    for name, draw_haptics in HAPTICS.items():
+        table = folder / f"haptics-{name}.csv"
+        if table.exists():
+            draw_haptics(table, table.with_suffix(".svg"))
     if (folder / "stability.csv").exists():
         cells = read_maps(folder / "stability.csv")
         for figure in dict.fromkeys(row["figure"] for row in cells):

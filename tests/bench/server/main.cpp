@@ -15,9 +15,9 @@
 
 int main(int argc, char** argv) {
     // Standard output belongs to the result.
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench"));
+    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench-physics"));
     CLI::App app("Benchmarks of the physics: charts and tables that decide the shipped settings.",
-                 "eti-bench");
+                 "eti-bench-physics");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     int threads = 0;

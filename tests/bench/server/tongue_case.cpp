@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "devices/haptics/soft_force.hpp"
 #include "server/anatomy/skeleton.hpp"
 #include "server/app/simulation.hpp"
 #include "server/pbd/cluster_calibration.hpp"
@@ -13,6 +14,7 @@
 #include "server/scene/scene.hpp"
 #include "tests/bench/server/accuracy_table.hpp"
 #include "tests/bench/server/block_cases.hpp"
+#include "tests/bench/server/tongue_laws.hpp"
 
 namespace eti::bench {
 
@@ -104,6 +106,7 @@ struct Pressed {
     std::vector<Vec3d> position;
     double force = 0.0;
     double frame_ms = 0.0;
+    std::vector<Vec3f> contact_force;  ///< [N], of each particle on the blade, mean over the end
 };
 
 Pressed by_finite_elements(const Tongue& tongue, double depth, double youngs_modulus) {
@@ -183,6 +186,7 @@ Pressed by_particles(const Tongue& tongue, double depth, Method method, int subs
     const int steps = static_cast<int>(std::lround(seconds * scene::steps_per_second));
     const int averaged = static_cast<int>(std::lround(measured * scene::steps_per_second));
     Pressed out;
+    out.contact_force.assign(p.size(), Vec3f::Zero());
     const auto start = std::chrono::steady_clock::now();
     for (int step = 0; step < steps; ++step) {
         for (int s = 0; s < substeps; ++s) {
@@ -200,6 +204,8 @@ Pressed by_particles(const Tongue& tongue, double depth, Method method, int subs
                 const Vec3f push = pbd::push_out_of(capsule, p.position[i], p.predicted[i], 0.0f, 0.0f);
                 p.predicted[i] += push;
                 if (step >= steps - averaged) {
+                    out.contact_force[i] -=
+                        push / (p.inverse_mass[i] * dt * dt * static_cast<float>(averaged * substeps));
                     out.force += push.cast<double>().dot(tongue.down) /
                                  static_cast<double>(p.inverse_mass[i] * dt * dt) / (averaged * substeps);
                 }
@@ -227,6 +233,38 @@ double difference(const Tongue& tongue, const Pressed& found, const Pressed& exp
 }
 
 }  // namespace
+
+std::vector<LawForce> tongue_laws(bool quick) {
+    const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
+    const auto modulus = static_cast<double>(scenario.patient.tissue_stiffness);
+    const Tongue tongue = tongue_of(scenario);
+    std::vector<LawForce> out;
+    for (const double depth : quick ? std::vector{4e-3} : std::vector{1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}) {
+        const double reference = by_finite_elements(tongue, depth, modulus).force;
+        const Pressed pressed =
+            by_particles(tongue, depth, Method::tetrahedra, scenario.physics.substeps, modulus);
+        const Vec3d centre = tongue.axis_at(depth);
+        const Capsule blade{Vec3d(centre - 0.03 * tongue.along).cast<float>(),
+                            Vec3d(centre + 0.03 * tongue.along).cast<float>(),
+                            static_cast<float>(tongue.radius)};
+        std::vector<devices::TissuePoint> points;
+        Vec3f sum = Vec3f::Zero();
+        for (std::size_t i = 0; i < pressed.position.size(); ++i) {
+            sum += pressed.contact_force[i];
+            if (pressed.contact_force[i].norm() > 0.0f) {
+                // Particles meet the blade by their centres here, as those of the scene's surface do.
+                points.push_back({pressed.position[i].cast<float>(), tongue.rest[i], 0.1e-3f, Tissue::tongue,
+                                  pressed.contact_force[i]});
+            }
+        }
+        const Wrench displaced =
+            devices::displacement_wrench(points, std::span(&blade, 1), {}, devices::tissue_stiffness());
+        const Vec3f back = -tongue.down.cast<float>();
+        out.push_back({"constraint", depth, static_cast<double>(sum.dot(back)), reference});
+        out.push_back({"displacement", depth, static_cast<double>(displaced.force.dot(back)), reference});
+    }
+    return out;
+}
 
 void press_tongue(AccuracyTable& table, Table& forces, bool quick) {
     Scenario scenario = load_scenario(find_data_file("term", "scenarios"));

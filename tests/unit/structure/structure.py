@@ -42,7 +42,8 @@ MAY_INCLUDE = {
 LIBRARIES = (
     (re.compile(r"fast(dds|rtps|cdr)/"), ("common/bus", "idl"), "Fast DDS"),
     (re.compile(r"bt[A-Z]\w*\.h$|Bullet(Collision|Dynamics)/|LinearMath/|bullet/"), ("server/rigid",), "Bullet"),
-    (re.compile(r"(epoxy|GLFW|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
+    (re.compile(r"GLFW/"), ("client", "devices/sensor"), "GLFW"),
+    (re.compile(r"(epoxy|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
     (re.compile(r"opencv2/"), ("client",), "OpenCV"),
     (re.compile(r"gdcm\w*\.h$"), ("server/imaging",), "GDCM"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),

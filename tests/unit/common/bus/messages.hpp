@@ -127,6 +127,15 @@ inline msg::ProxyState example() {
 }
 
 template <>
+inline msg::TubeForce example() {
+    msg::TubeForce out;
+    out.header(example_header());
+    out.force(vec(1.5f));
+    out.torque(vec(-0.25f));
+    return out;
+}
+
+template <>
 inline msg::TissueContacts example() {
     msg::TissueContacts out;
     out.header(example_header());
@@ -177,6 +186,7 @@ inline msg::LiveMetrics example() {
     out.glottic_opening_percent(61.5f);
     out.gum_force_n(3.5f);
     out.tube_depth_past_glottis(-0.5f);
+    out.tube_force_n(0.75f);
     out.tube_tip(vec(1.0f));
     for (int i = 0; i < 32; ++i) {
         out.landmarks().push_back(vec(static_cast<float>(i)));

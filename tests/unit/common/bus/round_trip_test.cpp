@@ -46,6 +46,9 @@ TEST(RoundTrip, Proxy) {
 TEST(RoundTrip, TissueContacts) {
     expect_round_trip(topics::tissue_contacts);
 }
+TEST(RoundTrip, TubeForce) {
+    expect_round_trip(topics::tube_force);
+}
 TEST(RoundTrip, Deformation) {
     expect_round_trip(topics::deformation);
 }

@@ -40,9 +40,9 @@ class Malformed : public ::testing::Test {};
 using Types =
     ::testing::Types<msg::SceneDescriptionPubSubType, msg::DeformationStatePubSubType,
                      msg::FluidStatePubSubType, msg::ToolPosePubSubType, msg::EyePosePubSubType,
-                     msg::ProxyStatePubSubType, msg::TissueContactsPubSubType, msg::CommandPubSubType,
-                     msg::CommandResultPubSubType, msg::LiveMetricsPubSubType, msg::AttemptSummaryPubSubType,
-                     msg::SessionStatusPubSubType>;
+                     msg::ProxyStatePubSubType, msg::TissueContactsPubSubType, msg::TubeForcePubSubType,
+                     msg::CommandPubSubType, msg::CommandResultPubSubType, msg::LiveMetricsPubSubType,
+                     msg::AttemptSummaryPubSubType, msg::SessionStatusPubSubType>;
 TYPED_TEST_SUITE(Malformed, Types);
 
 TYPED_TEST(Malformed, EveryTruncationIsRefused) {

@@ -4,11 +4,14 @@
 // The programs as a person starts them.
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -201,6 +204,163 @@ INSTANTIATE_TEST_SUITE_P(Devices, EitherProgram,
                          ::testing::Values(std::pair(ETI_HAPTICS, "simulated"),
                                            std::pair(ETI_TRACKER, "scripted")),
                          [](const auto& run) { return std::string(run.param.second); });
+
+/// Of a program that needs no server: exit status, what it printed, what it logged.
+struct Done {
+    int status;
+    std::string out, err;
+};
+Done run(const char* program, const std::vector<std::string>& arguments) {
+    Running running(program, arguments);
+    const int status = running.wait(60s);
+    return {status, running.out(), running.err()};
+}
+
+class Calibrate : public ::testing::Test {
+  protected:
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream(folder_ / name) << text;
+        return (folder_ / name).string();
+    }
+    std::filesystem::path folder_ = [] {
+        const auto folder =
+            std::filesystem::path(testing::TempDir()) / ("eti_calibrate_" + std::to_string(::getpid()));
+        std::filesystem::create_directories(folder);
+        return folder;
+    }();
+};
+
+// The device's frame is the patient's moved by (10, 20, 30) mm; one point was touched wrongly.
+TEST_F(Calibrate, RegistersMeasuredPairsAndTheTrackerTakesTheResult) {
+    std::string pairs = "points:\n";
+    const int places[6][3] = {{0, 0, 0}, {50, 0, 0}, {0, 60, 0}, {0, 0, 70}, {50, 60, 0}, {50, 60, 70}};
+    for (const auto& p : places) {
+        const int wrong = p[0] == 50 && p[1] == 0 ? 25 : 0;
+        pairs += "  - {patient_mm: [" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " +
+                 std::to_string(p[2]) + "], device_mm: [" + std::to_string(p[0] - 10 + wrong) + ", " +
+                 std::to_string(p[1] - 20) + ", " + std::to_string(p[2] - 30) + "]}\n";
+    }
+    const std::string file = (folder_ / "c.yaml").string();
+    const Done done = run(ETI_CALIBRATE, {"register", "--device", "simulated", "--pairs",
+                                          write("pairs.yaml", pairs), "--out", file, "--json"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    const auto result = nlohmann::json::parse(done.out);
+    EXPECT_LT(result.at("error_mm"), 1e-3);
+    EXPECT_FALSE(result.at("points")[1].at("used"));
+    EXPECT_THAT(done.err, HasSubstr("left out"));
+
+    Running program(ETI_TRACKER, with("simulated", {"--json", "--duration", "2.5", "--calibration", file}));
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    EXPECT_THAT(program.err(), HasSubstr("5 points"));
+    const Done other = run(ETI_TRACKER, with("scripted", {"--calibration", file}));
+    EXPECT_GT(other.status, 0);
+    EXPECT_THAT(other.err, AllOf(HasSubstr("of device 'simulated'"), HasSubstr("eti-calibrate")));
+}
+
+TEST_F(Calibrate, FindsATipAndRefusesWhatDoesNotTell) {
+    std::string poses, still;
+    for (int i = 0; i < 40; ++i) {
+        const double a = 0.6 * std::sin(0.7 * i), b = 0.6 * std::cos(1.1 * i);
+        // Turned about x by a, then about y by b; the tip 100 mm along z stays at the origin.
+        const double qw = std::cos(a / 2) * std::cos(b / 2), qx = std::sin(a / 2) * std::cos(b / 2),
+                     qy = std::cos(a / 2) * std::sin(b / 2), qz = -std::sin(a / 2) * std::sin(b / 2);
+        const double x = 2 * (qx * qz + qw * qy), y = 2 * (qy * qz - qw * qx),
+                     z = 1 - 2 * (qx * qx + qy * qy);
+        std::stringstream line;
+        line.precision(12);
+        line << -100 * x << ' ' << -100 * y << ' ' << -100 * z << ' ' << qw << ' ' << qx << ' ' << qy << ' '
+             << qz << '\n';
+        poses += line.str();
+        still += "0 0 -100 1 0 0 0\n";
+    }
+    const Done done =
+        run(ETI_CALIBRATE, {"pivot", "--device", "openhaptics", "--poses", write("p.txt", poses), "--out",
+                            (folder_ / "pivot.yaml").string(), "--json"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    EXPECT_NEAR(nlohmann::json::parse(done.out).at("tip_mm")[2], 100.0, 1e-3);
+    const Done refused =
+        run(ETI_CALIBRATE, {"pivot", "--device", "openhaptics", "--poses", write("s.txt", still)});
+    EXPECT_GT(refused.status, 0);
+    EXPECT_THAT(refused.err, HasSubstr("turned too little"));
+}
+
+TEST_F(Calibrate, SimulatesWhatToExpect) {
+    const Done done = run(ETI_CALIBRATE, {"simulate", "--trials", "50", "--json"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    for (const auto& row : nlohmann::json::parse(done.out)) {
+        EXPECT_LT(row.at("percentile_95_mm"), 2.0) << row;
+    }
+}
+
+TEST(Controller, PassesCommandsOnAndHearsTheAnswers) {
+    bus::Options options;
+    options.session = "test";
+    options.domain = test::own_domain();
+    options.name = "eti-server";
+    bus::Node node(options);
+    bus::Subscriber<msg::Command> commands(node, bus::topics::command);
+    bus::Publisher<msg::CommandResult> answers(node, bus::topics::command_result);
+    const std::string pad = testing::TempDir() + "eti_controller_pad_" + std::to_string(::getpid());
+    ASSERT_EQ(::mkfifo(pad.c_str(), 0600), 0);
+    const int end = ::open(pad.c_str(), O_RDWR | O_CLOEXEC);
+    Running program(ETI_CONTROLLER, with("gamepad", {"--source", pad, "--json"}));
+    ASSERT_TRUE(program.says("commands from")) << program.err();
+    const auto limit = std::chrono::steady_clock::now() + 20s;
+    while (commands.matched() == 0 && std::chrono::steady_clock::now() < limit) {
+        std::this_thread::sleep_for(10ms);
+    }
+    const unsigned char pressed[8] = {0, 0, 0, 0, 1, 0, 1, 0};  // time, value 1, button, number 0
+    ASSERT_EQ(::write(end, pressed, sizeof pressed), 8);
+    msg::Command command;
+    bool heard = false;
+    while (!heard && std::chrono::steady_clock::now() < limit) {
+        (void)commands.wait(100ms);
+        heard = commands.take(command);
+    }
+    ASSERT_TRUE(heard);
+    EXPECT_EQ(command.kind(), msg::COMMAND_SUCTION);
+    EXPECT_EQ(command.value(), 1.0f);
+    msg::CommandResult answer;
+    answer.recipient(command.sender());
+    answer.id(command.id());
+    answer.accepted(false);
+    answer.reason("there is no suction here");
+    ASSERT_TRUE(answers.publish(answer));
+    EXPECT_TRUE(program.says("there is no suction here")) << program.err();
+    program.send(SIGINT);
+    EXPECT_EQ(program.wait(), 0);
+    EXPECT_EQ(nlohmann::json::parse(program.out()).at("refused"), 1);
+    ::close(end);
+    ::unlink(pad.c_str());
+}
+
+TEST(Haptics, ThePanicSignalLetsGoAndIsCounted) {
+    Running program(ETI_HAPTICS, with("simulated", {"--json"}));
+    ASSERT_TRUE(program.says("held still")) << program.err();
+    std::this_thread::sleep_for(300ms);
+    program.send(SIGUSR1);
+    ASSERT_TRUE(program.says("forces are off")) << program.err();
+    std::this_thread::sleep_for(300ms);
+    program.send(SIGINT);
+    EXPECT_EQ(program.wait(), 0);
+    const auto result = nlohmann::json::parse(program.out());
+    EXPECT_GT(result.at("stopped_share"), 0.1);
+    EXPECT_TRUE(result.contains("energy_mj"));
+    EXPECT_GT(result.at("compute_us").at("p99"), 0.0);
+}
+
+TEST(Haptics, HoldsTheTubeWhereItIsAsked) {
+    Running program(ETI_HAPTICS, with("simulated", {"--json", "--tool", "tube", "--duration", "2.5"}));
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    EXPECT_GT(nlohmann::json::parse(program.out()).at("poses_published"), 40);
+}
+
+TEST(Haptics, AVendorsLibraryThatIsNotThereIsNamed) {
+    const Done done = run(ETI_HAPTICS, with("openhaptics", {"--library", "/nowhere/libHD.so"}));
+    EXPECT_GT(done.status, 0);
+    EXPECT_THAT(done.err, AllOf(HasSubstr("/nowhere/libHD.so"), HasSubstr("Install OpenHaptics")));
+}
 
 }  // namespace
 }  // namespace eti::devices

@@ -55,6 +55,55 @@ TEST(HapticCycle, AllocatesNothing) {
     EXPECT_EQ(allocations(), before + 1) << "allocations are not counted";
 }
 
+/// A device that may be away.
+class Coming final : public Sensor {
+  public:
+    Reading exchange(const Wrench& wrench, float) override {
+        given = wrench;
+        Reading reading;
+        reading.present = present;
+        return reading;
+    }
+    bool present = true;
+    Wrench given;
+};
+
+TEST(HapticCycle, ADeviceThatGoesOrAPersonWhoWantsItGetsNoForceAtOnce) {
+    Coming sensor;
+    auto scene = std::make_unique<TripleBuffer<SceneState>>();
+    HapticCycle cycle(sensor, *scene, {});
+    SceneState state;
+    std::int64_t now = 1'000 * ms;
+    const auto pass = [&](int cycles, float force, bool stop = false) {
+        bool published = false;
+        for (int i = 0; i < cycles; ++i) {
+            now += ms;
+            state.proxy_arrived = state.tissue_arrived = now;
+            state.tissue.wrench.force.x() = force;
+            scene->write(state);
+            published = cycle.run(now, stop).has_value();
+        }
+        return published;
+    };
+    EXPECT_TRUE(pass(600, 0.0f));
+    EXPECT_TRUE(pass(100, 2.0f));
+    EXPECT_NEAR(sensor.given.force.x(), 2.0f, 1e-5f);
+    sensor.present = false;
+    EXPECT_FALSE(pass(1, 2.0f)) << "a pose that is not there is not published";
+    EXPECT_FALSE(pass(1, 2.0f));
+    EXPECT_EQ(sensor.given.force.norm(), 0.0f);
+    sensor.present = true;
+    EXPECT_TRUE(pass(300, 2.0f));
+    EXPECT_EQ(sensor.given.force.norm(), 0.0f) << "not quiet yet";
+    pass(600, 0.0f);
+    pass(100, 2.0f);
+    EXPECT_NEAR(sensor.given.force.x(), 2.0f, 1e-5f);
+    EXPECT_TRUE(pass(1, 2.0f, true));
+    EXPECT_EQ(sensor.given.force.norm(), 0.0f);
+    EXPECT_EQ(cycle.record().stopped_cycles, 1u);
+    EXPECT_EQ(cycle.record().absent_cycles, 2u);
+}
+
 TEST(SimulationTime, IsCarriedOnAtTheSimulationsPaceWithinTwoSteps) {
     SimulationTime time;
     SceneState scene;

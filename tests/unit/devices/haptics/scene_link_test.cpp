@@ -79,7 +79,7 @@ class LinkTest : public ::testing::Test {
 
     Server server_;
     bus::Node node_{options("device")};
-    SceneLink link_{node_, true};
+    SceneLink link_{node_, SceneLink::Feel::tissue};
 };
 
 TEST_F(LinkTest, GathersWhatAScriptNeeds) {
@@ -112,6 +112,7 @@ TEST_F(LinkTest, BringsProxyAndTissueIn) {
     state.contacts().emplace_back();
     state.contacts().back().normal(bus::to_msg(Vec3f(0, 0, 1)));
     msg::TissueContacts tissue;
+    tissue.proxy(bus::to_msg(RigidTransform{}));
     tissue.force(bus::to_msg(Vec3f(1, 2, 3)));
     tissue.contacts().emplace_back();
     tissue.contacts().back().tissue(static_cast<std::uint32_t>(Tissue::epiglottis));
@@ -152,12 +153,15 @@ TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
         }));
         refused = link_.refused();
     }
+    msg::TissueContacts place;
     msg::TissueContacts force;
+    force.proxy(bus::to_msg(RigidTransform{}));
     force.force(bus::to_msg(Vec3f(bad, 0, 0)));
     msg::TissueContacts tissue;
+    tissue.proxy(bus::to_msg(RigidTransform{}));
     tissue.contacts().emplace_back();
     tissue.contacts().back().tissue(tissue_count);
-    for (const msg::TissueContacts& message : {force, tissue}) {
+    for (const msg::TissueContacts& message : {place, force, tissue}) {
         ASSERT_TRUE(eventually([&] {
             server_.tissue.publish(message);
             return link_.refused() > refused;
@@ -206,6 +210,29 @@ TEST_F(LinkTest, HearsTheSessionsEnd) {
     status.phase(msg::PHASE_FINISHED);
     ASSERT_TRUE(server_.status.publish(status));
     EXPECT_TRUE(eventually([&] { return link_.finished(); }));
+}
+
+// The tube's force comes by a topic of its own, to a link that asks for it.
+TEST(TubeLink, TakesTheTubesForceAndRefusesNonsense) {
+    Server server;
+    bus::Publisher<msg::TubeForce> topic(server.node, bus::topics::tube_force);
+    bus::Node node(options("device"));
+    SceneLink link(node, SceneLink::Feel::tube);
+    const SceneState* state = nullptr;
+    msg::TubeForce force;
+    force.force(bus::to_msg(Vec3f(std::numeric_limits<float>::quiet_NaN(), 0, 0)));
+    ASSERT_TRUE(eventually([&] {
+        topic.publish(force);
+        return link.refused() > 0;
+    }));
+    force.force(bus::to_msg(Vec3f(0, 0, -0.7f)));
+    force.torque(bus::to_msg(Vec3f(0.01f, 0, 0)));
+    EXPECT_TRUE(eventually([&] {
+        topic.publish(force);
+        (void)link.newest().read(state);
+        return state->tissue_arrived > 0 && state->tissue.wrench.force == Vec3f(0, 0, -0.7f);
+    }));
+    EXPECT_EQ(state->tissue.wrench.torque, Vec3f(0.01f, 0, 0));
 }
 
 }  // namespace

@@ -59,6 +59,45 @@ TEST(DisplacementWrench, TestsContactAnewWhereTheBladeIs) {
     EXPECT_EQ(displacement_wrench({}, blade, {}, k).force.norm(), 0.0f);
 }
 
+/// Two particles on top of the blade, each 2 mm pressed in, that push it down with 0.5 N each.
+TissueReport pressed() {
+    TissueReport report;
+    report.points[0] = {{0, 5e-3f, 0.05f}, {0, 3e-3f, 0.05f}, 1e-3f, Tissue::tongue, {0, -0.5f, 0}};
+    report.points[1] = {{0, 5e-3f, 0.07f}, {0, 3e-3f, 0.07f}, 1e-3f, Tissue::tongue, {0, -0.5f, 0}};
+    report.count = 2;
+    report.wrench = {{0, -1.0f, 0}, {0.06f, 0, 0}};
+    return report;
+}
+
+TEST(ConstraintWrench, WhereItWasReportedItIsWhatWasReported) {
+    const Wrench wrench = constraint_wrench(pressed(), {});
+    EXPECT_LT((wrench.force - Vec3f(0, -1.0f, 0)).norm(), 1e-7f);
+    EXPECT_LT((wrench.torque - Vec3f(0.06f, 0, 0)).norm(), 1e-8f);
+}
+
+// 0.5 N over 2 mm is 250 N/m a particle: 1 mm farther up adds 0.5 N in all, 2 mm back leaves nothing, and
+// nothing pulls beyond; the force no more than doubles.
+TEST(ConstraintWrench, FollowsTheBladeByTheTissuesOwnStiffness) {
+    const auto at = [](float y) {
+        return constraint_wrench(pressed(), {Quatf::Identity(), {0, y, 0}}).force.y();
+    };
+    EXPECT_NEAR(at(1e-3f), -1.5f, 1e-6f);
+    EXPECT_NEAR(at(-1e-3f), -0.5f, 1e-6f);
+    EXPECT_NEAR(at(-2e-3f), 0.0f, 1e-6f);
+    EXPECT_NEAR(at(-9e-3f), 0.0f, 1e-6f);
+    EXPECT_NEAR(at(9e-3f), -2.0f, 1e-6f);
+    // Turning the tip up about the handle presses the farther particle more.
+    const Wrench turned = constraint_wrench(pressed(), {quaternion_from({-0.01f, 0, 0}), Vec3f::Zero()});
+    EXPECT_NEAR(turned.force.y(), -1.0f - 250.0f * 0.01f * (0.05f + 0.07f), 1e-3f);
+}
+
+TEST(ConstraintWrench, PointsThatStandForMoreCountForMore) {
+    TissueReport report = pressed();
+    report.represents = 2.0f;
+    report.wrench.force.y() = -2.0f;
+    EXPECT_NEAR(constraint_wrench(report, {Quatf::Identity(), {0, 1e-3f, 0}}).force.y(), -3.0f, 1e-6f);
+}
+
 // E A / L with the figures named beside the table: 8 kPa * 3 cm^2 / 15 mm = 160 N/m.
 TEST(TissueStiffness, SoftTypesHaveOneAndRigidOnesNone) {
     const auto& table = tissue_stiffness();

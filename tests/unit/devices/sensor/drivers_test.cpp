@@ -11,33 +11,45 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string refusal(std::string_view name, Tool tool) {
+std::string refusal(std::string_view name, Use use) {
     try {
-        (void)driver_named(name, tool);
+        (void)driver_named(name, use);
     } catch (const DeviceError& error) {
         return error.what();
     }
     return "accepted";
 }
 
-TEST(Drivers, EveryRowOpensByItsName) {
+TEST(Drivers, EveryRowOpensOrSaysWhatItLacks) {
     for (const Driver& driver : drivers()) {
-        EXPECT_EQ(&driver_named(driver.name, driver.tool), &driver);
-        const auto sensor =
-            driver.open({.tool = driver.tool, .script = {}, .tool_length = 0.1f, .start = {}});
-        EXPECT_NE(sensor, nullptr) << driver.name;
+        EXPECT_EQ(&driver_named(driver.name, driver.use), &driver);
+        SensorSetup setup;
+        setup.library = driver.name == "simulated" || driver.name == "scripted" ? "" : "/nowhere/lib.so";
+        setup.source = driver.name == "gamepad" ? "/nowhere/js0" : "";
+        try {
+            EXPECT_NE(driver.open(setup), nullptr) << driver.name;
+        } catch (const DeviceError& error) {
+            EXPECT_GT(std::string_view(error.what()).size(), 20u) << driver.name;
+        }
+    }
+}
+
+TEST(Drivers, SimulatedHandsNeedNothing) {
+    for (const char* name : {"simulated", "scripted"}) {
+        EXPECT_NE(driver_named(name, Use::tool).open({}), nullptr);
     }
 }
 
 TEST(Drivers, AnUnknownNameIsRefusedWithThoseThereAre) {
-    EXPECT_THAT(refusal("touch", Tool::laryngoscope), AllOf(HasSubstr("touch"), HasSubstr("simulated")));
-    EXPECT_THAT(refusal("", Tool::tube), HasSubstr("scripted"));
+    EXPECT_THAT(refusal("touch", Use::tool), AllOf(HasSubstr("touch"), HasSubstr("openhaptics")));
+    EXPECT_THAT(refusal("", Use::commands), AllOf(HasSubstr("gamepad"), HasSubstr("keyboard")));
 }
 
-TEST(Drivers, ADeviceOfTheOtherToolIsNotOffered) {
-    EXPECT_THAT(refusal("scripted", Tool::laryngoscope),
-                AllOf(HasSubstr("there is: simulated"), Not(HasSubstr("accepted"))));
-    EXPECT_THAT(refusal("simulated", Tool::tube), HasSubstr("there is: scripted"));
+TEST(Drivers, ADeviceOfAnotherUseIsNotOffered) {
+    EXPECT_THAT(refusal("gamepad", Use::tool),
+                AllOf(HasSubstr("there is: simulated"), Not(HasSubstr("keyboard"))));
+    EXPECT_THAT(refusal("simulated", Use::commands), HasSubstr("there is: gamepad, keyboard"));
+    EXPECT_THAT(driver_list(Use::tool), AllOf(HasSubstr("trakstar: "), Not(HasSubstr("keyboard: "))));
 }
 
 }  // namespace

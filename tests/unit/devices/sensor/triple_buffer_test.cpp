@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "devices/haptics/triple_buffer.hpp"
+#include "devices/sensor/triple_buffer.hpp"
 
 #include <gtest/gtest.h>
 

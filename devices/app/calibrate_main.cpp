@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/math/units.hpp"
+#include "common/scenario/scenario.hpp"
+#include "devices/app/program.hpp"
+#include "devices/app/sampling.hpp"
+#include "devices/calibration/point_file.hpp"
+#include "devices/calibration/trials.hpp"
+#include "devices/parts/parts.hpp"
+
+namespace eti::devices {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct CalibrateOptions {
+    ProgramOptions device;
+    std::string points;  // places to touch
+    std::string pairs;   // already measured
+    std::string poses;   // of a pivot, already measured
+    std::string pivot;   // result of an earlier pivot
+    std::string tool = "laryngoscope";
+    std::string blade = "miller_1";
+    std::string out = "calibration.yaml";
+    double seconds = 15.0;
+    int trials = 1000;
+    bool json = false;
+};
+
+constexpr std::chrono::milliseconds poll{5};
+constexpr int samples_per_touch = 60;
+
+bool stopped() {
+    return stop_flag() != 0;
+}
+
+/// Interrupted: what was measured is not enough to keep.
+struct Interrupted {};
+
+RigidTransform single(const Eigen::Isometry3d& pose) {
+    return {Quatf(Eigen::Quaterniond(pose.linear()).cast<float>()), pose.translation().cast<float>()};
+}
+
+Eigen::Isometry3d twice(const RigidTransform& pose) {
+    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+    out.linear() = Eigen::Quaterniond(pose.rotation.cast<double>()).normalized().toRotationMatrix();
+    out.translation() = pose.translation.cast<double>();
+    return out;
+}
+
+/// How the printed parts hold the tool on a device's moving part: the handle stands along a stylus (its z),
+/// the tube along a magnetic sensor's cable (its x).
+Quatf mounting(const std::string& device) {
+    return device == "trakstar" ? quaternion_from({0.0f, 90.0f * degree, 0.0f})
+                                : quaternion_from({90.0f * degree, 0.0f, 0.0f});
+}
+
+/// What rests in a dimple, tool frame: the ball at the printed blade's tip, or the tube's tip.
+Vec3f tip_of(const CalibrateOptions& options) {
+    if (options.tool == "tube") {
+        const Tube tube;
+        const float turn = tube.grip_from_tip / tube.curve_radius;
+        return {0.0f, tube.curve_radius * (1.0f - std::cos(turn)), tube.curve_radius * std::sin(turn)};
+    }
+    return make_laryngoscope(options.blade == "miller_0" ? Blade::miller_0 : Blade::miller_1).tip() -
+           tip_ball_radius * Vec3f::UnitZ();
+}
+
+/// Opens the device and reads it.
+Sampling open(const CalibrateOptions& options) {
+    SensorSetup setup;
+    setup.source = options.device.source;
+    setup.library = options.device.library;
+    return Sampling(driver_named(options.device.device, Use::tool).open(setup));
+}
+
+void explain(Sampling& sampling) {
+    const std::string fault = sampling.watch().fault();
+    if (sampling.watch().health().lost && !fault.empty()) {
+        spdlog::warn("the device is lost: {}", fault);
+    }
+}
+
+bool bar_wanted() {
+    return ::isatty(STDERR_FILENO) == 1;
+}
+
+void bar(double share, const std::string& text) {
+    if (bar_wanted()) {
+        constexpr int width = 30;
+        const int full = static_cast<int>(share * width);
+        std::cerr << "\r[" << std::string(static_cast<std::size_t>(full), '#')
+                  << std::string(static_cast<std::size_t>(width - full), ' ') << "] " << text << "  "
+                  << std::flush;
+        if (share >= 1.0) {
+            std::cerr << std::endl;
+        }
+    }
+}
+
+/// Mean of the tip's place over a quarter of a second, device frame.
+Eigen::Vector3d touch(Sampling& sampling, const Eigen::Vector3d& tip) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Reading reading;
+    for (int got = 0, tried = 0; got < samples_per_touch; ++tried) {
+        std::this_thread::sleep_for(poll);
+        sampling.watch().tend();
+        if (sampling.newest(reading)) {
+            sum += twice(reading.motion.pose) * tip;
+            ++got;
+        } else if (stopped()) {
+            throw Interrupted{};
+        } else if (tried % 400 == 399) {
+            explain(sampling);
+        }
+    }
+    return sum / samples_per_touch;
+}
+
+/// Touches the named points one after the other and says after each how well they agree.
+std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::Vector3d& tip) {
+    std::vector<PointPair> pairs = load_points(options.points, false);
+    Sampling sampling = open(options);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        std::cerr << fmt::format("{}/{}  rest the tip on '{}' and press Enter: ", i + 1, pairs.size(),
+                                 pairs[i].name)
+                  << std::flush;
+        std::string line;
+        if (!std::getline(std::cin, line) || stopped()) {
+            throw Interrupted{};
+        }
+        pairs[i].device = touch(sampling, tip);
+        if (i >= 3) {
+            try {
+                const RigidFit fit = fit_robustly(std::span(pairs).first(i + 1));
+                std::cerr << fmt::format("      residual {:.2f} mm, all so far {:.2f} mm\n",
+                                         1e3 * fit.residual[i], 1e3 * fit.fiducial_error);
+            } catch (const CalibrationError& error) {
+                std::cerr << "      " << error.what() << '\n';
+            }
+        }
+    }
+    return pairs;
+}
+
+int register_device(const CalibrateOptions& options) {
+    Calibration out;
+    out.device = options.device.device;
+    out.date = utc_now();
+    out.tool = {mounting(out.device), Vec3f::Zero()};
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+    if (!options.pivot.empty()) {
+        const Calibration pivot = load_calibration(options.pivot);
+        out.tool = pivot.tool;
+        tip = (pivot.tool * tip_of(options)).cast<double>();
+    }
+    const std::vector<PointPair> pairs =
+        options.pairs.empty() ? touch_all(options, tip) : load_points(options.pairs, true);
+    const RigidFit fit = fit_robustly(pairs);
+    out.to_patient = single(fit.transform);
+    out.error = fit.fiducial_error;
+    out.left_out_error = fit.left_out_error;
+    ordered_json points = ordered_json::array();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        out.points += fit.used[i] ? 1 : 0;
+        points.push_back({{"name", pairs[i].name},
+                          {"residual_mm", 1e3 * fit.residual[i]},
+                          {"used", static_cast<bool>(fit.used[i])}});
+        if (!fit.used[i]) {
+            spdlog::warn("point '{}' misses by {:.1f} mm and was left out; touch it again if you can",
+                         pairs[i].name, 1e3 * fit.residual[i]);
+        }
+    }
+    if (!fit.advice.empty()) {
+        spdlog::warn("to do better, {}", fit.advice);
+    }
+    save_calibration(out, options.out);
+    spdlog::info("{}: {} points, error {:.2f} mm, leave-one-out {:.2f} mm", options.out, out.points,
+                 1e3 * out.error, 1e3 * out.left_out_error);
+    if (options.json) {
+        std::cout << ordered_json{{"file", options.out},
+                                  {"points", points},
+                                  {"error_mm", 1e3 * out.error},
+                                  {"left_out_error_mm", 1e3 * out.left_out_error},
+                                  {"advice", fit.advice}}
+                         .dump(2)
+                  << std::endl;
+    }
+    return 0;
+}
+
+std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
+    Sampling sampling = open(options);
+    std::vector<Eigen::Isometry3d> poses;
+    spdlog::info("rest the tip in a dimple and swing the handle to all sides for {:.0f} s", options.seconds);
+    Reading reading;
+    for (double left = options.seconds; left > 0.0; left -= 1e-3 * static_cast<double>(poll.count())) {
+        if (stopped()) {
+            throw Interrupted{};
+        }
+        std::this_thread::sleep_for(poll);
+        sampling.watch().tend();
+        if (sampling.newest(reading)) {
+            poses.push_back(twice(reading.motion.pose));
+        }
+        bar(1.0 - left / options.seconds, fmt::format("{} poses", poses.size()));
+    }
+    bar(1.0, fmt::format("{} poses", poses.size()));
+    explain(sampling);
+    return poses;
+}
+
+int pivot(const CalibrateOptions& options) {
+    const auto poses = options.poses.empty() ? swing(options) : load_poses(options.poses);
+    const PivotFit fit = fit_pivot(poses);
+    Calibration out;
+    out.device = options.device.device;
+    out.date = utc_now();
+    out.points = static_cast<int>(poses.size());
+    out.error = fit.error;
+    const Quatf turn = mounting(out.device);
+    out.tool = {turn, fit.tip.cast<float>() - turn * tip_of(options)};
+    save_calibration(out, options.out);
+    const Eigen::Vector3d mm = 1e3 * fit.tip;
+    spdlog::info(
+        "{}: the tip lies at ({:.1f}, {:.1f}, {:.1f}) mm in the sensor's frame, {:.2f} mm RMS over {} poses",
+        options.out, mm.x(), mm.y(), mm.z(), 1e3 * fit.error, poses.size());
+    if (options.json) {
+        std::cout << ordered_json{{"file", options.out},
+                                  {"tip_mm", {mm.x(), mm.y(), mm.z()}},
+                                  {"error_mm", 1e3 * fit.error},
+                                  {"poses", poses.size()}}
+                         .dump(2)
+                  << std::endl;
+    }
+    return 0;
+}
+
+int simulate(const CalibrateOptions& options) {
+    const auto board = load_points(options.points, false);
+    ordered_json rows = ordered_json::array();
+    if (!options.json) {
+        std::cout << fmt::format("{:<10}{:>10}{:>12}{:>10}{:>10}{:>10}  noise\n", "device", "outliers",
+                                 "median mm", "95 % mm", "worst mm", "refused");
+    }
+    for (const SensorNoise& noise : sensor_noises()) {
+        for (const bool outliers : {false, true}) {
+            if (stopped()) {
+                throw Interrupted{};
+            }
+            const TrialResult r = simulate_calibrations(board, noise, options.trials, outliers, 1);
+            rows.push_back({{"device", noise.device},
+                            {"outliers", outliers},
+                            {"trials", options.trials},
+                            {"median_mm", 1e3 * r.median},
+                            {"percentile_95_mm", 1e3 * r.percentile_95},
+                            {"worst_mm", 1e3 * r.worst},
+                            {"refused", r.refused},
+                            {"noise", noise.source}});
+            if (!options.json) {
+                std::cout << fmt::format("{:<10}{:>10}{:>12.2f}{:>10.2f}{:>10.2f}{:>10}  {}\n", noise.device,
+                                         outliers ? "yes" : "no", 1e3 * r.median, 1e3 * r.percentile_95,
+                                         1e3 * r.worst, r.refused, noise.source);
+            }
+        }
+    }
+    if (options.json) {
+        std::cout << rows.dump(2) << std::endl;
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace eti::devices
+
+int main(int argc, char** argv) {
+    using namespace eti::devices;
+    set_up_process("eti-calibrate");
+    CalibrateOptions options;
+    CLI::App app("Finds where a device stands to the patient, and where a tool's tip is on it.",
+                 "eti-calibrate");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.require_subcommand(1);
+    const auto common = [&](CLI::App* command) {
+        add_device_options(*command, options.device, Use::tool);
+        command->add_option("--tool", options.tool, "What the device holds")
+            ->capture_default_str()
+            ->check(CLI::IsMember({"laryngoscope", "tube"}));
+        command->add_option("--blade", options.blade, "Of the laryngoscope")
+            ->capture_default_str()
+            ->check(CLI::IsMember({"miller_0", "miller_1"}));
+        command->add_option("--out", options.out, "File for the result")->capture_default_str();
+        command->add_flag("--json", options.json, "Print one JSON object");
+    };
+    CLI::App* points = app.add_subcommand("register", "Touch points whose places are known");
+    common(points);
+    points->add_option("--points", options.points, "Their places, by name or path (board: the printed board)")
+        ->capture_default_str();
+    points->add_option("--pairs", options.pairs, "Points measured before, instead of touching them now");
+    points->add_option("--pivot", options.pivot,
+                       "Result of 'pivot': touch with the tool's tip, not the device's");
+    CLI::App* turn = app.add_subcommand("pivot", "Swing the tool about its resting tip");
+    common(turn);
+    turn->add_option("--poses", options.poses,
+                     "Poses measured before: x y z [mm] and quaternion w x y z a line");
+    turn->add_option("--seconds", options.seconds, "How long to swing [s]")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 600.0));
+    CLI::App* trial = app.add_subcommand("simulate", "What error to expect of each device, by seeded trials");
+    trial->add_option("--points", options.points, "Places to touch, by name or path");
+    trial->add_option("--trials", options.trials, "Of each device")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000000));
+    trial->add_flag("--json", options.json, "Print one JSON array");
+    if (const auto code = parse(app, argc, argv)) {
+        return *code;
+    }
+    try {
+        options.points =
+            eti::find_data_file(options.points.empty() ? "board" : options.points, "calibration").string();
+        return points->parsed() ? register_device(options)
+               : turn->parsed() ? pivot(options)
+                                : simulate(options);
+    } catch (const Interrupted&) {
+        spdlog::info("interrupted; nothing was written");
+        return 1;
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/app/command_pad.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/units.hpp"
+
+namespace eti::devices {
+
+namespace {
+
+constexpr float rate = 10.0f * degree;       // [rad/s] at full deflection
+constexpr float dead_zone = 0.15f;           // of a stick that rests
+constexpr float sent_every = 0.5f * degree;  // [rad]
+constexpr float suction_step = 0.1f;
+constexpr std::size_t trigger = 5;  // right trigger of common pads: -1 released, 1 pressed
+// The server's bounds; it refuses what lies beyond, so that these only keep a stick from winding up.
+constexpr float most_head_elevation = 30.0f * degree, most_jaw_opening = 35.0f * degree;
+
+}  // namespace
+
+CommandPad::CommandPad(const PadCommands& start)
+    : head_{msg::COMMAND_HEAD_ELEVATION, start.head_elevation_deg * degree, most_head_elevation,
+            start.head_elevation_deg * degree},
+      jaw_{msg::COMMAND_JAW_OPENING, start.jaw_opening_deg * degree, most_jaw_opening,
+           start.jaw_opening_deg * degree} {}
+
+bool CommandPad::move(Posture& posture, float stick, float elapsed) {
+    if (std::abs(stick) < dead_zone) {
+        // What is left of the last move, when the stick comes to rest.
+        const bool unsent = posture.value != posture.sent;
+        posture.sent = posture.value;
+        return unsent;
+    }
+    posture.value = std::clamp(posture.value + rate * elapsed * stick, 0.0f, posture.most);
+    if (std::abs(posture.value - posture.sent) < sent_every) {
+        return false;
+    }
+    posture.sent = posture.value;
+    return true;
+}
+
+std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed) {
+    std::vector<PadCommand> out;
+    if (!reading.present) {
+        // Nobody's thumb is on it any more: suction that stays on would go unnoticed.
+        if (suction_ > 0.0f) {
+            suction_ = 0.0f;
+            out.push_back({msg::COMMAND_SUCTION, 0.0f});
+        }
+        return out;
+    }
+    for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]}}) {
+        if (move(*posture, stick, elapsed)) {
+            out.push_back({posture->kind, posture->value});
+        }
+    }
+    trigger_seen_ = trigger_seen_ || reading.axes[trigger] < -0.5f;
+    float wanted = (reading.buttons & 1u) != 0 ? 1.0f : 0.0f;
+    if (trigger_seen_) {
+        wanted = std::max(wanted, 0.5f * (reading.axes[trigger] + 1.0f));
+    }
+    const bool at_an_end = wanted == 0.0f || wanted == 1.0f;
+    if (wanted != suction_ && (at_an_end || std::abs(wanted - suction_) >= suction_step)) {
+        suction_ = wanted;
+        out.push_back({msg::COMMAND_SUCTION, suction_});
+    }
+    return out;
+}
+
+}  // namespace eti::devices

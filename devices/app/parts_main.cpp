@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/mesh/check.hpp"
+#include "common/scenario/scenario.hpp"
+#include "devices/app/program.hpp"
+#include "devices/calibration/point_file.hpp"
+#include "devices/parts/parts.hpp"
+
+int main(int argc, char** argv) {
+    using namespace eti;
+    using namespace eti::devices;
+    set_up_process("eti-parts");
+    PartSettings settings;
+    std::filesystem::path out = "parts";
+    float tube_inner_mm = 3.0f;
+    bool json = false;
+    CLI::App app(
+        "Parts to print, by the tools' models: laryngoscopes for a stylus, a connector for a magnetic "
+        "sensor, the board for eti-calibrate. Binary STL, millimetres.",
+        "eti-parts");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.add_option("--out", out, "Folder for the files")->capture_default_str();
+    const auto millimetres = [&](const char* name, float& value, const char* text, float low, float high) {
+        app.add_option_function<float>(
+               name, [&value](float mm) { value = 1e-3f * mm; }, text)
+            ->default_str(fmt::format("{:g}", 1e3f * value))
+            ->check(CLI::Range(low, high));
+    };
+    millimetres("--stylus-diameter-mm", settings.stylus_diameter, "What the handle is pushed onto", 2.0f,
+                20.0f);
+    millimetres("--stylus-depth-mm", settings.stylus_depth, "How far it goes in", 5.0f, 80.0f);
+    millimetres("--sensor-diameter-mm", settings.sensor_diameter, "Of the magnetic sensor", 0.5f, 10.0f);
+    millimetres("--sensor-length-mm", settings.sensor_length, "How far it goes in", 5.0f, 40.0f);
+    millimetres("--clearance-mm", settings.clearance, "About every bore; printers differ", 0.0f, 1.0f);
+    app.add_option("--tube-inner-diameter-mm", tube_inner_mm, "Of the tube")
+        ->capture_default_str()
+        ->check(CLI::Range(2.0f, 6.0f));
+    app.add_flag("--json", json, "Print one JSON array");
+    if (const auto code = parse(app, argc, argv)) {
+        return *code;
+    }
+    try {
+        Tube tube;
+        tube.inner_diameter = 1e-3f * tube_inner_mm;
+        tube.outer_diameter = outer_diameter_of(tube.inner_diameter);
+        const auto board = [&] {
+            std::vector<Eigen::Vector3d> points;
+            for (const PointPair& pair : load_points(find_data_file("board", "calibration"), false)) {
+                points.push_back(pair.patient);
+            }
+            return board_part(points, settings);
+        };
+        const std::vector<std::pair<std::string, std::function<TriangleMesh()>>> parts = {
+            {"laryngoscope_miller_0",
+             [&] { return laryngoscope_part(make_laryngoscope(Blade::miller_0), settings); }},
+            {"laryngoscope_miller_1",
+             [&] { return laryngoscope_part(make_laryngoscope(Blade::miller_1), settings); }},
+            {"tube_connector", [&] { return tube_connector_part(tube, settings); }},
+            {"calibration_board", board},
+        };
+        std::filesystem::create_directories(out);
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        for (const auto& [name, make] : parts) {
+            if (stop_flag() != 0) {
+                spdlog::info("interrupted");
+                return 1;
+            }
+            const TriangleMesh mesh = make();
+            const MeshReport report = check(mesh);
+            if (!report.sound()) {
+                throw std::runtime_error(name + ": not a closed surface: " + report.describe());
+            }
+            const std::filesystem::path file = out / (name + ".stl");
+            write_stl(mesh, file);
+            spdlog::info("{}: {} triangles, {:.1f} cm3, closed", file.string(), report.triangles,
+                         1e6 * report.volume);
+            rows.push_back({{"file", file.string()},
+                            {"triangles", report.triangles},
+                            {"volume_cm3", 1e6 * report.volume}});
+        }
+        if (json) {
+            std::cout << rows.dump(2) << std::endl;
+        }
+        return 0;
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "devices/calibration/calibration_file.hpp"
+#include "devices/sensor/sensor.hpp"
+
+namespace eti::devices {
+
+/// A device whose readings and wrenches are those of the tool in the patient frame.
+class CalibratedSensor final : public Sensor {
+  public:
+    CalibratedSensor(std::unique_ptr<Sensor> device, const Calibration& calibration)
+        : device_(std::move(device)), to_patient_(calibration.to_patient), tool_(calibration.tool) {}
+
+    [[nodiscard]] Reading exchange(const Wrench& wrench, float elapsed) override {
+        // The same force at another point: the moving part's origin instead of the tool's.
+        const Vec3f arm = last_.rotation * tool_.translation;
+        const Quatf back = to_patient_.rotation.conjugate();
+        const Wrench there{back * wrench.force, back * wrench.torque + arm.cross(back * wrench.force)};
+        Reading reading = device_->exchange(there, elapsed);
+        Motion& motion = reading.motion;
+        last_ = motion.pose;
+        const Vec3f offset = motion.pose.rotation * tool_.translation;
+        motion.velocity =
+            to_patient_.rotation * Vec3f(motion.velocity + motion.angular_velocity.cross(offset));
+        motion.angular_velocity = to_patient_.rotation * motion.angular_velocity;
+        motion.pose = to_patient_ * motion.pose * tool_;
+        return reading;
+    }
+
+    void look(const Observation& seen) override { device_->look(seen); }
+    [[nodiscard]] Abilities abilities() const override { return device_->abilities(); }
+    [[nodiscard]] bool finished() const override { return device_->finished(); }
+    [[nodiscard]] bool start_servo(ServoCycle& cycle) override { return device_->start_servo(cycle); }
+    void stop_servo() override { device_->stop_servo(); }
+    void tend() override { device_->tend(); }
+    [[nodiscard]] std::string fault() const override { return device_->fault(); }
+
+  private:
+    std::unique_ptr<Sensor> device_;
+    RigidTransform to_patient_, tool_;
+    RigidTransform last_;  // of the moving part, device frame
+};
+
+}  // namespace eti::devices

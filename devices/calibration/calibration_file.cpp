@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/calibration/calibration_file.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <fstream>
+
+#include "common/math/units.hpp"
+#include "common/scenario/scenario.hpp"
+#include "common/scenario/yaml_map.hpp"
+
+namespace eti::devices {
+
+namespace {
+
+constexpr Range millimetres{-5000.0f, 5000.0f, millimetre};
+constexpr Range degrees{-180.0f, 180.0f, degree};
+constexpr Range errors{0.0f, 100.0f, millimetre};
+
+/// A turn is written as its rotation vector in degrees: three numbers a person can read and cannot make
+/// inconsistent.
+std::string written(const RigidTransform& pose) {
+    const Vec3f t = pose.translation / millimetre;
+    const Vec3f r = rotation_vector(pose.rotation) / degree;
+    return fmt::format(
+        "\n  translation_mm: [{:.4f}, {:.4f}, {:.4f}]\n  rotation_vector_deg: [{:.5f}, {:.5f}, {:.5f}]\n",
+        t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
+}
+
+RigidTransform read(YamlMap& file, const std::string& key) {
+    std::optional<YamlMap> map = file.map(key);
+    if (!map) {
+        file.refuse(key, "nothing", "translation_mm and rotation_vector_deg; write it with eti-calibrate");
+    }
+    const Vec3f translation = map->vector("translation_mm", millimetres);
+    const RigidTransform pose{quaternion_from(map->vector("rotation_vector_deg", degrees)), translation};
+    map->finish();
+    return pose;
+}
+
+}  // namespace
+
+std::string utc_now() {
+    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    std::tm parts{};
+    ::gmtime_r(&now, &parts);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1,
+                       parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec);
+}
+
+void save_calibration(const Calibration& c, const std::filesystem::path& file) {
+    const std::filesystem::path half = file.string() + ".part";
+    {
+        std::ofstream stream(half);
+        stream << "# Written by eti-calibrate; read with --calibration.\n"
+               << fmt::format(
+                      "device: {}\ndate: {}\npoints: {}\nerror_mm: {:.3f}\nleft_out_error_mm: {:.3f}\n",
+                      c.device, c.date, c.points, 1e3 * c.error, 1e3 * c.left_out_error)
+               << "to_patient:" << written(c.to_patient) << "tool:" << written(c.tool);
+        stream.flush();
+        if (!stream) {
+            throw InputError(file.string() + ": cannot be written; choose another place with --out");
+        }
+    }
+    std::error_code error;
+    std::filesystem::rename(half, file, error);
+    if (error) {
+        throw InputError(file.string() + ": cannot be written: " + error.message());
+    }
+}
+
+Calibration load_calibration(const std::filesystem::path& file) {
+    YamlMap map = YamlMap::parse(read_text_file(file), file.string());
+    Calibration out;
+    out.device = map.name("device", "");
+    out.date = map.name("date", "undated");
+    out.points = map.whole("points", 0, 0, 1'000'000);
+    out.error = static_cast<double>(map.number("error_mm", 0.0f, errors));
+    out.left_out_error = static_cast<double>(map.number("left_out_error_mm", 0.0f, errors));
+    out.to_patient = read(map, "to_patient");
+    out.tool = read(map, "tool");
+    map.finish();
+    return out;
+}
+
+}  // namespace eti::devices

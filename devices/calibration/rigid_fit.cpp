@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/calibration/rigid_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "common/math/random.hpp"
+
+namespace eti::devices {
+
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double agreeing_share = 0.75;
+constexpr std::size_t fewest_poses = 20;
+// Poses that turn the tool about its tip by an angle a leave a tip's place uncertain by about the noise over
+// sin(a): the smallest singular value of the stacked system, per square root of the poses. 0.1 is
+// reached by a cone of about 12 deg.
+constexpr double least_turning = 0.1;
+
+Isometry3d fit(std::span<const PointPair> pairs, std::span<const std::size_t> which) {
+    Eigen::Matrix3Xd from(3, which.size()), to(3, which.size());
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        from.col(static_cast<Eigen::Index>(i)) = pairs[which[i]].device;
+        to.col(static_cast<Eigen::Index>(i)) = pairs[which[i]].patient;
+    }
+    return Isometry3d(Eigen::umeyama(from, to, false));
+}
+
+double miss(const PointPair& pair, const Isometry3d& transform) {
+    return (transform * pair.device - pair.patient).norm();
+}
+
+/// Principal spreads [m] of the patient's points, least first, and their directions.
+struct Spread {
+    Vector3d size;
+    Matrix3d direction;
+    Vector3d centre = Vector3d::Zero();
+};
+
+Spread spread_of(std::span<const PointPair> pairs, std::span<const std::size_t> which) {
+    Spread out;
+    for (const std::size_t i : which) {
+        out.centre += pairs[i].patient / static_cast<double>(which.size());
+    }
+    Matrix3d covariance = Matrix3d::Zero();
+    for (const std::size_t i : which) {
+        const Vector3d d = pairs[i].patient - out.centre;
+        covariance += d * d.transpose() / static_cast<double>(which.size());
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
+    out.size = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    out.direction = solver.eigenvectors();
+    return out;
+}
+
+/// "left-right", "front-back" or "head-feet" of the patient: the nearest to a direction.
+std::string_view name_of_direction(const Vector3d& direction) {
+    Eigen::Index axis = 0;
+    direction.cwiseAbs().maxCoeff(&axis);
+    constexpr std::array<std::string_view, 3> names = {"left-right", "front-back", "head-feet"};
+    return names[static_cast<std::size_t>(axis)];
+}
+
+std::vector<std::size_t> agreeing(std::span<const PointPair> pairs, const Isometry3d& transform,
+                                  double within) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (miss(pairs[i], transform) <= within) {
+            found.push_back(i);
+        }
+    }
+    return found;
+}
+
+/// Largest set of pairs that one transform brings within the limit.
+std::vector<std::size_t> largest_agreement(std::span<const PointPair> pairs, const FitSettings& settings) {
+    const std::size_t n = pairs.size();
+    std::vector<std::size_t> best;
+    const auto try_triple = [&](const std::array<std::size_t, 3>& triple) {
+        if (spread_of(pairs, triple).size[1] < 0.5 * settings.thinnest) {
+            return;
+        }
+        auto found = agreeing(pairs, fit(pairs, triple), settings.outlier);
+        // Once more from all that agreed: a triple's own noise is larger than theirs.
+        if (found.size() >= 3) {
+            found = agreeing(pairs, fit(pairs, found), settings.outlier);
+        }
+        if (found.size() > best.size()) {
+            best = std::move(found);
+        }
+    };
+    if (n * (n - 1) * (n - 2) / 6 <= settings.most_samples) {
+        for (std::size_t a = 0; a < n; ++a) {
+            for (std::size_t b = a + 1; b < n; ++b) {
+                for (std::size_t c = b + 1; c < n; ++c) {
+                    try_triple({a, b, c});
+                }
+            }
+        }
+        return best;
+    }
+    Random random(settings.seed);
+    for (std::size_t k = 0; k < settings.most_samples; ++k) {
+        const std::array<std::size_t, 3> triple{random.bits() % n, random.bits() % n, random.bits() % n};
+        if (triple[0] != triple[1] && triple[1] != triple[2] && triple[0] != triple[2]) {
+            try_triple(triple);
+        }
+    }
+    return best;
+}
+
+void refuse_thin(const Spread& spread, const FitSettings& settings) {
+    if (spread.size[1] < settings.thinnest) {
+        throw CalibrationError(fmt::format(
+            "the points lie on a line (RMS {:.1f} mm across it, at least {:.0f} mm are needed), which leaves "
+            "the turn about it open. Collect more points off that line, {} of it",
+            1e3 * spread.size[1], 1e3 * settings.thinnest, name_of_direction(spread.direction.col(1))));
+    }
+}
+
+}  // namespace
+
+Isometry3d fit_rigid(std::span<const PointPair> pairs) {
+    std::vector<std::size_t> all(pairs.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return fit(pairs, all);
+}
+
+RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& settings) {
+    if (pairs.size() < settings.fewest) {
+        throw CalibrationError(
+            fmt::format("{} pairs of points, at least {} are needed. Collect {} more, as far "
+                        "apart and as little on a line as you can",
+                        pairs.size(), settings.fewest, settings.fewest - pairs.size()));
+    }
+    for (const PointPair& pair : pairs) {
+        if (!pair.device.allFinite() || !pair.patient.allFinite()) {
+            throw CalibrationError(fmt::format("point '{}' has a coordinate that is no number", pair.name));
+        }
+    }
+    std::vector<std::size_t> all(pairs.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    refuse_thin(spread_of(pairs, all), settings);
+
+    const std::vector<std::size_t> inliers = largest_agreement(pairs, settings);
+    if (static_cast<double>(inliers.size()) < agreeing_share * static_cast<double>(pairs.size()) ||
+        inliers.size() < 3) {
+        throw CalibrationError(fmt::format(
+            "only {} of {} points agree with each other within {:.0f} mm. Touch the points named, in their "
+            "order, again; if each is right by itself, the device mirrors or the phantom is another one",
+            inliers.size(), pairs.size(), 1e3 * settings.outlier));
+    }
+    const Spread spread = spread_of(pairs, inliers);
+    refuse_thin(spread, settings);
+
+    RigidFit out;
+    out.transform = fit(pairs, inliers);
+    out.used.assign(pairs.size(), false);
+    for (const PointPair& pair : pairs) {
+        out.residual.push_back(miss(pair, out.transform));
+    }
+    double sum = 0.0, left_out = 0.0;
+    for (const std::size_t i : inliers) {
+        out.used[i] = true;
+        sum += out.residual[i] * out.residual[i];
+        std::vector<std::size_t> others;
+        std::ranges::copy_if(inliers, std::back_inserter(others), [&](std::size_t k) { return k != i; });
+        // Without it the others may lie on a line; then it says nothing about them.
+        const double alone = others.size() >= 3 && spread_of(pairs, others).size[1] >= 0.5 * settings.thinnest
+                                 ? miss(pairs[i], fit(pairs, others))
+                                 : out.residual[i];
+        left_out += alone * alone;
+    }
+    const auto count = static_cast<double>(inliers.size());
+    out.fiducial_error = std::sqrt(sum / count);
+    out.left_out_error = std::sqrt(left_out / count);
+    if (spread.size[1] < 3.0 * settings.thinnest || inliers.size() < 6) {
+        out.advice = fmt::format("collect more points farther {} of the others",
+                                 name_of_direction(spread.direction.col(1)));
+    }
+    return out;
+}
+
+PivotFit fit_pivot(std::span<const Isometry3d> poses) {
+    if (poses.size() < fewest_poses) {
+        throw CalibrationError(
+            fmt::format("{} poses, at least {} are needed. Turn the tool about its resting "
+                        "tip for longer",
+                        poses.size(), fewest_poses));
+    }
+    const auto rows = static_cast<Eigen::Index>(3 * poses.size());
+    Eigen::MatrixXd system(rows, 6);
+    Eigen::VectorXd right(rows);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        if (!poses[i].matrix().allFinite()) {
+            throw CalibrationError(fmt::format("pose {} has a number that is none", i + 1));
+        }
+        const auto row = static_cast<Eigen::Index>(3 * i);
+        system.block<3, 3>(row, 0) = poses[i].linear();
+        system.block<3, 3>(row, 3) = -Matrix3d::Identity();
+        right.segment<3>(row) = -poses[i].translation();
+    }
+    const Eigen::BDCSVD<Eigen::MatrixXd> svd(system, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const double turning = svd.singularValues()[5] / std::sqrt(static_cast<double>(poses.size()));
+    if (turning < least_turning) {
+        throw CalibrationError(
+            "the tool was turned too little to tell where its tip is. Keep the tip in place and swing the "
+            "handle by 30 deg or more, to all sides");
+    }
+    const Eigen::VectorXd solution = svd.solve(right);
+    PivotFit out{solution.head<3>(), solution.tail<3>(), 0.0};
+    double sum = 0.0;
+    for (const Isometry3d& pose : poses) {
+        sum += (pose * out.tip - out.pivot).squaredNorm();
+    }
+    out.error = std::sqrt(sum / static_cast<double>(poses.size()));
+    return out;
+}
+
+}  // namespace eti::devices

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <Eigen/Core>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mesh/triangle_mesh.hpp"
+#include "common/model/tools.hpp"
+
+namespace eti::devices {
+
+/// The ball at the printed blade's tip, and the dimples of the board, so that a ball in a dimple has its
+/// middle at the dimple's named point [m].
+inline constexpr float tip_ball_radius = 1e-3f;
+
+/// What the makers of devices and printers decide; measure with a caliper. All in m.
+struct PartSettings {
+    float stylus_diameter = 6.5e-3f;  ///< of what the handle is pushed onto: a quarter-inch plug
+    float stylus_depth = 30e-3f;      ///< that it goes in
+    float sensor_diameter = 2.0e-3f;  ///< of the magnetic sensor
+    float sensor_length = 12e-3f;     ///< that it goes in
+    float clearance = 0.15e-3f;       ///< of every bore, all round; printers differ
+    float wall = 2.0e-3f;             ///< about bores
+    float spacing = 0.4e-3f;          ///< of the grid that the surface is taken from
+};
+
+/// Laryngoscope, in its tool frame: the model's three capsules, the blade drawn out to a ball of
+/// tip_ball_radius, and a bore from beneath along the handle for the stylus. Throws std::invalid_argument
+/// when the stylus leaves the handle no wall.
+[[nodiscard]] TriangleMesh laryngoscope_part(const Laryngoscope& scope, const PartSettings& settings);
+
+/// Sleeve for the tube, in the tube's tool frame (grip at the origin, +z towards its tip): the tube goes
+/// through, the sensor lies behind it in a bore that is closed in front.
+[[nodiscard]] TriangleMesh tube_connector_part(const Tube& tube, const PartSettings& settings);
+
+/// Stepped board with a dimple at each point [m, patient frame]: points at one height share a step.
+[[nodiscard]] TriangleMesh board_part(std::span<const Eigen::Vector3d> points, const PartSettings& settings);
+
+/// Binary STL in millimetres, which has no unit of its own. Throws std::runtime_error when it cannot be
+/// written.
+void write_stl(const TriangleMesh& mesh, const std::filesystem::path& file);
+
+}  // namespace eti::devices

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/sensor/sensor_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti::devices {
+
+namespace {
+
+constexpr float window = 1.0f;  // [s], over which the rate is measured
+
+bool is_pose(const Motion& motion) {
+    return motion.pose.translation.allFinite() && motion.velocity.allFinite() &&
+           motion.angular_velocity.allFinite() && std::abs(motion.pose.rotation.norm() - 1.0f) < 1e-2f;
+}
+
+void add(std::atomic<std::uint64_t>& counter) {
+    counter.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+SensorWatch::SensorWatch(Sensor& device, const WatchLimits& limits)
+    : device_(device), limits_(limits), abilities_(device.abilities()) {
+    // Devices without a rate of their own answer whenever they are asked.
+    if (abilities_.rate > 0.0f) {
+        limits_.stale_after = std::max(limits_.stale_after, 3.0f / abilities_.rate);
+    }
+}
+
+bool SensorWatch::near(const RigidTransform& a, const RigidTransform& b, float seconds) const {
+    return (a.translation - b.translation).norm() <= limits_.speed * seconds + limits_.slack &&
+           rotation_vector(a.rotation * b.rotation.conjugate()).norm() <=
+               limits_.turning * seconds + limits_.turning_slack;
+}
+
+bool SensorWatch::believable(const Motion& motion) {
+    if (!is_pose(motion)) {
+        add(not_finite_);
+        settled_ = -1.0f;
+        return false;
+    }
+    if (!any_ || near(motion.pose, good_.motion.pose, std::min(since_good_, limits_.stale_after))) {
+        settled_ = -1.0f;
+        return true;
+    }
+    add(jumps_);
+    settled_ = settled_ >= 0.0f && near(motion.pose, elsewhere_, age_) ? settled_ + age_ : 0.0f;
+    elsewhere_ = motion.pose;
+    return settled_ >= limits_.settled_after;
+}
+
+Reading SensorWatch::exchange(const Wrench& wrench, float elapsed) {
+    Reading now = device_.exchange(wrench, elapsed);
+    const bool new_sample = now.present && (!any_ || now.sample != sample_);
+    sample_ = now.sample;
+    age_ += elapsed;
+    since_good_ += elapsed;
+    if (new_sample && believable(now.motion)) {
+        good_ = now;
+        any_ = true;
+        since_good_ = 0.0f;
+    }
+    if (new_sample) {
+        age_ = 0.0f;
+    }
+    count(!now.present || age_ > limits_.lost_after, new_sample, elapsed);
+
+    now.motion = good_.motion;
+    now.present = any_ && now.present && since_good_ <= limits_.stale_after;
+    if (!now.present) {
+        now.motion.velocity = now.motion.angular_velocity = Vec3f::Zero();
+        now.buttons = 0;
+    }
+    return now;
+}
+
+void SensorWatch::count(bool lost, bool new_sample, float elapsed) {
+    if (lost && !was_lost_) {
+        add(losses_);
+    }
+    was_lost_ = lost;
+    lost_.store(lost, std::memory_order_relaxed);
+    window_ += elapsed;
+    window_samples_ += new_sample ? 1 : 0;
+    if (window_ >= window) {
+        const float rate = static_cast<float>(window_samples_) / window_;
+        rate_.store(rate, std::memory_order_relaxed);
+        slow_.store(!lost && rate < limits_.slow_share * abilities_.rate, std::memory_order_relaxed);
+        window_ = 0.0f;
+        window_samples_ = 0;
+    }
+}
+
+SensorHealth SensorWatch::health() const {
+    constexpr auto order = std::memory_order_relaxed;
+    return {lost_.load(order),   slow_.load(order),       rate_.load(order),
+            losses_.load(order), not_finite_.load(order), jumps_.load(order)};
+}
+
+}  // namespace eti::devices

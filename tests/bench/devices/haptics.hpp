@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace eti::bench {
+
+struct HapticsOptions {
+    std::filesystem::path out = "out/bench";
+    bool quick = false;        ///< a corner of the maps, no live runs
+    double live_seconds = 60;  ///< of the run beside a server
+    std::string only;          ///< one of the tables by name; empty: all
+};
+
+/// What `only` may name.
+[[nodiscard]] std::vector<std::string> haptics_table_names();
+
+/// Largest stable stiffness over delay and loss with and without the passivity controller; rendered against
+/// set stiffness; from touch to force; the real loop beside the real server; the device's force laws
+/// against finite elements. Writes haptics-*.csv. Returns the program's exit code.
+[[nodiscard]] int haptics(const HapticsOptions& options);
+
+}  // namespace eti::bench

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/bench/devices/live.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spdlog/spdlog.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <tuple>
+#include <vector>
+
+#include "common/bus/convert.hpp"
+#include "devices/haptics/haptic_loop.hpp"
+#include "devices/haptics/scene_link.hpp"
+#include "devices/sensor/hand_sensor.hpp"
+#include "tests/bench/devices/relay.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds patience{120};  // until the server has built its model
+constexpr double held_for = 2.0;               // [s], at the end, over which the held device is watched
+
+// Goes in, levers on the gum until the force is felt, and stays.
+constexpr const char* lever = R"(
+name: lever_and_hold
+laryngoscope:
+  - stage: to the mouth
+    tip: {at: mouth_opening, offset_mm: [0, -6, 2]}
+    axis: {from: mouth_opening, from_offset_mm: [0, -60, 10]}
+    speed_mm_per_s: 80
+  - stage: between the gums
+    tip: {at: upper_gum, offset_mm: [0, 3, -8]}
+    axis: {from: upper_gum, from_offset_mm: [0, -30, -8]}
+    speed_mm_per_s: 60
+  - stage: over the tongue
+    tip: {at: tongue_dorsum, offset_mm: [0, 0, 4]}
+    axis: {from: upper_gum, from_offset_mm: [0, -7, -7]}
+    speed_mm_per_s: 50
+  - stage: behind the tongue
+    tip: {at: tongue_dorsum, offset_mm: [0, 11, -9]}
+    axis: {from: upper_gum, from_offset_mm: [0, -7, -6]}
+    speed_mm_per_s: 40
+  - stage: down behind the epiglottis
+    tip: {at: glottis, offset_mm: [0, -3, 30]}
+    axis: {from: upper_gum, from_offset_mm: [0, -6, -6]}
+    speed_mm_per_s: 40
+  - stage: beneath the epiglottis
+    tip: {at: glottis, offset_mm: [0, -4, 9]}
+    axis: {from: upper_gum, from_offset_mm: [0, -6, -6]}
+    speed_mm_per_s: 30
+  - stage: lever on the gum and hold
+    keep: on
+    pitch_deg: 8
+    speed_mm_per_s: 40
+    hold_s: 119
+)";
+
+/// eti-server as a child, in a session of its own; ended when this goes.
+class ServerProcess {
+  public:
+    ServerProcess(const std::string& session, int domain) {
+        const std::string program =
+            (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "eti-server").string();
+        const std::string number = std::to_string(domain);
+        process_ = ::fork();
+        if (process_ == 0) {
+            const int silence = ::open("/dev/null", O_WRONLY);
+            ::dup2(silence, STDERR_FILENO);
+            ::dup2(silence, STDOUT_FILENO);
+            ::execl(program.c_str(), "eti-server", "--scenario", "term", "--session", session.c_str(),
+                    "--domain", number.c_str(), nullptr);
+            ::_exit(127);
+        }
+    }
+    ~ServerProcess() {
+        ::kill(process_, SIGINT);
+        for (int tenths = 0; ::waitpid(process_, nullptr, WNOHANG) == 0; ++tenths) {
+            std::this_thread::sleep_for(100ms);
+            if (tenths == 100) {
+                ::kill(process_, SIGKILL);
+            }
+        }
+    }
+    ServerProcess(const ServerProcess&) = delete;
+    ServerProcess& operator=(const ServerProcess&) = delete;
+
+    void check() const {
+        if (::waitpid(process_, nullptr, WNOHANG) != 0) {
+            throw std::runtime_error(
+                "eti-server ended by itself; is it beside this program and does it run?");
+        }
+    }
+
+  private:
+    pid_t process_ = -1;
+};
+
+/// Remembers what the hand did, for the end.
+class Watched final : public devices::Sensor {
+  public:
+    explicit Watched(const devices::SensorSetup& setup) : hand_(setup) {}
+    void look(const Observation& seen) override { hand_.look(seen); }
+    devices::Reading exchange(const Wrench& wrench, float elapsed) override {
+        const devices::Reading reading = hand_.exchange(wrench, elapsed);
+        places_[at_ % places_.size()] = {reading.motion.pose.translation, wrench.force.norm()};
+        ++at_;
+        return reading;
+    }
+    [[nodiscard]] devices::Abilities abilities() const override { return hand_.abilities(); }
+
+    struct Place {
+        Vec3f position = Vec3f::Zero();
+        float force = 0.0f;
+    };
+    [[nodiscard]] std::pair<double, double> held() const {
+        Eigen::AlignedBox3f box;
+        double force = 0.0;
+        const std::size_t count = std::min(at_, places_.size());
+        for (std::size_t i = 0; i < count; ++i) {
+            box.extend(places_[i].position);
+            force += static_cast<double>(places_[i].force) / static_cast<double>(count);
+        }
+        return {count > 0 ? static_cast<double>(box.diagonal().norm()) : 0.0, force};
+    }
+
+  private:
+    devices::HandSensor hand_;
+    std::array<Place, static_cast<std::size_t>(1000 * held_for)> places_{};
+    std::size_t at_ = 0;
+};
+
+/// From a pose's going out to the proxy that answers it, by the device's pose that the server names.
+class RoundTrips {
+  public:
+    explicit RoundTrips(bus::Node& node)
+        : poses_(node, bus::topics::laryngoscope_pose), proxies_(node, bus::topics::proxy) {}
+
+    void watch() {
+        (void)proxies_.wait(2ms);
+        const std::int64_t now = devices::monotonic_ns();
+        while (poses_.take(pose_)) {
+            sent_.push_back({bus::from_msg(pose_.pose()).translation, now});
+            if (sent_.size() > 2000) {
+                sent_.pop_front();
+            }
+        }
+        while (proxies_.take(proxy_)) {
+            const Vec3f at = bus::from_msg(proxy_.device()).translation;
+            const auto found =
+                std::find_if(sent_.rbegin(), sent_.rend(), [&](const auto& s) { return s.first == at; });
+            // A hand at rest sends the same pose again and again, which tells nothing.
+            if (found != sent_.rend() && at != last_) {
+                trips_.push_back(static_cast<double>(now - found->second) * 1e-9);
+            }
+            last_ = at;
+        }
+    }
+    [[nodiscard]] double percentile(double p) {
+        std::ranges::sort(trips_);
+        return trips_.empty() ? 0.0
+                              : trips_[static_cast<std::size_t>(p * static_cast<double>(trips_.size() - 1))];
+    }
+
+  private:
+    bus::Subscriber<msg::ToolPose> poses_;
+    bus::Subscriber<msg::ProxyState> proxies_;
+    msg::ToolPose pose_;
+    msg::ProxyState proxy_;
+    std::deque<std::pair<Vec3f, std::int64_t>> sent_;
+    Vec3f last_ = Vec3f::Zero();
+    std::vector<double> trips_;
+};
+
+bus::Options place(const std::string& session, int domain, const char* name) {
+    bus::Options options;
+    options.session = session;
+    options.domain = domain;
+    options.name = name;
+    return options;
+}
+
+}  // namespace
+
+LiveOutcome run_live(const LiveCase& live) {
+    const int domain = 101 + ::getpid() % 100;
+    const std::string there = "bench-" + std::to_string(::getpid());
+    const std::string here = live.channel ? there + "-far" : there;
+    const ServerProcess server(there, domain);
+    std::unique_ptr<Relay> relay;
+    if (live.channel) {
+        relay = std::make_unique<Relay>(place(there, domain, "relay"), place(here, domain, "relay"),
+                                        *live.channel);
+    }
+    bus::Node node(place(here, domain, "eti-haptics"));
+    devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
+    std::optional<devices::Surroundings> around;
+    for (const auto end = Clock::now() + patience; !(around = link.surroundings());) {
+        server.check();
+        if (Clock::now() > end) {
+            throw std::runtime_error("eti-server showed no scene within 120 s");
+        }
+        std::this_thread::sleep_for(20ms);
+    }
+    devices::SensorSetup setup;
+    setup.script = parse_operator(lever, "lever");
+    setup.start = around->seen;
+    setup.tool_length = around->blade_length;
+    Watched sensor(setup);
+    devices::HapticLoop loop(node, sensor, link.newest(), {});
+    bus::Node listener(place(here, domain, "listener"));
+    RoundTrips trips(listener);
+    bus::Subscriber<msg::SessionStatus> status_topic(listener, bus::topics::session_status);
+    msg::SessionStatus status;
+    LiveOutcome out;
+    for (const auto end = Clock::now() + std::chrono::duration<double>(live.seconds); Clock::now() < end;) {
+        trips.watch();
+        if (status_topic.take_latest(status)) {
+            out.server_behind = static_cast<double>(status.behind_s());
+        }
+    }
+    server.check();
+    loop.stop();
+
+    const devices::HapticRecord& record = loop.cycle().record();
+    const auto count = static_cast<double>(record.intervals.count() + 1);
+    out.period_p50 = record.intervals.percentile(0.5);
+    out.period_p99 = record.intervals.percentile(0.99);
+    out.period_p999 = record.intervals.percentile(0.999);
+    out.period_max = record.intervals.longest();
+    out.late_share = record.intervals.share_over(1.2e-3);
+    out.compute_p99 = record.computing.percentile(0.99);
+    out.round_trip_p50 = trips.percentile(0.5);
+    out.round_trip_p99 = trips.percentile(0.99);
+    out.force_mean = record.force_sum / count;
+    out.force_max = static_cast<double>(record.force_max);
+    std::tie(out.excursion, out.held_force) = sensor.held();
+    out.stale_share = static_cast<double>(record.stale_cycles) / count;
+    const devices::PassivityController& passivity = loop.cycle().renderer().passivity();
+    out.energy_lowest = passivity.lowest();
+    out.dissipated = passivity.dissipated();
+    out.passivity_share = static_cast<double>(passivity.active_cycles()) / count;
+    out.real_time = loop.priority_refusal().empty();
+    return out;
+}
+
+}  // namespace eti::bench

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tests/validation/haptics/closed_loop.hpp"
+
+namespace eti::bench {
+
+using validation::Channel;
+
+struct LiveCase {
+    std::string name;
+    std::optional<Channel> channel;  ///< through a relay; none: the bus alone
+    double seconds = 60.0;
+};
+
+struct LiveOutcome {
+    double period_p50 = 0.0, period_p99 = 0.0, period_p999 = 0.0, period_max = 0.0;  ///< [s]
+    double late_share = 0.0;                            ///< of cycles later than 1.2 ms
+    double compute_p99 = 0.0;                           ///< [s]
+    double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  ///< [s], pose out to the proxy that answers it
+    double force_mean = 0.0, force_max = 0.0;           ///< [N]
+    double excursion = 0.0;                             ///< [m], peak to peak of the held device, last 2 s
+    double held_force = 0.0;                            ///< [N], mean over the same time
+    double stale_share = 0.0;
+    double energy_lowest = 0.0, dissipated = 0.0;  ///< [J]
+    double passivity_share = 0.0;
+    double server_behind = 0.0;  ///< [s], at the end
+    bool real_time = false;
+};
+
+/// The real haptic loop in real time with a simulated device, the real server beside it as a process of its
+/// own over DDS. A scripted hand goes in over the tongue, levers on the upper gum, and holds still.
+[[nodiscard]] LiveOutcome run_live(const LiveCase& live);
+
+}  // namespace eti::bench

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <thread>
+
+#include "common/bus/bus.hpp"
+#include "common/math/random.hpp"
+#include "devices/haptics/timing.hpp"
+#include "tests/validation/haptics/closed_loop.hpp"
+
+namespace eti::bench {
+
+namespace msg = bus::msg;
+using validation::Channel;
+
+/// Passes one topic on from one session to another, late and with losses.
+template <class Message>
+class Wire {
+  public:
+    Wire(bus::Node& from, bus::Node& to, const bus::Topic<Message>& topic)
+        : in_(from, topic), out_(to, topic) {}
+
+    void run(const Channel& channel, Random& random) {
+        const std::int64_t now = devices::monotonic_ns();
+        Message message;
+        while (in_.take(message)) {
+            if (static_cast<double>(random.uniform()) >= channel.loss) {
+                const double late =
+                    0.5 * channel.delay + channel.jitter * static_cast<double>(random.uniform());
+                waiting_.push_back({now + static_cast<std::int64_t>(1e9 * late), message});
+            }
+        }
+        while (!waiting_.empty() && waiting_.front().first <= now) {
+            out_.publish(waiting_.front().second);
+            waiting_.pop_front();
+        }
+    }
+
+  private:
+    bus::Subscriber<Message> in_;
+    bus::Publisher<Message> out_;
+    std::deque<std::pair<std::int64_t, Message>> waiting_;
+};
+
+/// Stands between a server's session and a device's, in the place of a network: what is best effort is
+/// delayed and lost, what is reliable arrives whole.
+class Relay {
+  public:
+    Relay(const bus::Options& server, const bus::Options& device, const Channel& channel)
+        : channel_(channel), server_(server), device_(device), thread_([this] { run(); }) {}
+    ~Relay() {
+        ending_ = true;
+        thread_.join();
+    }
+
+  private:
+    void run() {
+        Random random(1);
+        Wire<msg::ToolPose> pose(device_, server_, bus::topics::laryngoscope_pose);
+        Wire<msg::ProxyState> proxy(server_, device_, bus::topics::proxy);
+        Wire<msg::TissueContacts> tissue(server_, device_, bus::topics::tissue_contacts);
+        Wire<msg::LiveMetrics> live(server_, device_, bus::topics::live_metrics);
+        Wire<msg::SceneDescription> scene(server_, device_, bus::topics::scene);
+        const Channel whole;
+        while (!ending_) {
+            std::this_thread::sleep_for(std::chrono::microseconds(250));
+            pose.run(channel_, random);
+            proxy.run(channel_, random);
+            tissue.run(channel_, random);
+            live.run(channel_, random);
+            scene.run(whole, random);
+        }
+    }
+
+    Channel channel_;
+    bus::Node server_, device_;
+    std::atomic<bool> ending_{false};
+    std::thread thread_;
+};
+
+}  // namespace eti::bench

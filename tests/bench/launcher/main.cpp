@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+//
+// eti-bench launches the bench program of the part that a command is about, with the same arguments.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+
+namespace {
+
+struct Command {
+    const char* name;
+    const char* program;
+    const char* description;
+};
+
+constexpr std::array<Command, 6> commands = {{
+    {"speed", "eti-bench-physics", "Cost of the solver's parts"},
+    {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
+    {"calibration", "eti-bench-physics", "What modulus bodies of clusters have, against the modulus put in"},
+    {"stability", "eti-bench-physics", "Where every method survives, recovers or fails"},
+    {"sufficiency", "eti-bench-physics", "How the outcome of an intubation changes as the model shrinks"},
+    {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
+}};
+
+void usage(std::FILE* to) {
+    fmt::print(to,
+               "Benchmarks of every part: charts and tables that decide the shipped settings.\n"
+               "Usage: eti-bench [--threads N] COMMAND [OPTION...]; COMMAND --help tells its options\n");
+    for (const Command& command : commands) {
+        fmt::print(to, "  {:<12} {}\n", command.name, command.description);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view argument = argv[i];
+        for (const Command& command : commands) {
+            if (argument != command.name) {
+                continue;
+            }
+            std::error_code error;
+            const auto program =
+                std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / command.program;
+            ::execv(program.c_str(), argv);
+            fmt::print(
+                stderr,
+                "eti-bench: cannot run {}: {}. Build it: cmake --build build/release --target eti-bench\n",
+                program.string(), std::strerror(errno));
+            return 1;
+        }
+        if (argument == "--help" || argument == "-h") {
+            usage(stdout);
+            return 0;
+        }
+        if (argument == "--version") {
+            fmt::print("{}\n", ETI_VERSION);
+            return 0;
+        }
+    }
+    usage(stderr);
+    return 2;
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/app/command_pad.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/math/units.hpp"
+
+namespace eti::devices {
+namespace {
+
+constexpr float dt = 0.02f;
+
+TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
+    CommandPad pad({.head_elevation_deg = 10.0f, .jaw_opening_deg = 20.0f});
+    Reading reading;
+    EXPECT_TRUE(pad.update(reading, dt).empty()) << "a stick that rests sends nothing";
+    reading.axes[1] = -1.0f;  // away from the body
+    std::vector<PadCommand> sent;
+    for (int i = 0; i < 50; ++i) {
+        for (const PadCommand& command : pad.update(reading, dt)) {
+            sent.push_back(command);
+        }
+    }
+    ASSERT_FALSE(sent.empty());
+    // A second of it, one command for every half a degree.
+    EXPECT_LE(sent.size(), 20u);
+    EXPECT_GE(sent.size(), 15u);
+    EXPECT_EQ(sent.back().kind, msg::COMMAND_HEAD_ELEVATION);
+    reading.axes[1] = 0.0f;
+    for (const PadCommand& command : pad.update(reading, dt)) {
+        sent.push_back(command);
+    }
+    EXPECT_NEAR(sent.back().value, 20.0f * degree, 1e-4f) << "what was left comes when the stick rests";
+    EXPECT_TRUE(pad.update(reading, dt).empty());
+}
+
+TEST(CommandPad, PosturesStayWithinTheServersBounds) {
+    CommandPad pad({});
+    Reading reading;
+    reading.axes[0] = 1.0f;
+    reading.axes[1] = 1.0f;
+    float jaw = 0.0f, head = 1.0f;
+    for (int i = 0; i < 500; ++i) {
+        for (const PadCommand& command : pad.update(reading, dt)) {
+            (command.kind == msg::COMMAND_JAW_OPENING ? jaw : head) = command.value;
+        }
+    }
+    reading.axes = {};
+    for (const PadCommand& command : pad.update(reading, dt)) {
+        (command.kind == msg::COMMAND_JAW_OPENING ? jaw : head) = command.value;
+    }
+    EXPECT_NEAR(jaw, 35.0f * degree, 1e-5f);
+    EXPECT_NEAR(head, 0.0f, 1e-6f);
+}
+
+TEST(CommandPad, ButtonAndTriggerAreSuction) {
+    CommandPad pad({});
+    Reading reading;
+    reading.buttons = 1;
+    auto sent = pad.update(reading, dt);
+    ASSERT_EQ(sent.size(), 1u);
+    EXPECT_EQ(sent[0].kind, msg::COMMAND_SUCTION);
+    EXPECT_EQ(sent[0].value, 1.0f);
+    EXPECT_TRUE(pad.update(reading, dt).empty());
+    reading.buttons = 0;
+    EXPECT_EQ(pad.update(reading, dt)[0].value, 0.0f);
+    // An axis that was never at its end is no trigger: a pad without one shows 0 there.
+    reading.axes[5] = 0.0f;
+    EXPECT_TRUE(pad.update(reading, dt).empty());
+    reading.axes[5] = -1.0f;
+    EXPECT_TRUE(pad.update(reading, dt).empty());
+    reading.axes[5] = 0.2f;
+    EXPECT_NEAR(pad.update(reading, dt)[0].value, 0.6f, 1e-6f);
+}
+
+TEST(CommandPad, APadThatIsLostLeavesNoSuctionOn) {
+    CommandPad pad({});
+    Reading reading;
+    reading.buttons = 1;
+    ASSERT_EQ(pad.update(reading, dt).size(), 1u);
+    reading.present = false;
+    const auto sent = pad.update(reading, dt);
+    ASSERT_EQ(sent.size(), 1u);
+    EXPECT_EQ(sent[0].value, 0.0f);
+    EXPECT_TRUE(pad.update(reading, dt).empty());
+}
+
+}  // namespace
+}  // namespace eti::devices

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/haptics/gimbal_force.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/math/random.hpp"
+
+namespace eti::devices {
+namespace {
+
+Vec3f any(Random& random) {
+    return {random.normal(), random.normal(), random.normal()};
+}
+
+// The moment about the contact is that of the wrench, but for the part along the arm that no force has.
+TEST(GimbalForce, HasTheSameMomentAboutTheContact) {
+    Random random(2);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3f contact = 0.05f * any(random), origin = 0.05f * any(random);
+        const Vec3f arm = 0.01f * any(random) + Vec3f(0.1f, 0, 0);
+        const Wrench wrench{any(random), 0.1f * any(random)};
+        const Vec3f force = gimbal_force(wrench, origin, contact, contact + arm);
+        const Vec3f wanted = wrench.torque + Vec3f(origin - contact).cross(wrench.force);
+        const Vec3f along = arm.normalized();
+        const Vec3f square = wanted - along.dot(wanted) * along;
+        // Products of floats of about 1 N, 0.3 N m and 0.1 m: some 1e-7 each, a dozen of them.
+        EXPECT_LT((arm.cross(force) - square).norm(), 2e-6f * (1.0f + wanted.norm()));
+        EXPECT_NEAR(force.dot(along), wrench.force.dot(along), 1e-5f) << "along the arm nothing is added";
+    }
+}
+
+TEST(GimbalForce, APureForceThroughTheGimbalStaysWhatItIs) {
+    const Wrench wrench{{1, 2, 3}, Vec3f::Zero()};
+    const Vec3f gimbal(0.1f, 0.2f, 0.3f);
+    EXPECT_LT((gimbal_force(wrench, gimbal, {0, 0, 0}, gimbal) - wrench.force).norm(), 1e-6f);
+}
+
+TEST(GimbalForce, AShortArmBoundsIt) {
+    const Wrench wrench{Vec3f::Zero(), {0.3f, 0, 0}};
+    for (const float arm : {0.0f, 1e-6f, 1e-3f, 0.02f, 0.1f}) {
+        EXPECT_LE(gimbal_force(wrench, Vec3f::Zero(), Vec3f::Zero(), {0, arm, 0}).norm(),
+                  0.3f / 0.02f * 1.001f);
+    }
+}
+
+}  // namespace
+}  // namespace eti::devices

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+//
+// The window under a virtual display, moved by the events of a real X server.
+#include "devices/sensor/mouse.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <string>
+
+#include "vendor_fixture.hpp"
+
+namespace eti::devices {
+namespace {
+
+/// An X server without a screen, on a display number of its own choice.
+class VirtualDisplay {
+  public:
+    VirtualDisplay() {
+        std::array<int, 2> ends{};
+        if (::pipe(ends.data()) != 0) {
+            return;
+        }
+        process_ = ::fork();
+        if (process_ == 0) {
+            ::close(ends[0]);
+            const std::string number = std::to_string(ends[1]);
+            ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
+            ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24", "-nolisten",
+                     "tcp", nullptr);
+            ::_exit(127);
+        }
+        ::close(ends[1]);
+        std::string display;
+        for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\n';) {
+            display += c;
+        }
+        ::close(ends[0]);
+        ready = !display.empty();
+        ::setenv("DISPLAY", (":" + display).c_str(), 1);
+    }
+    ~VirtualDisplay() {
+        ::kill(process_, SIGTERM);
+        ::waitpid(process_, nullptr, 0);
+        ::unsetenv("DISPLAY");
+    }
+    VirtualDisplay(const VirtualDisplay&) = delete;
+    VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+    bool ready = false;
+
+  private:
+    pid_t process_ = -1;
+};
+
+bool xdotool(const std::string& what) {
+    return std::system(("xdotool " + what + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+class MouseDriver : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        if (!display_.ready || !xdotool("version")) {
+            GTEST_SKIP() << "needs Xvfb and xdotool";
+        }
+        device_ = open_mouse({});
+        loop_ = std::make_unique<Loop>(*device_);
+        loop_->run_for(200ms);
+        ASSERT_TRUE(xdotool("mousemove 200 150"));
+        loop_->run_for(200ms);
+    }
+    void TearDown() override {
+        loop_.reset();
+        device_.reset();
+    }
+    [[nodiscard]] Vec3f way() const {
+        return loop_->reading.motion.pose.translation - parked_pose(Tool::laryngoscope).translation;
+    }
+
+    VirtualDisplay display_;
+    std::unique_ptr<Sensor> device_;
+    std::unique_ptr<Loop> loop_;
+};
+
+// 50 pixels to the right are 10 mm to the operator's right, the patient's right; up is anterior.
+TEST_F(MouseDriver, DraggingMovesAndTurns) {
+    EXPECT_TRUE(loop_->reading.present);
+    EXPECT_LT(way().norm(), 1e-6f) << "moving the mouse alone moves nothing";
+    ASSERT_TRUE(xdotool("mousedown 1 mousemove 250 120"));
+    EXPECT_TRUE(loop_->until([&] { return (way() - Vec3f(-0.010f, -0.006f, 0)).norm() < 1e-5f; }, 3s))
+        << way();
+    ASSERT_TRUE(xdotool("mouseup 1 mousedown 3 mousemove 300 120"));
+    EXPECT_TRUE(loop_->until(
+        [&] {
+            return (rotation_vector(loop_->reading.motion.pose.rotation) - Vec3f(0, -0.1745f, 0)).norm() <
+                   1e-3f;
+        },
+        3s));
+    ASSERT_TRUE(xdotool("mouseup 3 click 4"));
+    EXPECT_TRUE(loop_->until([&] { return way().z() < -1.9e-3f; }, 3s))
+        << "a notch forward, towards the feet";
+}
+
+TEST_F(MouseDriver, KeysMoveAndSpaceIsSuction) {
+    ASSERT_TRUE(xdotool("keydown d keydown space"));
+    EXPECT_TRUE(loop_->until([&] { return way().x() < -3e-3f && loop_->reading.buttons == 1u; }, 3s))
+        << way();
+    ASSERT_TRUE(xdotool("keyup d keyup space"));
+    EXPECT_TRUE(loop_->until([&] { return loop_->reading.buttons == 0u; }, 3s));
+    const Vec3f stopped = way();
+    loop_->run_for(200ms);
+    EXPECT_LT((way() - stopped).norm(), 1e-3f);
+}
+
+TEST(Mouse, WithoutADisplayItSaysWhatToDo) {
+    ::unsetenv("DISPLAY");
+    ::unsetenv("WAYLAND_DISPLAY");
+    try {
+        (void)open_mouse({});
+        FAIL() << "opened";
+    } catch (const DeviceError& error) {
+        EXPECT_NE(std::string(error.what()).find("DISPLAY"), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace eti::devices

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "devices/sensor/openhaptics.hpp"
+
+#include <gmock/gmock.h>
+
+#include "devices/sensor/device_error.hpp"
+#include "tests/unit/devices/sensor/stand_in/openhaptics.hpp"
+#include "vendor_fixture.hpp"
+
+namespace eti::devices {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string refusal(const SensorSetup& setup) {
+    try {
+        (void)open_openhaptics(setup);
+    } catch (const DeviceError& error) {
+        return error.what();
+    }
+    return "opened";
+}
+
+/// The cycle that a haptic loop would run: exchange through a watch, in whatever thread calls.
+class Cycle final : public ServoCycle {
+  public:
+    explicit Cycle(Sensor& device) : watch(device) {}
+    void servo_cycle() noexcept override {
+        const Wrench wrench{{pull.load(), 0.0f, 0.0f}, Vec3f::Zero()};
+        const Reading reading = watch.exchange(wrench, 1e-3f);
+        present = reading.present;
+        x = reading.motion.pose.translation.x();
+        y = reading.motion.pose.translation.y();
+        finite = finite && reading.motion.pose.translation.allFinite();
+        buttons = reading.buttons;
+        thread = std::this_thread::get_id();
+        ++cycles;
+    }
+    SensorWatch watch;
+    std::atomic<float> pull{0.0f}, x{0.0f}, y{0.0f};
+    std::atomic<bool> present{false}, finite{true};
+    std::atomic<std::uint32_t> buttons{0};
+    std::atomic<std::thread::id> thread;
+    std::atomic<int> cycles{0};
+};
+
+class OpenHapticsDriver : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        state_.plugged = state_.servo_calls = true;
+        state_.servo_period_us = 1000;
+        state_.not_finite = state_.left_handed = false;
+        state_.shift_mm = 0.0;
+        setup_.library = STAND_IN_OPENHAPTICS;
+        device_ = open_openhaptics(setup_);
+        cycle_ = std::make_unique<Cycle>(*device_);
+        ASSERT_TRUE(device_->start_servo(*cycle_));
+        ASSERT_TRUE(eventually([&] { return cycle_->present.load(); }));
+    }
+    void TearDown() override { device_->stop_servo(); }
+
+    bool tended_until(auto condition) {
+        return eventually([&] {
+            device_->tend();
+            return condition();
+        });
+    }
+
+    stand_in::OpenHapticsState& state_ =
+        stand_in_state<stand_in::OpenHapticsState>(STAND_IN_OPENHAPTICS, "stand_in_openhaptics");
+    SensorSetup setup_;
+    std::unique_ptr<Sensor> device_;
+    std::unique_ptr<Cycle> cycle_;
+};
+
+TEST_F(OpenHapticsDriver, RunsTheCycleInTheVendorsThreadAndReadsInMetres) {
+    EXPECT_NE(cycle_->thread.load(), std::this_thread::get_id());
+    EXPECT_NEAR(cycle_->x, 0.01f, 1e-3f);
+    EXPECT_NEAR(cycle_->y, 0.02f, 1e-3f);
+    EXPECT_FLOAT_EQ(device_->abilities().force, 3.3f);
+    EXPECT_EQ(device_->abilities().torque, 0.0f) << "a device of three motors";
+    state_.buttons = 2;
+    EXPECT_TRUE(eventually([&] { return cycle_->buttons == 2u; }));
+    state_.buttons = 0;
+}
+
+TEST_F(OpenHapticsDriver, AForceMovesTheHandThatHoldsIt) {
+    cycle_->pull = 2.0f;
+    EXPECT_TRUE(eventually([&] { return state_.force[0] == 2.0; }));
+    // 2 N against 900 N/m: 2.2 mm.
+    EXPECT_TRUE(eventually([&] { return cycle_->x > 0.0119f && cycle_->x < 0.0125f; })) << cycle_->x;
+}
+
+TEST_F(OpenHapticsDriver, UnpluggedItIsLostAndComesBackByItself) {
+    const int opened = state_.opened;
+    state_.plugged = false;
+    ASSERT_TRUE(tended_until([&] { return cycle_->watch.health().lost && !device_->fault().empty(); }));
+    EXPECT_FALSE(cycle_->present);
+    EXPECT_THAT(device_->fault(), AllOf(HasSubstr("communication error"), HasSubstr("cable")));
+    state_.plugged = true;
+    ASSERT_TRUE(tended_until([&] { return cycle_->present.load(); }));
+    EXPECT_GT(state_.opened, opened);
+    EXPECT_EQ(device_->fault(), "");
+    EXPECT_TRUE(state_.forces_on) << "motors are switched on again";
+}
+
+TEST_F(OpenHapticsDriver, AServoThreadThatStopsCallingIsNoticed) {
+    state_.servo_calls = false;
+    ASSERT_TRUE(tended_until([&] { return !device_->fault().empty() || state_.opened > 1; }));
+    state_.servo_calls = true;
+    const int before = cycle_->cycles;
+    EXPECT_TRUE(tended_until([&] { return cycle_->cycles > before + 10; }));
+}
+
+TEST_F(OpenHapticsDriver, AbsurdPosesAreNotPassedOn) {
+    state_.shift_mm = 1000.0;
+    std::this_thread::sleep_for(50ms);
+    EXPECT_LT(cycle_->x, 0.1f);
+    state_.shift_mm = 0.0;
+    ASSERT_TRUE(eventually([&] { return cycle_->present.load(); }));
+    for (std::atomic<bool>* wrong : {&state_.not_finite, &state_.left_handed}) {
+        const auto before = cycle_->watch.health().not_finite;
+        *wrong = true;
+        EXPECT_TRUE(eventually([&] { return !cycle_->present; }));
+        EXPECT_GT(cycle_->watch.health().not_finite, before);
+        *wrong = false;
+        EXPECT_TRUE(eventually([&] { return cycle_->present.load(); }));
+    }
+    EXPECT_TRUE(cycle_->finite);
+    EXPECT_GT(cycle_->watch.health().jumps, 0u);
+}
+
+TEST(OpenHapticsLibrary, AbsentTheErrorNamesWhatToInstall) {
+    SensorSetup setup;
+    setup.library = "/nowhere/libHD.so";
+    EXPECT_THAT(refusal(setup), AllOf(HasSubstr("/nowhere/libHD.so"), HasSubstr("Install OpenHaptics")));
+    setup.library.clear();
+    EXPECT_THAT(refusal(setup), HasSubstr("Install OpenHaptics"));
+}
+
+TEST(OpenHapticsLibrary, AnotherLibraryIsRefusedByName) {
+    SensorSetup setup;
+    setup.library = STAND_IN_TRAKSTAR;
+    EXPECT_THAT(refusal(setup), AllOf(HasSubstr("hdInitDevice"), HasSubstr("another library")));
+}
+
+TEST(OpenHapticsLibrary, ADeviceThatDoesNotAnswerIsRefusedWithTheVendorsWords) {
+    SensorSetup setup;
+    setup.library = STAND_IN_OPENHAPTICS;
+    setup.source = "nobody";
+    EXPECT_THAT(refusal(setup), AllOf(HasSubstr("'nobody'"), HasSubstr("communication error")));
+}
+
+}  // namespace
+}  // namespace eti::devices

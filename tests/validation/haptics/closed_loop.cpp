@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/validation/haptics/closed_loop.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "common/math/random.hpp"
+#include "devices/haptics/haptic_loop.hpp"
+#include "server/rigid/rigid_layer.hpp"
+
+namespace eti::validation {
+
+namespace {
+
+using devices::SceneState;
+using devices::TripleBuffer;
+
+constexpr std::int64_t ms = 1'000'000;
+constexpr std::int64_t step_ns = 1'000'000'000 / 180;
+constexpr std::int64_t origin_ns = 1'000 * ms;  // a clock never shows 0: nothing arrived then
+constexpr float above = 5e-3f, pressed = -4e-3f, deeper = -6e-3f;  // [m], of the blade's underside
+constexpr float approach = 0.05f;                                  // [m/s]
+constexpr int bumped_at = 2000, held_from = 3000, deeper_at = 4000, cycles = 6200;
+
+/// A message on its way.
+template <class Message>
+struct Line {
+    struct Sent {
+        std::int64_t arrives;
+        Message message;
+    };
+    std::deque<Sent> on_the_way;
+
+    void send(const Message& message, std::int64_t now, const Channel& channel, Random& random) {
+        if (static_cast<double>(random.uniform()) < channel.loss) {
+            return;
+        }
+        const double late = 0.5 * channel.delay + channel.jitter * static_cast<double>(random.uniform());
+        on_the_way.push_back({now + static_cast<std::int64_t>(1e9 * late), message});
+    }
+    /// The newest that has arrived; one that was overtaken is dropped, as readers keep the last.
+    bool receive(std::int64_t now, Message& message) {
+        bool any = false;
+        std::int64_t newest = 0;
+        std::erase_if(on_the_way, [&](const Sent& sent) {
+            if (sent.arrives > now) {
+                return false;
+            }
+            if (sent.arrives >= newest) {
+                newest = sent.arrives;
+                message = sent.message;
+                any = true;
+            }
+            return true;
+        });
+        return any;
+    }
+};
+
+/// A device in a hand that follows the plan of the case.
+class PlannedHand final : public devices::Sensor {
+  public:
+    PlannedHand(const Grip& grip, float surface)
+        : surface_(surface), hand_(settings_of(grip), pose_at(above)) {}
+
+    devices::Reading exchange(const Wrench& wrench, float elapsed) override {
+        if (elapsed > 0.0f) {
+            hand_.step(pose_at(wanted_), wrench, elapsed);
+        }
+        devices::Reading reading;
+        reading.motion = hand_.motion();
+        reading.motion.pose = hand_.reported();
+        reading.sample = ++sample_;
+        return reading;
+    }
+
+    void want(int cycle) {
+        const float way = std::max(pressed, above - approach * 1e-3f * static_cast<float>(cycle));
+        wanted_ = cycle >= deeper_at ? deeper : way;
+        if (cycle >= bumped_at && cycle < bumped_at + 20) {
+            wanted_ += 1e-3f;
+        }
+    }
+    /// Of the blade's underside above the surface [m].
+    [[nodiscard]] float height() const { return hand_.motion().pose.translation.y() - surface_; }
+
+  private:
+    static HandSettings settings_of(const Grip& grip) {
+        HandSettings settings;
+        settings.hand_stiffness = grip.stiffness;
+        settings.hand_damping = grip.damping;
+        return settings;
+    }
+    [[nodiscard]] RigidTransform pose_at(float height) const {
+        return {Quatf::Identity(), {0.0f, surface_ + height, 0.0f}};
+    }
+
+    float surface_;
+    float wanted_ = above;
+    HandDevice hand_;
+    std::uint64_t sample_ = 0;
+};
+
+TriangleMesh floor_mesh() {
+    TriangleMesh mesh;
+    constexpr int n = 4;
+    constexpr float cell = 0.1f;
+    for (int j = 0; j <= n; ++j) {
+        for (int i = 0; i <= n; ++i) {
+            mesh.vertices.push_back(
+                {cell * static_cast<float>(i) - 0.2f, 0.0f, cell * static_cast<float>(j) - 0.15f});
+        }
+    }
+    const auto at = [](int i, int j) { return static_cast<std::uint32_t>(j * (n + 1) + i); };
+    for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {
+            mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i + 1, j)});
+            mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
+        }
+    }
+    return mesh;
+}
+
+/// The server: the rigid layer, and particles on springs where there is tissue.
+class Server {
+  public:
+    Server(const LoopCase& loop, const Laryngoscope& scope, const RigidTransform& start)
+        : scope_(scope),
+          soft_(loop.medium == Medium::tissue),
+          shell_(soft_ ? TriangleMesh{} : floor_mesh()),
+          layer_(scope, shell_, std::vector<Tissue>(shell_.triangles.size(), Tissue::upper_gum)) {
+        layer_.reset(start);
+        device_ = start;
+        // So many springs that the half-space has the tongue's stiffness in the displacement law's table.
+        per_particle_ = devices::tissue_stiffness()[static_cast<std::size_t>(Tissue::tongue)] /
+                        static_cast<float>(rows * columns);
+    }
+
+    void hear(const RigidTransform& device) { device_ = device; }
+
+    void step(SceneState& out) {
+        const rigid::ProxyResult& result = layer_.step(device_, 1.0f / 180.0f);
+        out.proxy.proxy = {result.pose, result.velocity, result.angular_velocity};
+        out.proxy.device = device_;
+        out.proxy.contacts = std::min(result.contacts.size(), devices::ProxyReport::most_contacts);
+        for (std::size_t i = 0; i < out.proxy.contacts; ++i) {
+            out.proxy.normals[i] = result.contacts[i].normal;
+        }
+        out.blade = scope_.capsules;
+        out.tissue.count = 0;
+        out.tissue.wrench = {};
+        out.tissue.proxy = result.pose;
+        if (soft_) {
+            press(result.pose, out.tissue);
+        }
+    }
+
+  private:
+    static constexpr int rows = 8,
+                         columns = 3;  // of particles under the blade, few enough that all touch at once
+
+    /// A lattice of particles under the proximal blade, each on a vertical spring.
+    void press(const RigidTransform& pose, devices::TissueReport& report) const {
+        const Capsule& blade = scope_.capsules[1];
+        for (int row = 0; row < rows; ++row) {
+            for (int column = 0; column < columns; ++column) {
+                const float x = 0.5e-3f * static_cast<float>(column - 1);
+                const float z = 5e-3f * static_cast<float>(row + 1);
+                const float underside = pose.translation.y() - std::sqrt(blade.radius * blade.radius - x * x);
+                if (underside >= 0.0f) {
+                    continue;
+                }
+                devices::TissuePoint& point = report.points[report.count++];
+                point = {{x, underside, z},
+                         {x, 0.0f, z},
+                         0.5e-3f,
+                         Tissue::tongue,
+                         {0.0f, -per_particle_ * underside, 0.0f}};
+                report.wrench.force += point.force;
+                report.wrench.torque += (point.position - pose.translation).cross(point.force);
+            }
+        }
+    }
+
+    Laryngoscope scope_;
+    bool soft_;
+    TriangleMesh shell_;
+    rigid::RigidLayer layer_;
+    RigidTransform device_;
+    float per_particle_ = 0.0f;  // [N/m]
+};
+
+devices::RenderSettings settings_of(const LoopCase& loop) {
+    devices::RenderSettings settings;
+    settings.soft_force = loop.law;
+    settings.passivity.on = loop.passivity;
+    if (loop.medium == Medium::wall) {
+        settings.coupling.stiffness = loop.stiffness;
+    } else {
+        settings.coupling.tissue_gain =
+            loop.stiffness / devices::tissue_stiffness()[static_cast<std::size_t>(Tissue::tongue)];
+    }
+    return settings;
+}
+
+}  // namespace
+
+LoopOutcome run_loop(const LoopCase& loop) {
+    const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
+    const float surface = scope.capsules[1].radius;
+    Random random(loop.seed);
+    PlannedHand hand(loop.grip, surface);
+    auto newest = std::make_unique<TripleBuffer<SceneState>>();
+    devices::HapticCycle cycle(hand, *newest, settings_of(loop));
+    Server server(loop, scope, {Quatf::Identity(), {0.0f, surface + above, 0.0f}});
+    Line<RigidTransform> up;
+    Line<SceneState> down;
+
+    LoopOutcome out;
+    std::int64_t next_step = origin_ns;
+    SceneState state, arrived;
+    constexpr int windows = 5, window = (deeper_at - held_from) / windows;
+    std::array<double, windows> low{}, high{};
+    low.fill(1.0);
+    high.fill(-1.0);
+    double crossed = -1.0;
+    double force[2] = {0.0, 0.0}, depth[2] = {0.0, 0.0};
+    for (int i = 0; i < cycles; ++i) {
+        const std::int64_t now = origin_ns + i * ms;
+        // Forces engage while the hand waits above the surface.
+        hand.want(std::max(0, i - 700));
+        if (next_step <= now) {
+            next_step += step_ns;
+            RigidTransform device;
+            if (up.receive(now, device)) {
+                server.hear(device);
+            }
+            server.step(state);
+            down.send(state, now, loop.channel, random);
+        }
+        if (down.receive(now, arrived)) {
+            arrived.proxy_arrived = arrived.tissue_arrived = now;
+            newest->write(arrived);
+        }
+        if (const auto pose = cycle.run(now)) {
+            up.send(pose->pose, now, loop.channel, random);
+        }
+        const auto height = static_cast<double>(hand.height());
+        const auto given = static_cast<double>(cycle.wrench().force.y());
+        out.most_force = std::max(out.most_force, cycle.wrench().force.norm());
+        if (crossed < 0.0 && height <= 0.0) {
+            crossed = i;
+        }
+        if (crossed >= 0.0 && out.onset == 0.0 && given > 0.05) {
+            out.onset = 1e-3 * (i - crossed);
+        }
+        if (i >= held_from + 700 && i < deeper_at + 700) {
+            const auto w = static_cast<std::size_t>((i - held_from - 700) / window);
+            low[w] = std::min(low[w], height);
+            high[w] = std::max(high[w], height);
+            force[0] += given;
+            depth[0] -= height;
+        }
+        if (i >= cycles - 300) {
+            force[1] += given;
+            depth[1] -= height;
+        }
+    }
+    out.excursion = 1.0;
+    for (std::size_t w = 0; w < low.size(); ++w) {
+        out.excursion = std::min(out.excursion, high[w] - low[w]);
+        out.dip = std::max(out.dip, high[w] - low[w]);
+    }
+    const double counts[2] = {1000.0, 300.0};
+    out.rendered =
+        (force[1] / counts[1] - force[0] / counts[0]) / (depth[1] / counts[1] - depth[0] / counts[0]);
+    out.energy_lowest = cycle.renderer().passivity().lowest();
+    out.dissipated = cycle.renderer().passivity().dissipated();
+    return out;
+}
+
+double largest_stable_stiffness(LoopCase loop) {
+    constexpr double lowest = 50.0, highest = 20'000.0, precision = 1.15;
+    const auto stable = [&](double stiffness) {
+        loop.stiffness = static_cast<float>(stiffness);
+        return run_loop(loop).excursion <= most_excursion;
+    };
+    if (!stable(lowest)) {
+        return 0.0;
+    }
+    double good = lowest, bad = highest;
+    if (stable(highest)) {
+        return highest;
+    }
+    while (bad / good > precision) {
+        const double middle = std::sqrt(good * bad);
+        (stable(middle) ? good : bad) = middle;
+    }
+    return good;
+}
+
+}  // namespace eti::validation

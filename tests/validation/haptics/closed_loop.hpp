@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "common/operator/hand.hpp"
+#include "devices/haptics/force_renderer.hpp"
+
+namespace eti::validation {
+
+/// What the hand presses the blade on.
+enum class Medium : std::uint8_t {
+    wall,    ///< the server's shell; what is set is the coupling's stiffness
+    tissue,  ///< an elastic half-space of the server; what is set is its stiffness as rendered
+};
+
+/// The way between device and server; half of the delay each way.
+struct Channel {
+    double delay = 0.0;   ///< [s], there and back
+    double jitter = 0.0;  ///< [s], most that a message is later than its delay, each way, evenly distributed
+    double loss = 0.0;    ///< share of messages, each way
+};
+
+struct Grip {
+    std::string_view name;
+    float stiffness, damping;  ///< [N/m], [N s/m]
+};
+inline constexpr Grip firm{"firm grip", 900.0f, 18.0f};  ///< as in HandSettings
+inline constexpr Grip light{"light grip", 150.0f, 3.0f};
+
+struct LoopCase {
+    Medium medium = Medium::wall;
+    devices::SoftForce law = devices::SoftForce::constraint;
+    float stiffness = CouplingSettings{}.stiffness;  ///< [N/m]
+    bool passivity = true;
+    Channel channel;
+    Grip grip = firm;
+    std::uint64_t seed = 1;
+};
+
+struct LoopOutcome {
+    /// [m], peak to peak of the device, pressed and held still for a second: the least of five windows, for
+    /// a limit cycle goes on and on.
+    double excursion = 0.0;
+    double dip = 0.0;       ///< [m], the most of those windows: where messages are missing, the force lets go
+    double rendered = 0.0;  ///< [N/m], force over depth between two depths held still
+    double onset = 0.0;     ///< [s], from the blade's reaching the surface to a force of 0.05 N
+    double energy_lowest = 0.0;  ///< [J], the observer's
+    double dissipated = 0.0;     ///< [J], by the controller
+    float most_force = 0.0f;     ///< [N]
+};
+
+/// Ten encoder steps of the simulated device: what a limit cycle exceeds, and a hand held still does not.
+inline constexpr double most_excursion = 0.3e-3;
+
+/// The haptic loop's own cycle with a simulated device in a hand, and the server's rigid layer or an
+/// elastic half-space at 180 Hz behind a channel with delay, jitter and loss; by a virtual clock, so that
+/// it is exact and repeatable. The hand goes from 5 mm above the surface to 4 mm below it at 50 mm/s, is
+/// bumped after two seconds, and holds still; then it goes 2 mm deeper, for the stiffness.
+[[nodiscard]] LoopOutcome run_loop(const LoopCase& loop);
+
+/// Largest stiffness [N/m] that shows no limit cycle, to 15 %, between 50 and 20,000 N/m; 0 if none does.
+[[nodiscard]] double largest_stable_stiffness(LoopCase loop);
+
+}  // namespace eti::validation

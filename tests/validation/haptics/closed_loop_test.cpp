@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/validation/haptics/closed_loop.hpp"
+
+#include <gtest/gtest.h>
+
+namespace eti::validation {
+namespace {
+
+using devices::SoftForce;
+
+/// What a default device renders: the coupling's stiffness on a wall, the tissue's own on tissue.
+LoopCase shipped(Medium medium, SoftForce law) {
+    LoopCase loop;
+    loop.medium = medium;
+    loop.law = law;
+    if (medium == Medium::tissue) {
+        loop.stiffness = devices::tissue_stiffness()[static_cast<std::size_t>(Tissue::tongue)];
+    }
+    return loop;
+}
+
+constexpr std::pair<Medium, SoftForce> surfaces[] = {{Medium::wall, SoftForce::constraint},
+                                                     {Medium::tissue, SoftForce::constraint},
+                                                     {Medium::tissue, SoftForce::displacement}};
+
+TEST(ClosedLoop, TheShippedDefaultsShowNoLimitCycleAtTenMillisecondsAndOnePercentLoss) {
+    for (const auto& [medium, law] : surfaces) {
+        for (const Grip& grip : {firm, light}) {
+            for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+                LoopCase loop = shipped(medium, law);
+                loop.grip = grip;
+                loop.channel = {.delay = 0.010, .jitter = 0.001, .loss = 0.01};
+                loop.seed = seed;
+                const LoopOutcome outcome = run_loop(loop);
+                EXPECT_LE(outcome.excursion, most_excursion)
+                    << grip.name << ", medium " << static_cast<int>(medium) << ", law "
+                    << static_cast<int>(law) << ", seed " << seed;
+                EXPECT_GT(outcome.most_force, 0.2f) << "nothing was felt";
+            }
+        }
+    }
+}
+
+// Twice the passive bound of Colgate & Schenkel for a light grip, 2 (b - B) / T = 4000 N/m, and late.
+TEST(ClosedLoop, AWallFarBeyondTheBoundShowsOneWithoutTheController) {
+    LoopCase loop;
+    loop.stiffness = 8000.0f;
+    loop.grip = light;
+    loop.passivity = false;
+    loop.channel = {.delay = 0.030, .jitter = 0.0, .loss = 0.0};
+    EXPECT_GT(run_loop(loop).excursion, most_excursion);
+}
+
+TEST(ClosedLoop, TheControllerNeverLowersTheStableStiffness) {
+    for (const auto& [medium, law] : surfaces) {
+        LoopCase loop = shipped(medium, law);
+        loop.grip = light;
+        loop.channel = {.delay = 0.020, .jitter = 0.002, .loss = 0.01};
+        loop.passivity = false;
+        const double without = largest_stable_stiffness(loop);
+        loop.passivity = true;
+        // Both are known to 15 %.
+        EXPECT_GT(largest_stable_stiffness(loop), without / 1.15) << static_cast<int>(medium);
+    }
+}
+
+// Two encoder steps over the 1 to 2 mm between the two depths: 5 %.
+TEST(ClosedLoop, RendersTheStiffnessThatIsSet) {
+    for (const auto& [medium, law] : surfaces) {
+        const LoopCase loop = shipped(medium, law);
+        EXPECT_NEAR(run_loop(loop).rendered, static_cast<double>(loop.stiffness),
+                    0.05 * static_cast<double>(loop.stiffness))
+            << static_cast<int>(medium) << static_cast<int>(law);
+    }
+}
+
+// On contact that the device knows already the force follows in the next cycle; a new contact has to be heard
+// of: half a round trip out, at most a step of the server, its step, half a round trip back.
+TEST(ClosedLoop, ANewContactIsFeltAfterTheRoundTripAndTwoSteps) {
+    for (const double delay : {0.0, 0.010, 0.020}) {
+        LoopCase loop;
+        loop.channel.delay = delay;
+        // 0.05 N at 800 N/m and 50 mm/s takes 1.3 ms more; cycles are whole milliseconds.
+        EXPECT_LE(run_loop(loop).onset, delay + 2.0 / 180.0 + 1.3e-3 + 2e-3);
+    }
+}
+
+}  // namespace
+}  // namespace eti::validation
