@@ -13,11 +13,8 @@
 namespace eti::anatomy {
 namespace {
 
-constexpr BuildSettings coarse{.spacing = 3.0e-3f,
-                               .fine_spacing = 1.5e-3f,
-                               .surface_spacing = 2.0e-3f,
-                               .body_triangles = 12000,
-                               .shell_triangles = 8000};
+constexpr BuildSettings coarse{
+    .spacing = 3.0e-3f, .fine_spacing = 1.5e-3f, .surface_spacing = 2.0e-3f, .body_triangles = 12000};
 
 const Patient& newborn() {
     static const Patient patient = build_patient(NewbornShape(), coarse);
