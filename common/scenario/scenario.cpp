@@ -110,6 +110,7 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
         }
+        p.self_contact = physics->flag("self_contact", p.self_contact);
         physics->finish();
     }
     if (auto view = root.map("view")) {

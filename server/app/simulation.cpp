@@ -62,6 +62,7 @@ Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient
              scene::Settings{.substeps = checked_substeps(scenario, patient),
                              .tissue_model = scenario.physics.tissue_model,
                              .rigid = {},
+                             .self_contact = scenario.physics.self_contact,
                              .saliva = scenario.saliva,
                              .seed = scenario.seed}),
       viewer_(patient, scope_),

@@ -11,7 +11,7 @@
 #include "common/math/random.hpp"
 #include "common/mesh/distance_grid.hpp"
 #include "server/pbd/contact.hpp"
-#include "server/pbd/fluid_grid.hpp"
+#include "server/pbd/cell_grid.hpp"
 #include "server/pbd/fluid_kernel.hpp"
 
 namespace eti::pbd {
@@ -166,7 +166,7 @@ class Fluid {
     FluidSettings settings_;
     FluidKernel kernel_;
     WallTable wall_table_;
-    FluidGrid grid_;
+    CellGrid grid_;
     Random random_;
     float volume_;           ///< [m^3]
     float mass_;             ///< [kg]

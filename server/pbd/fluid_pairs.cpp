@@ -53,16 +53,16 @@ struct Fluid::Candidates {
     alignas(32) Places chosen;
 
     /// Adds those of a run of particles that lie closer to a box than a distance.
-    void add(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run, const Box& box,
+    void add(const std::array<std::vector<float>, 3>& axis, CellGrid::Run run, const Box& box,
              float squared_distance);
-    void add_avx2(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run, const Box& box,
+    void add_avx2(const std::array<std::vector<float>, 3>& axis, CellGrid::Run run, const Box& box,
                   float squared_distance);
     /// Lists the candidates closer to a point than a distance; returns how many there are.
     [[nodiscard]] std::size_t choose(const Vec4f& at, float squared_distance);
     [[nodiscard]] std::size_t choose_avx2(const Vec4f& at, float squared_distance);
 };
 
-void Fluid::Candidates::add(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run, const Box& box,
+void Fluid::Candidates::add(const std::array<std::vector<float>, 3>& axis, CellGrid::Run run, const Box& box,
                             float squared_distance) {
     for (std::uint32_t j = run.first; j < run.second; ++j) {
         if (count == most) {
@@ -120,7 +120,7 @@ constexpr auto packing = [] {
 }  // namespace
 
 [[gnu::target("avx2,popcnt")]] void Fluid::Candidates::add_avx2(const std::array<std::vector<float>, 3>& axis,
-                                                                FluidGrid::Run run, const Box& box,
+                                                                CellGrid::Run run, const Box& box,
                                                                 float squared_distance) {
     const __m256 limit = _mm256_set1_ps(squared_distance);
     std::uint32_t j = run.first;
@@ -176,7 +176,7 @@ constexpr auto packing = [] {
     return n;
 }
 #else
-void Fluid::Candidates::add_avx2(const std::array<std::vector<float>, 3>& axis, FluidGrid::Run run,
+void Fluid::Candidates::add_avx2(const std::array<std::vector<float>, 3>& axis, CellGrid::Run run,
                                  const Box& box, float squared_distance) {
     add(axis, run, box, squared_distance);
 }
@@ -187,7 +187,7 @@ std::size_t Fluid::Candidates::choose_avx2(const Vec4f& at, float squared_distan
 
 void Fluid::gather(std::uint32_t cell, Candidates& candidates) {
     // Its own first, so that a crowd cannot displace them.
-    const FluidGrid::Run own = grid_.within(cell);
+    const CellGrid::Run own = grid_.within(cell);
     Candidates::Box box;
     box.low.fill(far_away);
     box.high.fill(-far_away);
@@ -201,7 +201,7 @@ void Fluid::gather(std::uint32_t cell, Candidates& candidates) {
     candidates.first = own.first;
     // A little more than the radius, for what rounding may make of it.
     const float within = 1.001f * kernel_.radius * kernel_.radius;
-    const auto add = [&](const FluidGrid::Run& run) {
+    const auto add = [&](const CellGrid::Run& run) {
         avx2_ ? candidates.add_avx2(axis_, run, box, within) : candidates.add(axis_, run, box, within);
     };
     add(own);

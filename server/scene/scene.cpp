@@ -13,6 +13,7 @@ namespace eti::scene {
 namespace {
 
 constexpr float tongue_friction = 0.2f;
+constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
 
 float approach(float from, float to, float most) {
     return from + std::clamp(to - from, -most, most);
@@ -52,6 +53,21 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
       blade_(scope, tissue_.surface_edges()),
       tube_(tube, scope, start.tube_grip) {
+    if (settings.self_contact) {
+        std::vector<std::uint32_t> surface;
+        for (const auto& ends : tissue_.surface_edges()) {
+            for (const std::uint32_t i : ends) {
+                if (tissue_.tissue_of(i) != Tissue::soft) {  // that the shell keeps out of the tongue's way
+                    surface.push_back(i);
+                }
+            }
+        }
+        std::ranges::sort(surface);
+        const auto repeated = std::ranges::unique(surface);
+        surface.erase(repeated.begin(), repeated.end());
+        self_contact_.emplace().configure(std::move(surface), patient.clusters.first, patient.clusters.member,
+                                          tissue_.body().particles);
+    }
     if (settings.saliva) {
         saliva_.emplace(patient, scope, 0.5f * tube.outer_diameter, settings.seed);
     }
@@ -126,6 +142,9 @@ void Scene::step(const Inputs& inputs) {
     if (saliva_) {
         saliva_->begin_step(about_saliva(blade_to, inputs.suction));
     }
+    if (self_contact_) {
+        self_contact_->find(body.particles, self_contact_margin);
+    }
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
     lap(Stage::reach);
@@ -136,6 +155,9 @@ void Scene::step(const Inputs& inputs) {
         tube_.predict(dt, end);
         lap(Stage::predict);
         body.project(dt);
+        if (self_contact_) {
+            self_contact_->project(body.particles);
+        }
         lap(Stage::tissue);
         blade_.project(body.particles, begin, end, dt);
         lap(Stage::blade);

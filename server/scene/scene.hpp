@@ -7,6 +7,7 @@
 
 #include "server/anatomy/patient.hpp"
 #include "server/anatomy/skeleton.hpp"
+#include "server/pbd/self_contact.hpp"
 #include "server/rigid/rigid_layer.hpp"
 #include "server/scene/blade.hpp"
 #include "server/scene/posed_shell.hpp"
@@ -35,8 +36,9 @@ struct Settings {
     TissueModel tissue_model = TissueModel::tetrahedra;
     float posture_rate = 0.17f;  ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     rigid::Settings rigid;
-    bool saliva = false;     ///< secretions in mouth and throat; without them they cost nothing
-    std::uint64_t seed = 1;  ///< of what the glands give
+    bool self_contact = false;  ///< tissue also meets tissue
+    bool saliva = false;        ///< secretions in mouth and throat; without them they cost nothing
+    std::uint64_t seed = 1;     ///< of what the glands give
 };
 
 /// Patient, laryngoscope, tube and saliva in one simulation: particles, rod and liquid from the particle
@@ -51,6 +53,10 @@ class Scene {
 
     /// State after the last step. Valid until the next.
     [[nodiscard]] const Snapshot& snapshot() const { return snapshot_; }
+
+    [[nodiscard]] const SoftTissue& tissue() const { return tissue_; }
+    /// The offset shell's distances in the current posture [m]; negative inside the tissue.
+    [[nodiscard]] const DistanceGrid& shell() const { return shell_.distance(); }
 
     /// Times the stages of every further step with `clock`, which has to outlive them; nullptr: none.
     void time_stages(StageClock* clock) { clock_ = clock; }
@@ -87,6 +93,7 @@ class Scene {
     rigid::RigidLayer rigid_;
     BladeContact blade_;
     TubeContact tube_;
+    std::optional<pbd::SelfContact> self_contact_;
     std::optional<Saliva> saliva_;
     std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's
     std::vector<std::uint32_t> meets_shell_;  // particles

@@ -33,13 +33,21 @@ class Charts(unittest.TestCase):
     def test_shipped_setting_lies_on_the_front(self):
         """Of the scene itself: force and shape of the patient's tongue under the blade, on the mesh that is shipped."""
         setting = plot.SHIPPED_TONGUE[SHIPPED]
-        for case in plot.TONGUE:
+        for case in plot.DECIDING:
             rows = [row for row in plot.read(CHARTS / "accuracy.csv")
                     if row["case"] == case and row["spacing"] == setting[0]]
             front = plot.pareto((row["cost"], row["error"]) for row in rows)
             shipped = [row for row in rows if row["method"] == SHIPPED and plot.setting(row) == setting]
             self.assertEqual(len(shipped), 1)
             self.assertIn((shipped[0]["cost"], shipped[0]["error"]), front, case)
+
+    def test_shipped_tongue_under_the_blade_is_nearer_to_finite_elements_than_clusters(self):
+        """At the best view: force, displacements and view. The bounds are what docs/solver.md says of them."""
+        error = {(row["case"], row["method"]): row["error"] for row in plot.read(CHARTS / "accuracy.csv")
+                 if plot.setting(row) == plot.SHIPPED_TONGUE[SHIPPED]}
+        for case, bound in (("lift-force", 0.27), ("lift-shape", 0.21), ("lift-view", 0.04)):
+            self.assertLess(error[case, SHIPPED], bound, case)
+            self.assertLess(error[case, SHIPPED], error[case, CLUSTERS], case)
 
     def test_shipped_setting_is_what_scenarios_default_to(self):
         header = (ROOT / "common/scenario/scenario.hpp").read_text()
@@ -105,13 +113,13 @@ class Charts(unittest.TestCase):
         self.assertEqual(found, 3)
 
     def test_calibration_on_the_tongue_gives_the_modulus_that_is_named(self):
-        """4 mm deep, on the spacings and substeps where it can be reached, within 4 %."""
+        """4 mm deep, from 8 substeps on, where at most two fifths of what can be reached are asked for: within 2 %."""
         with (CHARTS / "accuracy-forces.csv").open(newline="") as file:
             rows = [row for row in csv.DictReader(file) if row["case"] == "tongue" and row["method"] == CLUSTERS and
-                    row["depth_mm"] == "4" and (row["spacing_mm"], row["substeps"]) != ("2", "4")]
-        self.assertEqual(len(rows), 5)
+                    row["depth_mm"] == "4" and row["substeps"] != "4"]
+        self.assertEqual(len(rows), 4)
         for row in rows:
-            self.assertAlmostEqual(float(row["force_n"]) / float(row["reference_n"]), 1.0, delta=0.04, msg=row)
+            self.assertAlmostEqual(float(row["force_n"]) / float(row["reference_n"]), 1.0, delta=0.02, msg=row)
 
     def test_calibration_is_what_the_solver_uses(self):
         """The constants of server/pbd/cluster_calibration.cpp fit the published bars within 2 %."""
@@ -129,25 +137,32 @@ class Charts(unittest.TestCase):
             law = 1.0 / (1.0 / share + float(row["group"]) / limit)
             self.assertAlmostEqual(law / float(row["ratio"]), 1.0, delta=0.02, msg=row)
 
-    def test_every_model_intubated(self):
+    def sufficiency(self, scenario):
+        """Rows by variant, each with the scenario's own seed."""
         with (CHARTS / "sufficiency.csv").open(newline="") as table:
-            rows = list(csv.DictReader(table))
-        self.assertIn("default", [row["variant"] for row in rows])
-        for row in rows:
+            return {row["variant"]: row for row in reversed(list(csv.DictReader(table))) if row["scenario"] == scenario}
+
+    def test_every_model_of_term_intubated(self):
+        rows = self.sufficiency("term")
+        self.assertGreaterEqual(len(rows), 12)
+        for row in rows.values():
             self.assertEqual(row["success"], "1", row)
 
-    def sufficiency(self):
-        with (CHARTS / "sufficiency.csv").open(newline="") as table:
-            return {row["variant"]: row for row in reversed(list(csv.DictReader(table)))}   # each with the same seed
+    def test_every_kind_of_scenario_was_compared(self):
+        """The enhanced view changes nothing in the server."""
+        for file in (ROOT / "deploy/scenarios").glob("*.yaml"):
+            rows = self.sufficiency(file.stem.removesuffix("_enhanced"))
+            self.assertEqual(rows["default"]["success"], "1", file.name)
+            self.assertIn("richest", rows)
 
     def test_view_has_converged_in_substeps(self):
         """From the shipped substeps to twice as many, within 2 points. The forces have not, see docs/solver.md."""
-        rows = self.sufficiency()
+        rows = self.sufficiency("term")
         self.assertAlmostEqual(float(rows["default"]["glottic_opening_max_percent"]),
                                float(rows["substeps 16"]["glottic_opening_max_percent"]), delta=2.0)
 
     def test_shipped_tongue_pushes_back_more_as_the_richest_does_than_clusters_do(self):
-        force = {name: float(row["blade_force_max_n"]) for name, row in self.sufficiency().items()}
+        force = {name: float(row["blade_force_max_n"]) for name, row in self.sufficiency("term").items()}
         self.assertLess(abs(force["default"] - force["richest"]),
                         0.5 * abs(force["tongue of clusters"] - force["richest"]))
 

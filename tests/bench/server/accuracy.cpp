@@ -42,6 +42,8 @@ int accuracy(const AccuracyOptions& options) {
     spdlog::info("tube done");
     press_tongue(table, forces, options.quick);
     spdlog::info("tongue done");
+    lift_tongue(table, options.quick);
+    spdlog::info("lift done");
     pour_water(table, options.quick);
     spdlog::info("fluid done; solving the references of the blocks");
     const std::vector<Setting> all = settings(options.quick);

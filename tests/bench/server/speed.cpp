@@ -161,6 +161,9 @@ int speed(const SpeedOptions& options) {
         }
         measure_scaling(meter);
         measure_scene(meter);
+        if (!options.quick) {
+            measure_whole_scenes(meter);
+        }
     }
     if (options.json) {
         std::cout << as_json(results).dump(2) << std::endl;

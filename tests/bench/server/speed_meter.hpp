@@ -61,5 +61,7 @@ void measure_parts(SpeedMeter& meter);
 void measure_peers(SpeedMeter& meter);
 void measure_scaling(SpeedMeter& meter);
 void measure_scene(SpeedMeter& meter);
+/// Whole steps of a scenario with saliva, and of one as fine as is worth it. Takes minutes.
+void measure_whole_scenes(SpeedMeter& meter);
 
 }  // namespace eti::bench

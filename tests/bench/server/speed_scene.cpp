@@ -38,7 +38,31 @@ void stages(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs&
     }
 }
 
+/// A step of a whole scene at rest, of which the name says what it is.
+void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& name) {
+    const anatomy::Patient patient = app::patient_of(scenario);
+    const scene::Inputs inputs = app::parked(scenario);
+    app::Simulation simulation(scenario, patient, inputs);
+    for (int i = 0; i < scene::steps_per_second; ++i) {  // until what liquid there is has settled
+        simulation.scene().step(inputs);
+    }
+    const double whole = meter.fastest([&] { simulation.scene().step(inputs); });
+    meter.add(fmt::format("{}: {} particles of tissue, tools at rest, per step of 1/180 s", name,
+                          patient.particles.size()),
+              1e-6 * whole, "ms");
+}
+
 }  // namespace
+
+void measure_whole_scenes(SpeedMeter& meter) {
+    whole_step(meter, load_scenario(find_data_file("premature", "scenarios")), "scenario 'premature'");
+    Scenario fine = load_scenario(find_data_file("term", "scenarios"));
+    fine.physics.spacing = 1.5e-3f;
+    fine.physics.fine_spacing = 0.75e-3f;
+    fine.physics.region = 15e-3f;
+    fine.saliva = true;
+    whole_step(meter, fine, "scenario 'term' on 1.5 and 0.75 mm within 15 mm, with saliva");
+}
 
 void measure_scene(SpeedMeter& meter) {
     const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));

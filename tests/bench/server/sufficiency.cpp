@@ -53,6 +53,7 @@ std::vector<Variant> variants(const Scenario& scenario, bool quick) {
         with(fmt::format("fine spacing {} mm", mm), [&](Physics& p) { p.fine_spacing = 1e-3f * mm; });
     }
     with("tongue of clusters", [](Physics& p) { p.tissue_model = TissueModel::clusters; });
+    with("self-contact", [](Physics& p) { p.self_contact = true; });
     list.push_back({scenario.saliva ? "no saliva" : "saliva", shipped, !scenario.saliva});
     return list;
 }
@@ -89,7 +90,13 @@ int sufficiency(const SufficiencyOptions& options) {
                 Scenario scenario = shipped;
                 scenario.physics = all[k].physics;
                 scenario.saliva = all[k].saliva;
-                const Trial trial = perform(scenario, script, seed + static_cast<std::uint64_t>(s));
+                Trial trial;
+                try {
+                    trial = perform(scenario, script, seed + static_cast<std::uint64_t>(s));
+                } catch (const InputError& refusal) {
+                    spdlog::warn("'{}' is left out: {}", all[k].name, refusal.what());
+                    break;
+                }
                 write_row(table, shipped.name, all[k], seed + static_cast<std::uint64_t>(s), trial);
                 spdlog::info("{} {}/{} '{}': {}, view {:.0f} %, {:.1f} ms a step", shipped.name, k + 1,
                              all.size(), all[k].name, trial.reason, trial.glottic_opening_percent,

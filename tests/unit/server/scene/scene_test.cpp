@@ -28,7 +28,9 @@ class SceneTest : public ::testing::Test {
         tongue_ = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
     }
 
-    [[nodiscard]] Scene make() const { return {coarse_newborn(), scope_, Tube{}, away_, {}}; }
+    [[nodiscard]] Scene make(const Settings& settings = {}) const {
+        return {coarse_newborn(), scope_, Tube{}, away_, settings};
+    }
 
     /// The blade in the mouth, its tip over the tongue where that is highest, and `depth` [m] lower.
     [[nodiscard]] Inputs pressing(float depth) const {
@@ -63,6 +65,19 @@ TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
     }
     EXPECT_EQ(scene.snapshot().tissue_force, Vec3f(Vec3f::Zero()));
     EXPECT_EQ(scene.snapshot().shell_force, Vec3f(Vec3f::Zero()));
+}
+
+TEST_F(SceneTest, TissueThatMeetsTissueIsLeftAloneAtRestAndStillGivesWay) {
+    Scene scene = make({.rigid = {}, .self_contact = true});
+    for (int k = 0; k < 60; ++k) {
+        scene.step(away_);
+    }
+    const pbd::Particles& p = scene.tissue().body().particles;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        ASSERT_LT((p.position[i] - p.rest[i]).norm(), 2e-6f) << "particle " << i;
+    }
+    press(scene);
+    EXPECT_GT(scene.snapshot().tissue_force.z(), 0.01f);
 }
 
 TEST_F(SceneTest, TimeIsStepsOverTheRate) {
@@ -114,16 +129,18 @@ TEST_F(SceneTest, TheBladePressesTheTongueAndTheTonguePressesBack) {
 TEST_F(SceneTest, ASettledStepDoesNotAllocate) {
     // One thread: oneTBB's own tasks come from its pools, which grow with the threads it starts.
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-    Scene scene = make();
-    press(scene);
-    ASSERT_FALSE(scene.snapshot().tissue_contacts.empty());
-    const Inputs held = pressing(0.15e-3f * 39.0f);
-    scene.step(held);
-    const long before = test::allocations();
-    for (int k = 0; k < 20; ++k) {
+    for (const bool self_contact : {false, true}) {
+        Scene scene = make({.rigid = {}, .self_contact = self_contact});
+        press(scene);
+        ASSERT_FALSE(scene.snapshot().tissue_contacts.empty());
+        const Inputs held = pressing(0.15e-3f * 39.0f);
         scene.step(held);
+        const long before = test::allocations();
+        for (int k = 0; k < 20; ++k) {
+            scene.step(held);
+        }
+        EXPECT_EQ(test::allocations(), before) << self_contact;
     }
-    EXPECT_EQ(test::allocations(), before);
 }
 
 TEST_F(SceneTest, PostureIsApproachedAtANursesPace) {

@@ -14,12 +14,12 @@ namespace eti::pbd {
 
 /// Sorts points into cubic cells, so that the points near another lie in nine runs of the sorted order.
 /// Cells are counted only within the points' bounding box. Nothing allocates after construction.
-class FluidGrid {
+class CellGrid {
   public:
     using Run = std::pair<std::uint32_t, std::uint32_t>;  ///< first and one past the last place
 
     /// Throws std::invalid_argument if the domain is empty or has more cells than memory is worth.
-    FluidGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size_t capacity);
+    CellGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size_t capacity);
 
     /// Counting sort, stable; cells in the order z, y, x whatever the bounding box. Points are to lie within
     /// the domain. Afterwards order()[place] is the point that belongs there.
@@ -35,6 +35,8 @@ class FluidGrid {
     /// Of the cells that hold points [m].
     [[nodiscard]] const Vec3f& middle() const { return middle_; }
 
+    /// Corner of the domain [m].
+    [[nodiscard]] const Vec3f& lower() const { return lower_; }
     [[nodiscard]] bool contains(const Vec3f& point) const {
         return (point.array() >= lower_.array()).all() && (point.array() < upper_.array()).all();
     }

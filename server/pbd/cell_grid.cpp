@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/pbd/fluid_grid.hpp"
+#include "server/pbd/cell_grid.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -8,24 +8,24 @@
 
 namespace eti::pbd {
 
-FluidGrid::FluidGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size_t capacity)
+CellGrid::CellGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size_t capacity)
     : lower_(lower), upper_(upper), inverse_cell_(1.0f / cell) {
     constexpr double most = 64e6;  // 256 MB
     const Eigen::Array3d cells = ((upper - lower).cast<double>() / cell).array().floor() + 3.0;
     if (!(cells.minCoeff() >= 3.0) || !(cells.prod() < most)) {
-        throw std::invalid_argument("fluid domain of " + std::to_string(upper.x() - lower.x()) + " x " +
+        throw std::invalid_argument("domain of " + std::to_string(upper.x() - lower.x()) + " x " +
                                     std::to_string(upper.y() - lower.y()) + " x " +
                                     std::to_string(upper.z() - lower.z()) + " m in cells of " +
                                     std::to_string(cell) +
                                     " m: at most 64 million cells and a positive "
-                                    "extent are expected; shrink the domain or use larger particles");
+                                    "extent are expected; shrink the domain or use larger cells");
     }
     start_.resize(static_cast<std::size_t>(cells.prod()) + 1, 0);
     cell_.resize(capacity, 0);
     order_.resize(capacity, 0);
 }
 
-void FluidGrid::sort(std::span<const Vec3f> points) {
+void CellGrid::sort(std::span<const Vec3f> points) {
     count_ = points.size();
     Eigen::Vector3i low = Eigen::Vector3i::Constant(1 << 30);
     Eigen::Vector3i high = Eigen::Vector3i::Zero();
@@ -60,7 +60,7 @@ void FluidGrid::sort(std::span<const Vec3f> points) {
     }
 }
 
-std::array<FluidGrid::Run, 9> FluidGrid::neighbours(std::uint32_t cell) const {
+std::array<CellGrid::Run, 9> CellGrid::neighbours(std::uint32_t cell) const {
     std::array<Run, 9> runs;
     std::size_t k = 0;
     for (std::uint32_t z = 0; z < 3; ++z) {
