@@ -60,8 +60,43 @@ class Charts(unittest.TestCase):
         cases = {row["case"] for row in plot.read(CHARTS / "accuracy.csv")}
         self.assertEqual(cases, set(plot.TITLES))
         for name in [f"accuracy-{case}" for case in cases | {"all", "forces"}] + ["calibration"] + \
+                [f"haptics-{name}" for name in plot.HAPTICS] + \
                 [f"stability-{figure}" for figure in {row["figure"] for row in plot.read_maps(CHARTS / "stability.csv")}]:
             self.assertTrue((CHARTS / f"{name}.svg").exists(), name)
+
+    def test_shipped_stiffness_is_stable_at_ten_milliseconds_and_one_percent_loss(self):
+        """Of wall and tissue, in either grip, with room to spare, and further than the bound for a late force."""
+        rows = [row for row in plot.rows_of(CHARTS / "haptics-stability.csv")
+                if (row["delay_ms"], row["loss_percent"], row["passivity"]) == ("10", "1", "1")]
+        self.assertEqual(len(rows), 6)
+        for row in rows:
+            shipped = 800 if row["surface"] == "wall" else 160
+            self.assertGreater(float(row["stable_n_per_m"]), 2 * shipped, row)
+            self.assertGreater(float(row["stable_n_per_m"]), float(row["delayed_bound_n_per_m"]), row)
+
+    def test_force_law_shipped_is_nearer_to_finite_elements(self):
+        errors = {}
+        for row in plot.rows_of(CHARTS / "haptics-laws.csv"):
+            error = abs(float(row["force_n"]) / float(row["reference_n"]) - 1)
+            errors[row["law"]] = max(errors.get(row["law"], 0), error)
+        self.assertLess(errors["constraint"], 0.15)
+        self.assertGreater(errors["displacement"], errors["constraint"])
+
+    def test_haptics_tables_are_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for table in ("rendered", "laws"):
+                done = subprocess.run([BENCH, "haptics", "--quick", "--only", table, "--out", folder],
+                                      stderr=subprocess.PIPE, text=True)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            for row in plot.rows_of(Path(folder) / "haptics-rendered.csv"):
+                self.assertAlmostEqual(float(row["rendered_n_per_m"]) / float(row["set_n_per_m"]), 1, delta=0.1, msg=row)
+
+    def test_launcher_knows_its_commands(self):
+        done = subprocess.run([BENCH, "--help"], stdout=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 0)
+        for command in ("speed", "accuracy", "calibration", "stability", "sufficiency", "haptics"):
+            self.assertIn(command, done.stdout)
+        self.assertEqual(subprocess.run([BENCH, "nothing"], stderr=subprocess.DEVNULL).returncode, 2)
 
     def test_every_method_is_in_the_chart(self):
         methods = {row["method"] for row in plot.read(CHARTS / "accuracy.csv")}

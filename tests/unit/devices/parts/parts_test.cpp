@@ -39,7 +39,8 @@ TEST_P(Laryngoscopes, AreClosedAndAsLongAsTheModel) {
     // Where the surface is taken from a grid, and simplified by a tenth of its spacing: within the spacing.
     EXPECT_NEAR(extent(mesh, 2).second, scope.blade_length, settings.spacing);
     // The bore takes the round end's pole away and leaves its rim.
-    const float bore = 0.5f * settings.stylus_diameter + settings.clearance, radius = scope.capsules[0].radius;
+    const float bore = 0.5f * settings.stylus_diameter + settings.clearance,
+                radius = scope.capsules[0].radius;
     EXPECT_NEAR(extent(mesh, 1).second, scope.capsules[0].b.y() + std::sqrt(radius * radius - bore * bore),
                 settings.spacing);
     EXPECT_NEAR(extent(mesh, 0).second, scope.capsules[0].radius, settings.spacing);
