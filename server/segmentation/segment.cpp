@@ -357,6 +357,41 @@ Structure look_for_larynx(const Work& work, const Placed& placed) {
     return larynx;
 }
 
+/// Vertebral arches are too thin for the level set, and in a newborn hang by cartilage, which CT does not
+/// show: pieces of bone on their own that begin within reach of a vertebra's body belong to the spine.
+void add_arches(const Work& work, const Bits& mandible, Bits& spine) {
+    const Geometry& g = work.ct.geometry;
+    Bits rest(spine.size());
+    double top = -1e9;  // [m], of the spine
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        const bool jaw = !mandible.empty() && mandible[i] != 0;
+        rest[i] = work.map.bone[i] != 0 && spine[i] == 0 && !jaw ? 1 : 0;
+        if (spine[i] != 0) {
+            const auto [x, y, z] = g.coordinates(i);
+            top = std::max(top, g.point(x, y, z).z());
+        }
+    }
+    constexpr double reach = 4e-3;    // [m], from the body to where the arch begins
+    constexpr double largest = 2e-6;  // [m^3], of half an arch; the skull's pieces are larger
+    const imaging::Components pieces = imaging::components(g.size, rest);
+    const std::vector<float> to_spine = imaging::distance_to(g.size, spine);
+    std::vector<std::uint8_t> near(pieces.voxels.size(), 0);
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        const auto [x, y, z] = g.coordinates(i);
+        if (rest[i] != 0 && static_cast<double>(to_spine[i]) * g.spacing()[0] < reach &&
+            g.point(x, y, z).z() < top) {
+            near[pieces.part[i]] = 1;
+        }
+    }
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        const std::uint32_t part = pieces.part[i];
+        if (rest[i] != 0 && near[part] != 0 &&
+            static_cast<double>(pieces.voxels[part]) * g.voxel_volume() < largest) {
+            spine[i] = 1;
+        }
+    }
+}
+
 }  // namespace
 
 Segmentation segment(const imaging::Volume& volume, const Points& given, const SegmentSettings& settings,
@@ -428,6 +463,10 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     rest.insert(rest.end(), chin.begin(), chin.end());
     spine = search_bone("spine", spine_seeds, rest, 0.6f,
                         "not in the volume: no bone behind the airway below the mouth");
+    if (!spine.empty()) {
+        add_arches(work, mandible, spine);
+        structures.back().volume = volume_of(g, spine);
+    }
 
     Structure found_tongue{"tongue", false, 0.0, ""};
     work.tell(0.8f, "tongue");

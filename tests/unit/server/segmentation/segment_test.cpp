@@ -34,17 +34,17 @@ void expect_agreement(const Segmentation& found, const Phantom& phantom, const s
     const std::vector<Label> bone = {Label::bone, Label::mandible, Label::spine};
     for (const Bound& bound :
          {Bound{"airway", {Label::airway}, 0.95}, Bound{"bone", bone, 0.95},
-          Bound{"tongue", {Label::tongue}, 0.90}, Bound{"mandible", {Label::mandible}, 0.90}}) {
+          Bound{"tongue", {Label::tongue}, 0.90}, Bound{"mandible", {Label::mandible}, 0.90},
+          // Arches that touch the skull or each other stay bone: what was reached, less a little.
+          Bound{"spine", {Label::spine}, 0.85}}) {
         const Agreement a = agreement(found.labels, phantom.labels, bound.labels);
-        std::printf("%s: %-8s Dice %.3f (at least %.2f), mean surface distance %.2f voxels (below 1)\n",
-                    title.c_str(), bound.name, a.dice, bound.dice, a.mean_surface_distance);
+        const double farthest = bound.labels.front() == Label::spine ? 1.2 : 1.0;
+        std::printf("%s: %-8s Dice %.3f (at least %.2f), mean surface distance %.2f voxels (below %.1f)\n",
+                    title.c_str(), bound.name, a.dice, bound.dice, a.mean_surface_distance, farthest);
         EXPECT_GE(a.dice, bound.dice) << title << ": " << bound.name;
-        EXPECT_LT(a.mean_surface_distance, 1.0) << title << ": " << bound.name;
+        EXPECT_LT(a.mean_surface_distance, farthest) << title << ": " << bound.name;
         EXPECT_GT(a.voxels_true, 500u) << title << ": " << bound.name << ": nothing to compare";
     }
-    const Agreement spine = agreement(found.labels, phantom.labels, {Label::spine});
-    std::printf("%s: spine    Dice %.3f, mean surface distance %.2f voxels (vertebral arches stay bone)\n",
-                title.c_str(), spine.dice, spine.mean_surface_distance);
 }
 
 TEST(Segment, NoisyPhantomsAgreeWithTheirTruth) {
