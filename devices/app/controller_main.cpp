@@ -41,8 +41,17 @@ class Controller {
             last = now;
             watch_.tend();
             const Reading reading = watch_.exchange({}, elapsed);
-            for (const PadCommand& command : pad_.update(reading, elapsed)) {
-                send(command);
+            // A command that nobody takes would be lost without a word: what is held now is sent when
+            // a server is there.
+            if (commands_.matched() > 0) {
+                for (const PadCommand& command : pad_.update(reading, elapsed)) {
+                    send(command);
+                }
+            }
+            if ((commands_.matched() > 0) != served_) {
+                served_ = !served_;
+                served_ ? spdlog::info("a server takes commands")
+                        : spdlog::warn("no server takes commands any more");
             }
             hear();
             if (watch_.health().lost != lost) {
@@ -111,6 +120,7 @@ class Controller {
     bus::Publisher<msg::Command> commands_;
     bus::Subscriber<msg::CommandResult> answers_;
     bus::Subscriber<msg::SessionStatus> status_;
+    bool served_ = false;
     std::string ended_;
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
 };

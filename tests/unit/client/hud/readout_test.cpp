@@ -21,6 +21,7 @@ TEST(Readout, SaysWhatTheMessagesSaid) {
     EXPECT_EQ(readout.link, hud::Link::running);
     EXPECT_FLOAT_EQ(readout.glottic_opening_percent, 40.0f);
     EXPECT_FLOAT_EQ(readout.gum_force_n, 1.5f);
+    EXPECT_FLOAT_EQ(readout.tube_force_n, 0.25f);
     EXPECT_DOUBLE_EQ(readout.time_s, 1e-3);
     EXPECT_EQ(readout.attempt, 1u);
     // The blade's tip lies in the vallecula; marching tetrahedra of 2 mm round the tip by up to 1 mm.

@@ -254,6 +254,7 @@ msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glotti
     live.attempt_running(true);
     live.glottic_opening_percent(glottic_opening_percent);
     live.gum_force_n(1.5f);
+    live.tube_force_n(0.25f);
     for (const Vec3f& p : scene.landmarks) {
         live.landmarks().push_back(vec3(p));
     }

@@ -161,6 +161,27 @@ TEST_F(TubeContactTest, SagsUnderItsOwnWeightAsABeamDoes) {
     const float weight = 1300.0f * area * 9.81f;
     const float sag = weight * std::pow(tube_.length, 4.0f) / (8.0f * tube_.bending_stiffness());
     EXPECT_NEAR(nodes_.back().y(), sag, 0.05f * sag);
+    // What the hand carries: all of its weight, and the connector's.
+    const float carried = weight * tube_.length + 9.81f * pbd::RodSettings{}.connector_mass;
+    EXPECT_NEAR(contact.grip_wrench().force.y(), carried, 0.05f * carried);
+}
+
+// Pushed straight onto the floor the tube pushes back along itself, and no more once it is drawn back.
+TEST_F(TubeContactTest, TheHandFeelsWhatTheTubeMeets) {
+    grip_ = pointing_down({0, 0, tube_.grip_from_tip + 2e-3f});
+    shell_ = floor_grid();
+    TubeContact contact(tube_, scope_, grip_);
+    const auto push = [&](float height) {
+        RigidTransform to = grip_;
+        to.translation.z() = tube_.grip_from_tip + height;
+        for (int k = 0; k < steps_per_second / 2; ++k) {
+            step(contact, to);
+        }
+        return contact.grip_wrench().force.z();
+    };
+    const float free = push(2e-3f);
+    EXPECT_GT(push(-2e-3f), free + 0.01f);
+    EXPECT_NEAR(push(2e-3f), free, 1e-3f);
 }
 
 }  // namespace
