@@ -10,8 +10,8 @@
 
 #include "common/math/random.hpp"
 #include "common/mesh/distance_grid.hpp"
-#include "server/pbd/contact.hpp"
 #include "server/pbd/cell_grid.hpp"
+#include "server/pbd/contact.hpp"
 #include "server/pbd/fluid_kernel.hpp"
 
 namespace eti::pbd {

@@ -49,8 +49,8 @@ void bend_tubes(AccuracyTable& table, bool quick);
 /// mesh.
 void press_tongue(AccuracyTable& table, Table& forces, bool quick);
 
-/// The scene as the expert sees the glottis best: the tongue's force on the blade, its displacements and the view,
-/// against finite elements of the tongue between the same surroundings.
+/// The scene as the expert sees the glottis best: the tongue's force on the blade, its displacements and the
+/// view, against finite elements of the tongue between the same surroundings.
 void lift_tongue(AccuracyTable& table, bool quick);
 
 /// Water: a column at rest, and the dam break of Martin & Moyce 1952.
