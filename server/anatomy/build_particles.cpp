@@ -109,7 +109,7 @@ void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Pati
 }
 
 void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
-    ParticleSet& set = patient.particles;
+    const ParticleSet& set = patient.particles;
     ClusterSet& clusters = patient.clusters;
     const float size = anatomy.scale() / millimetre;
     const float coarse = settings.spacing * size;
@@ -175,9 +175,6 @@ void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patie
             add(gather(i, 2.01f * spacing), set.tissue[i]);
             if (covered[i] == 0) {
                 add(gather(i, 3.5f * spacing), set.tissue[i]);
-            }
-            if (covered[i] == 0) {
-                set.mass[i] = 0.0f;  // too far from its like to be held: goes with the bones
             }
         }
     }

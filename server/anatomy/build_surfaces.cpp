@@ -265,9 +265,9 @@ void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient&
         field.value[i] = body_field(f, 0.0f) + anatomy.shell_offset(point, f);
     });
     TriangleMesh shell = isosurface(field, 0.0f);
-    smooth_without_crossing(shell, smoothing);
-    patient.shell.mesh =
-        simplify_without_crossing(shell, {.triangles = settings.shell_triangles, .importance = {}});
+    // Operators are tuned to this shell: a few crossings less than a millimetre deep are not worth another.
+    smooth(shell, smoothing);
+    patient.shell.mesh = simplify(shell, {.triangles = settings.shell_triangles, .importance = {}});
     patient.shell.distance =
         mesh_distance(patient.shell.mesh, field.origin, field.spacing, field.size, shell_band);
     for (const Triangle& t : patient.shell.mesh.triangles) {

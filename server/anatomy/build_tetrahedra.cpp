@@ -81,6 +81,21 @@ void build_tetrahedra(const Anatomy& anatomy, const BuildSettings& settings, Pat
             }
         }
     }
+    // What neither a cluster nor a tetrahedron holds lies too far from its like: it goes with the bones.
+    std::vector<bool> held(set.size(), false);
+    for (const std::uint32_t i : patient.clusters.member) {
+        held[i] = true;
+    }
+    for (const auto& corners : patient.tetrahedra.corners) {
+        for (const std::uint32_t i : corners) {
+            held[i] = true;
+        }
+    }
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        if (!held[i]) {
+            patient.particles.mass[i] = 0.0f;
+        }
+    }
 }
 
 }  // namespace eti::anatomy
