@@ -27,7 +27,11 @@ imaging::Mask moved(imaging::Mask labels, float tilt, const Vec3d& by) {
 
 TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
     for (const float weight : {1.5f, 3.5f}) {
-        const Phantom phantom = coarse_phantom(1.2e-3f, weight);
+        PhantomSettings settings;
+        settings.newborn.weight = weight;
+        settings.newborn.gestational_age = usual_gestational_age(weight);
+        settings.spacing = 1.2e-3f * std::cbrt(weight / 3.5f);  // as many voxels across either head
+        const Phantom phantom = make_phantom(settings, silent);
         const Vec3d by(0.04, -0.11, 0.9);
         const float tilt = 25.0f * degree;
         const Registration found = lay_newborn_over(moved(phantom.labels, tilt, by));
