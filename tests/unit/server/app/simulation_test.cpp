@@ -28,8 +28,10 @@ Scenario stiff(float modulus, int substeps, TissueModel model) {
 }
 
 std::string refusal_of(const Scenario& scenario) {
+    anatomy::Patient patient = coarse();
+    patient.tissue_stiffness = scenario.patient.tissue_stiffness;
     try {
-        const Simulation simulation(scenario, coarse(), parked(scenario));
+        const Simulation simulation(scenario, patient, parked(scenario));
     } catch (const InputError& error) {
         return error.what();
     }
