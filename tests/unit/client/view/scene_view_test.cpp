@@ -203,7 +203,7 @@ TEST_F(SceneViewTest, HostileSceneIsDroppedAndCounted) {
     object.triangle_tissue()[0] = 200;
     expect_refused(view_.apply(object));
     object = body;
-    object.tissue(12);
+    object.tissue(static_cast<std::uint8_t>(tissue_count));
     expect_refused(view_.apply(object));
     object = body;
     object.object_count(0);
