@@ -229,6 +229,8 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
     const auto points = anatomy.landmarks();
     const Vec3f base = at(points, Landmark::epiglottis_base);
     const Vec3f axis = at(points, Landmark::epiglottis_tip) - base;
+    const float reach =
+        std::max(5.0e-3f * size, 2.0f * spacing);  // across the vallecula, on coarse lattices too
     for (std::uint32_t i = 0; i < set.size(); ++i) {
         if (set.tissue[i] != Tissue::epiglottis || std::fabs(set.rest[i].x()) > 3.0e-3f * size) {
             continue;
@@ -237,7 +239,7 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
         if (along < 0.1f || along > 0.6f) {
             continue;
         }
-        grid.within(set.rest[i], 5.0e-3f * size, [&](std::uint32_t k, float) {
+        grid.within(set.rest[i], reach, [&](std::uint32_t k, float) {
             if (set.tissue[k] == Tissue::tongue && std::fabs(set.rest[k].x()) < 3.0e-3f * size) {
                 link(i, k, 20.0f);
             }
