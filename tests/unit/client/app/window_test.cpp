@@ -3,11 +3,6 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
 #include <cstdlib>
 #include <set>
@@ -19,52 +14,10 @@
 #include "client/app/window.hpp"
 #include "client/app/windowed.hpp"
 #include "synthetic_server.hpp"
+#include "tests/support/virtual_display.hpp"
 
 namespace eti {
 namespace {
-
-// An X server without a screen, on a display number of its own choice.
-class VirtualDisplay {
-  public:
-    VirtualDisplay() {
-        std::array<int, 2> ends{};
-        if (::pipe(ends.data()) != 0) {
-            return;
-        }
-        process_ = ::fork();
-        if (process_ == 0) {
-            ::close(ends[0]);
-            const std::string number = std::to_string(ends[1]);
-            const int silence = ::open("/dev/null", O_WRONLY);
-            ::dup2(silence, STDERR_FILENO);
-            ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "640x480x24", "-nolisten",
-                     "tcp", nullptr);
-            ::_exit(127);
-        }
-        ::close(ends[1]);
-        std::string display;
-        for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\n';) {
-            display += c;
-        }
-        ::close(ends[0]);
-        if (!display.empty()) {
-            ::setenv("DISPLAY", (":" + display).c_str(), 1);
-            ready_ = true;
-        }
-    }
-    ~VirtualDisplay() {
-        if (process_ > 0) {
-            ::kill(process_, SIGTERM);
-            ::waitpid(process_, nullptr, 0);
-        }
-        ::unsetenv("DISPLAY");
-    }
-    [[nodiscard]] bool ready() const { return ready_; }
-
-  private:
-    pid_t process_ = -1;
-    bool ready_ = false;
-};
 
 TEST(Window, SaysWhatToDoWithoutADisplay) {
     ::unsetenv("DISPLAY");
@@ -78,7 +31,7 @@ TEST(Window, SaysWhatToDoWithoutADisplay) {
 }
 
 TEST(Window, ShowsTheSceneThatWasDrawn) {
-    const VirtualDisplay display;
+    const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
     client::Window window(320, 240, "test", client::Selection::all);
     view::SceneView scene;
@@ -110,7 +63,7 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
 }
 
 TEST(Window, FollowsASessionOverTheBus) {
-    const VirtualDisplay display;
+    const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
     client::ask_to_stop(false);
     synthetic::SyntheticServer server(1e9);

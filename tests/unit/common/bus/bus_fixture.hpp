@@ -9,6 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "tests/support/bus_domain.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace eti::bus {
 
@@ -24,16 +25,6 @@ using Clock = std::chrono::steady_clock;
 }
 
 /// Waits until `condition` holds, at most `limit`; discovery takes about 0.1-0.2 s, more on a loaded machine.
-template <class Condition>
-[[nodiscard]] bool eventually(Condition condition, std::chrono::milliseconds limit = 10s) {
-    const auto end = Clock::now() + limit;
-    while (!condition()) {
-        if (Clock::now() > end) {
-            return false;
-        }
-        std::this_thread::sleep_for(2ms);
-    }
-    return true;
-}
+using test::eventually;
 
 }  // namespace eti::bus

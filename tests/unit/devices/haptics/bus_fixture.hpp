@@ -11,6 +11,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/convert.hpp"
 #include "tests/support/bus_domain.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace eti::devices {
 
@@ -24,16 +25,6 @@ using namespace std::chrono_literals;
     return out;
 }
 
-template <class Condition>
-[[nodiscard]] bool eventually(Condition condition, std::chrono::milliseconds limit = 10s) {
-    const auto end = std::chrono::steady_clock::now() + limit;
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) {
-            return false;
-        }
-        std::this_thread::sleep_for(1ms);
-    }
-    return true;
-}
+using test::eventually;
 
 }  // namespace eti::devices

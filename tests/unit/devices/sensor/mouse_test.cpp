@@ -4,59 +4,17 @@
 // The window under a virtual display, moved by the events of a real X server.
 #include "devices/sensor/mouse.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdlib>
 #include <string>
 
+#include "tests/support/virtual_display.hpp"
 #include "vendor_fixture.hpp"
 
 namespace eti::devices {
 namespace {
-
-/// An X server without a screen, on a display number of its own choice.
-class VirtualDisplay {
-  public:
-    VirtualDisplay() {
-        std::array<int, 2> ends{};
-        if (::pipe(ends.data()) != 0) {
-            return;
-        }
-        process_ = ::fork();
-        if (process_ == 0) {
-            ::close(ends[0]);
-            const std::string number = std::to_string(ends[1]);
-            ::dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
-            ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24", "-nolisten",
-                     "tcp", nullptr);
-            ::_exit(127);
-        }
-        ::close(ends[1]);
-        std::string display;
-        for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\n';) {
-            display += c;
-        }
-        ::close(ends[0]);
-        ready = !display.empty();
-        ::setenv("DISPLAY", (":" + display).c_str(), 1);
-    }
-    ~VirtualDisplay() {
-        ::kill(process_, SIGTERM);
-        ::waitpid(process_, nullptr, 0);
-        ::unsetenv("DISPLAY");
-    }
-    VirtualDisplay(const VirtualDisplay&) = delete;
-    VirtualDisplay& operator=(const VirtualDisplay&) = delete;
-    bool ready = false;
-
-  private:
-    pid_t process_ = -1;
-};
 
 bool xdotool(const std::string& what) {
     return std::system(("xdotool " + what + " >/dev/null 2>&1").c_str()) == 0;
@@ -65,7 +23,7 @@ bool xdotool(const std::string& what) {
 class MouseDriver : public ::testing::Test {
   protected:
     void SetUp() override {
-        if (!display_.ready || !xdotool("version")) {
+        if (!display_.ready() || !xdotool("version")) {
             GTEST_SKIP() << "needs Xvfb and xdotool";
         }
         device_ = open_mouse({});
@@ -82,7 +40,7 @@ class MouseDriver : public ::testing::Test {
         return loop_->reading.motion.pose.translation - parked_pose(Tool::laryngoscope).translation;
     }
 
-    VirtualDisplay display_;
+    test::VirtualDisplay display_;
     std::unique_ptr<Sensor> device_;
     std::unique_ptr<Loop> loop_;
 };

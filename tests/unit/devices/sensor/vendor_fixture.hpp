@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "devices/sensor/sensor_watch.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace eti::devices {
 
@@ -24,17 +25,7 @@ template <class State>
     return *reinterpret_cast<State* (*)()>(::dlsym(library, function))();
 }
 
-template <class Condition>
-[[nodiscard]] bool eventually(Condition condition, std::chrono::milliseconds limit = 10s) {
-    const auto end = std::chrono::steady_clock::now() + limit;
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) {
-            return false;
-        }
-        std::this_thread::sleep_for(1ms);
-    }
-    return true;
-}
+using test::eventually;
 
 /// Exchanges with the device once a millisecond by the clock, as its loop would.
 class Loop {
