@@ -21,6 +21,19 @@ Handle access_properties() {
     return properties;
 }
 
+/// What a Unix kernel copies into a file in one piece. A signal that kills the writer can end a write
+/// between two of them.
+constexpr hsize_t memory_page = 4096;
+
+/// Blocks of the file's structure that are smaller than a page lie within one, so that a killed writer
+/// leaves each of them either as it was or as it was to be, and never with a checksum that does not fit.
+Handle creation_properties() {
+    Handle properties(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    H5Pset_file_space_strategy(properties.get(), H5F_FSPACE_STRATEGY_PAGE, false, 1);
+    H5Pset_file_space_page_size(properties.get(), memory_page);
+    return properties;
+}
+
 unsigned flags_of(Access access) {
     switch (access) {
         case Access::read:
@@ -66,14 +79,14 @@ File::File(Handle id, const std::filesystem::path& path) : id_(std::move(id)), p
 
 File File::create(const std::filesystem::path& path) {
     prepare_thread();
-    const Handle properties = access_properties();
+    const Handle creation = creation_properties(), access = access_properties();
     std::error_code error;
     if (std::filesystem::exists(path, error)) {
         throw Error(fmt::format("{}: exists already and is not overwritten; choose another name or remove it",
                                 path.string()));
     }
     errno = 0;
-    Handle id(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, properties.get()), H5Fclose);
+    Handle id(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation.get(), access.get()), H5Fclose);
     if (!id) {
         const int reason = errno;
         throw Error(fmt::format("{}: cannot be created: {}; name a folder that exists and may be written",

@@ -6,11 +6,13 @@ import csv
 import json
 import os
 import random
+import re
 import resource
 import subprocess
 import sys
 import time
 import unittest
+from collections import Counter
 from pathlib import Path
 
 import h5py
@@ -156,6 +158,21 @@ class SessionFile(support.Case):
                 if KILLS > 6:
                     print(f"pushed {pushed}, due {due}, read {rows}, deformations {deformations}, "
                           f"{self.file.stat().st_size} bytes")
+
+    def test_what_is_written_again_lies_within_a_page(self):
+        """A write that a kill cuts short ends between two pages, so that only what is new can be torn."""
+        calls = self.folder / "calls"
+        traced = subprocess.run(["strace", "-f", "-e", "trace=pwrite64", "-o", calls, RECORD_SESSION, self.file,
+                                 self.log, "1000", "4"], capture_output=True, text=True, timeout=60)
+        if "PTRACE" in traced.stderr:
+            self.skipTest("strace may not trace here")
+        self.assertEqual(traced.returncode, 0, traced.stderr)
+        writes = Counter((int(at), int(size)) for size, at in
+                         re.findall(r"pwrite64\(.*, (\d+), (\d+)\) += ", calls.read_text()))
+        again = [place for place, times in writes.items() if times > 1]
+        self.assertGreater(len(again), 50, "the structure is written many times")
+        page = resource.getpagesize()
+        self.assertEqual([(at, size) for at, size in again if at // page != (at + size - 1) // page], [])
 
     def test_repair_leaves_a_running_recording_alone(self):
         process = self.start(100000, 1)
