@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "server/pbd/lanes.hpp"
 #include "server/pbd/ranges.hpp"
@@ -55,6 +56,28 @@ void ShapeMatching::configure(const Description& description, const Particles& p
             inverse_count_[i] = 1.0f / static_cast<float>(memberships[i]);
         }
     }
+
+    const auto early = [&](std::uint32_t i) { return !description.early.empty() && description.early[i]; };
+    movers_.clear();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (inverse_count_[i] > 0.0f) {
+            movers_.push_back(i);
+        }
+    }
+    const auto late_movers = std::ranges::stable_partition(movers_, early);
+    early_movers_ = movers_.size() - late_movers.size();
+    std::vector<bool> holds_early(blocks_of(clusters), false);
+    for (std::size_t c = 0; c < clusters; ++c) {
+        const Indices members(member_.data() + first_[c], first_[c + 1] - first_[c]);
+        if (std::ranges::any_of(members, early)) {
+            holds_early[c / lane_count] = true;
+        }
+    }
+    blocks_.resize(blocks_of(clusters));
+    std::iota(blocks_.begin(), blocks_.end(), 0u);
+    const auto late_blocks =
+        std::ranges::stable_partition(blocks_, [&](std::uint32_t b) -> bool { return holds_early[b]; });
+    early_blocks_ = blocks_.size() - late_blocks.size();
 
     const std::size_t padded = lane_count * blocks_of(clusters);
     moment_.assign(member_.size() + 1, Eigen::Vector4f::Zero());
@@ -145,11 +168,11 @@ void ShapeMatching::update_shares(float dt) {
     high += __builtin_shufflevector(m, m, 2, 2, 2, 2, 3, 3, 3, 3) * apart;
 }
 
-[[gnu::always_inline]] inline void ShapeMatching::fit_blocks(std::size_t begin, std::size_t end) {
+[[gnu::always_inline]] inline void ShapeMatching::fit_blocks(Indices blocks) {
     const float* wide = wide_.front().data();
     const float* moment = moment_.front().data();
     constexpr std::uint32_t row[lane_count] = {0, 16, 32, 48, 64, 80, 96, 112};
-    for (std::size_t block = begin; block != end; ++block) {
+    for (const std::uint32_t block : blocks) {
         const std::size_t first = lane_count * block;
         const std::size_t count = std::min(lane_count, size() - first);
         // Per cluster the three columns of  A = sum w (x - near) q^T  and the mean of x - near; then near.
@@ -228,12 +251,8 @@ void ShapeMatching::update_shares(float dt) {
     }
 }
 
-[[gnu::always_inline]] inline void ShapeMatching::move_particles(Particles& particles, std::size_t begin,
-                                                                 std::size_t end) const {
-    for (std::size_t i = begin; i != end; ++i) {
-        if (inverse_count_[i] == 0.0f) {
-            continue;
-        }
+[[gnu::always_inline]] inline void ShapeMatching::move_particles(Particles& particles, Indices which) const {
+    for (const std::uint32_t i : which) {
         Lanes low{};
         Lanes high{};
         for (std::uint32_t k = first_of_[i]; k < first_of_[i + 1]; ++k) {
@@ -258,23 +277,22 @@ void ShapeMatching::update_shares(float dt) {
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void ShapeMatching::fit_blocks_avx2(std::size_t begin, std::size_t end) {
-    fit_blocks(begin, end);
+[[gnu::target("avx2")]] void ShapeMatching::fit_blocks_avx2(Indices blocks) {
+    fit_blocks(blocks);
 }
-[[gnu::target("avx2")]] void ShapeMatching::move_particles_avx2(Particles& particles, std::size_t begin,
-                                                                std::size_t end) const {
-    move_particles(particles, begin, end);
+[[gnu::target("avx2")]] void ShapeMatching::move_particles_avx2(Particles& particles, Indices which) const {
+    move_particles(particles, which);
 }
 #else
-void ShapeMatching::fit_blocks_avx2(std::size_t begin, std::size_t end) {
-    fit_blocks(begin, end);
+void ShapeMatching::fit_blocks_avx2(Indices blocks) {
+    fit_blocks(blocks);
 }
-void ShapeMatching::move_particles_avx2(Particles& particles, std::size_t begin, std::size_t end) const {
-    move_particles(particles, begin, end);
+void ShapeMatching::move_particles_avx2(Particles& particles, Indices which) const {
+    move_particles(particles, which);
 }
 #endif
 
-void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
+void ShapeMatching::read(const std::vector<Vec3f>& positions) {
     for_ranges(positions.size(), 8 * particle_grain, [&](std::size_t begin, std::size_t end) {
         // Whole loads, of which the last number is the next one's; no kernel reads it.
         for (std::size_t i = begin; i + 1 < end; ++i) {
@@ -284,19 +302,50 @@ void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
             wide_[end - 1].head<3>() = positions[end - 1];
         }
     });
-    for_ranges(blocks_of(size()), block_grain, [&](std::size_t begin, std::size_t end) {
-        avx2_ ? fit_blocks_avx2(begin, end) : fit_blocks(begin, end);
+}
+
+void ShapeMatching::fit(Indices blocks) {
+    for_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end) {
+        const Indices part = blocks.subspan(begin, end - begin);
+        avx2_ ? fit_blocks_avx2(part) : fit_blocks(part);
     });
 }
 
-void ShapeMatching::project(Particles& particles, float dt) {
+void ShapeMatching::move(Particles& particles, Indices which) const {
+    for_ranges(which.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+        const Indices part = which.subspan(begin, end - begin);
+        avx2_ ? move_particles_avx2(particles, part) : move_particles(particles, part);
+    });
+}
+
+void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
+    read(positions);
+    fit(Indices(blocks_));
+}
+
+void ShapeMatching::project_early(Particles& particles, float dt) {
     if (dt != share_dt_) {
         update_shares(dt);
     }
-    fit(particles.predicted);
-    for_ranges(particles.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-        avx2_ ? move_particles_avx2(particles, begin, end) : move_particles(particles, begin, end);
-    });
+    read(particles.predicted);
+    fit(Indices(blocks_).first(early_blocks_));
+    move(particles, Indices(movers_).first(early_movers_));
+}
+
+void ShapeMatching::project_late(Particles& particles) {
+    fit(Indices(blocks_).subspan(early_blocks_));
+    move(particles, Indices(movers_).subspan(early_movers_));
+}
+
+bool ShapeMatching::are_early(std::span<const std::uint32_t> particles) const {
+    const Indices late = Indices(movers_).subspan(early_movers_);
+    return std::ranges::none_of(particles,
+                                [&](std::uint32_t i) { return std::ranges::binary_search(late, i); });
+}
+
+void ShapeMatching::project(Particles& particles, float dt) {
+    project_early(particles, dt);
+    project_late(particles);
 }
 
 }  // namespace eti::pbd

@@ -29,6 +29,8 @@ class ShapeMatching {
         /// Above 0: what Müller 2005 calls stiffness, the share of the way to the goal that every pass
         /// takes, in place of the moduli. How stiff that is depends on passes and substeps.
         float goal_share = 0.0f;
+        /// Per particle, whether project_early() moves it; empty: none.
+        std::vector<bool> early;
     };
 
     void configure(const Description& description, const Particles& particles);
@@ -39,6 +41,14 @@ class ShapeMatching {
     /// One Jacobi pass: fits every cluster to the predicted positions and moves the free particles
     /// towards their averaged goals. Substep `dt` [s].
     void project(Particles& particles, float dt);
+
+    /// The same in two parts, so that what only needs the early particles can run beside the second: first
+    /// the clusters that hold an early one, and those particles; then the rest, still from the positions
+    /// before. The bits are those of project().
+    void project_early(Particles& particles, float dt);
+    void project_late(Particles& particles);
+    /// Whether the second part leaves all of these alone.
+    [[nodiscard]] bool are_early(std::span<const std::uint32_t> particles) const;
 
     /// Fits every cluster to the current positions without moving anything.
     void fit(const std::vector<Vec3f>& positions);
@@ -63,11 +73,15 @@ class ShapeMatching {
         float packed[16] = {};
     };
 
+    using Indices = std::span<const std::uint32_t>;
     // Blocks of eight clusters, and particles: bodies of the kernels, and the same for AVX2.
-    void fit_blocks(std::size_t begin, std::size_t end);
-    void fit_blocks_avx2(std::size_t begin, std::size_t end);
-    void move_particles(Particles& particles, std::size_t begin, std::size_t end) const;
-    void move_particles_avx2(Particles& particles, std::size_t begin, std::size_t end) const;
+    void fit_blocks(Indices blocks);
+    void fit_blocks_avx2(Indices blocks);
+    void move_particles(Particles& particles, Indices which) const;
+    void move_particles_avx2(Particles& particles, Indices which) const;
+    void read(const std::vector<Vec3f>& positions);
+    void fit(Indices blocks);
+    void move(Particles& particles, Indices which) const;
     void update_shares(float dt);
 
     std::vector<std::uint32_t> first_, member_;         // members by cluster
@@ -84,6 +98,9 @@ class ShapeMatching {
     std::vector<Quatf> rotation_;
     std::vector<Eigen::Vector4f> lever_;  // rest centre from the origin, and the part of the way per pass
     std::vector<Frame> frame_;            // of the last fit
+    // Blocks of clusters, and free particles: the early ones, and behind them the rest.
+    std::vector<std::uint32_t> blocks_, movers_;
+    std::size_t early_blocks_ = 0, early_movers_ = 0;
     float share_dt_ = 0.0f;
     float goal_share_ = 0.0f;
     bool avx2_ = false;

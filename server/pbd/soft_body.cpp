@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #include "server/pbd/soft_body.hpp"
 
+#include <tbb/parallel_invoke.h>
+
+#include <cassert>
 #include <cmath>
 #include <cstring>
 
@@ -55,8 +58,10 @@ void SoftBody::predict(float dt, float fraction) {
 }
 
 void SoftBody::project(float dt) {
-    shapes.project(particles, dt);
-    tetrahedra.project(particles, dt);
+    // Tetrahedra follow their particles' clusters and do not touch the others' particles.
+    assert(shapes.are_early(tetrahedra.particles()));
+    shapes.project_early(particles, dt);
+    tbb::parallel_invoke([&] { tetrahedra.project(particles, dt); }, [&] { shapes.project_late(particles); });
     links.project(particles, dt);
 }
 

@@ -18,7 +18,7 @@ class SoftBody {
     };
 
     Particles particles;
-    ShapeMatching shapes;
+    ShapeMatching shapes;  ///< the tetrahedra's particles have to be its early ones
     Tetrahedra tetrahedra;
     Links links;
     Settings settings;

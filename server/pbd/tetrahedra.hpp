@@ -46,6 +46,8 @@ class Tetrahedra {
     void use_avx2(bool wanted) { avx2_ = wanted; }
 
     [[nodiscard]] std::size_t size() const { return place_.size(); }
+    /// The particles that are corners.
+    [[nodiscard]] std::span<const std::uint32_t> particles() const { return used_; }
     [[nodiscard]] std::size_t colours() const { return first_block_.empty() ? 0 : first_block_.size() - 1; }
     /// Tetrahedra without volume at rest; they are left out until a rest shape gives them one.
     [[nodiscard]] std::size_t flat() const { return flat_; }

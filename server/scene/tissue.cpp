@@ -73,7 +73,9 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
             members, [&](std::uint32_t i) { return !meshed[i] && p.inverse_mass[i] > 0.0f; });
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
-    body_.shapes.configure(description(held_clusters_, substep), p);
+    pbd::ShapeMatching::Description held = description(held_clusters_, substep);
+    held.early = meshed;
+    body_.shapes.configure(held, p);
     fitted_.configure(description(fitted_clusters_, substep), p);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
 

@@ -78,6 +78,25 @@ TEST(Restore, ClustersAndLinks) {
         [](const SoftBody& b) { return bits(b.particles); });
 }
 
+TEST(Restore, TetrahedraGrownIntoClusters) {
+    const eti::test::TetrahedralLattice lattice =
+        eti::test::tetrahedral_lattice(10, 10, 5, double{eti::test::cluster_spacing});
+    std::vector<bool> early(11 * 11 * 11, false);
+    std::fill_n(early.begin(), lattice.position.size(), true);
+    SoftBody body = eti::test::cluster_block(11, 8e3f, Vec3f::Zero(), 0, early);
+    body.tetrahedra.configure(
+        {lattice.tetrahedra, std::vector<float>(lattice.tetrahedra.size(), 8e3f), 0.45f}, body.particles);
+    throw_about(body.particles);
+    expect_same_for_all_threads(
+        body,
+        [](SoftBody& b, int count) {
+            for (int n = 0; n < count; ++n) {
+                eti::test::substep(b, step);
+            }
+        },
+        [](const SoftBody& b) { return bits(b.particles); });
+}
+
 TEST(Restore, TetrahedraAtEitherInstructionSet) {
     for (const bool avx2 : {true, false}) {
         eti::test::TetrahedralBody body(eti::test::tetrahedral_lattice(12, 10, 8, 2e-3), 8e3f, 0.45f);
