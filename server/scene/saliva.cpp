@@ -57,19 +57,11 @@ float size_of(const anatomy::Patient& patient) {
 
 pbd::FluidSettings fluid_settings(const anatomy::Patient& patient) {
     const float size = size_of(patient);
+    pbd::FluidSettings s = saliva_settings(size * spacing, substep);
     const auto [lower, upper] = head_box(patient, size * beyond_head);
-    pbd::FluidSettings s;
     s.capacity = capacity;
     s.lower = lower;
     s.upper = upper;
-    s.spacing = size * spacing;
-    s.viscosity = 5e-6f;  // unstimulated saliva is some five times as viscous as water
-    s.max_speed = max_speed;
-    // An eighth of what the substep bears on paper (see FluidSettings), where that is less than saliva's own:
-    // with a quarter, a pool of the smallest patient's particles boils itself down to half of its volume.
-    const float stable = s.rest_density * s.spacing * s.spacing * s.spacing /
-                         (2.0f * std::numbers::pi_v<float> * substep * substep);
-    s.surface_tension = std::min(s.surface_tension, 0.125f * stable);
     return s;
 }
 
@@ -81,6 +73,19 @@ pbd::MovingCapsule part_of(const pbd::MovingCapsule& whole, float begin, float e
 }
 
 }  // namespace
+
+pbd::FluidSettings saliva_settings(float spacing, float dt) {
+    pbd::FluidSettings s;
+    s.spacing = spacing;
+    s.viscosity = 5e-6f;  // unstimulated saliva is some five times as viscous as water
+    s.max_speed = max_speed;
+    // An eighth of what the substep bears on paper (see FluidSettings), where that is less than saliva's own:
+    // with a quarter, a pool of the smallest patient's particles boils itself down to half of its volume.
+    const float stable =
+        s.rest_density * spacing * spacing * spacing / (2.0f * std::numbers::pi_v<float> * dt * dt);
+    s.surface_tension = std::min(s.surface_tension, 0.125f * stable);
+    return s;
+}
 
 Saliva::Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius,
                std::uint64_t seed)

@@ -31,6 +31,10 @@ struct SalivaSurroundings {
     float suction = 0.0f;                       ///< 0..1
 };
 
+/// Saliva of particles `spacing` [m] apart for substeps of `dt` [s], with as much surface tension as these
+/// bear; the box that it may be in is the caller's.
+[[nodiscard]] pbd::FluidSettings saliva_settings(float spacing, float dt);
+
 /// Secretions in mouth and throat: a pool behind the tongue and a film on it at the start, then what the
 /// glands give. Liquid follows tissue and tools and does not push back.
 class Saliva {

@@ -197,6 +197,7 @@ FATES = {"fails": (0, "F", "#d9786c"), "recovers": (1, "R", "#e5c469"), "survive
 # What lies across, and what of it the scenarios ship.
 ACROSS = {"walls": "speed of the hand"}
 SHIPPED_STEP = f"1/{180 * SHIPPED['tetrahedra, XPBD'][1]} s"
+SALIVA_STEP = "1/720 s"
 
 
 def read_maps(file):
@@ -208,6 +209,8 @@ def is_shipped(row):
     """Whether a cell of the maps is computed as the scenarios are."""
     if row["figure"] == "walls":
         return row["method"] == SHIPPED_STEP
+    if row["method"].startswith("saliva"):
+        return row["method"] == "saliva" and row["column"] == SALIVA_STEP
     return row["column"] == SHIPPED_STEP and row["method"] not in \
         ("shape matching, PBD", "mass-spring, explicit")
 

@@ -53,6 +53,9 @@ class Charts(unittest.TestCase):
         header = (ROOT / "common/scenario/scenario.hpp").read_text()
         substeps = int(re.search(r"int substeps =\s*(\d+);", header)[1])
         self.assertEqual(substeps, plot.SHIPPED[SHIPPED][1])
+        header = (ROOT / "server/scene/saliva.hpp").read_text()
+        saliva = int(re.search(r"int substeps =\s*(\d+);", header)[1])
+        self.assertEqual(f"1/{180 * saliva} s", plot.SALIVA_STEP)
         for file in (ROOT / "deploy/scenarios").glob("*.yaml"):
             self.assertNotIn("substeps:", file.read_text(), f"{file.name} differs from the chart's star")
 

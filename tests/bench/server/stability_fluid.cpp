@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // Saliva squeezed between blade and floor, and between two capsules.
-#include "server/pbd/fluid.hpp"
+#include "server/scene/saliva.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 
 namespace eti::bench {
@@ -38,18 +38,23 @@ pbd::MovingCapsule capsule_between(float before, float now) {
     return {up(before) - half, up(before) + half, up(now) - half, up(now) + half, radius};
 }
 
-/// A gap of 6 mm that is closed at `speed` [m/s] to half a particle. The fluid survives if no particle gets
+/// A gap of 6 mm that is closed at `speed` [m/s] to half a particle, with saliva as the scene has it or with
+/// the whole of its surface tension. The fluid survives if no particle gets
 /// lost, no centre of one is ever in a wall, and all come to rest; it recovers if one was in a wall
 /// meanwhile.
-Course squeeze(double rate, float speed, bool two_capsules) {
+Course squeeze(double rate, float speed, bool two_capsules, bool as_in_the_scene) {
     const DistanceGrid walls = vessel();
-    pbd::Fluid fluid{pbd::FluidSettings{}};
+    const auto dt = static_cast<float>(1.0 / rate);
+    pbd::FluidSettings settings = scene::saliva_settings(spacing, dt);
+    if (!as_in_the_scene) {
+        settings.surface_tension = pbd::FluidSettings{}.surface_tension;
+    }
+    pbd::Fluid fluid(settings);
     for (int k = 0; k < 12 * 6 * 4; ++k) {
         fluid.add(spacing * Vec3f(static_cast<float>(k % 12) - 5.5f, static_cast<float>(k / 12 % 6) - 2.5f,
                                   static_cast<float>(k / 72) + 0.5f));
     }
     const std::size_t filled = fluid.count();
-    const auto dt = static_cast<float>(1.0 / rate);
     float gap = open_gap;
     double deepest = 0.0, overlap = 0.0, peak[2] = {0.0, 0.0};
     bool finite = true;
@@ -106,11 +111,17 @@ Course squeeze(double rate, float speed, bool two_capsules) {
 }  // namespace
 
 void fluid_in_a_closing_gap(const Sweep& sweep, Maps& maps) {
-    for (const double rate : sweep.rates) {
+    const double scene_rate = scene::steps_per_second * scene::Saliva::substeps;
+    for (const double rate : sweep.quick ? std::vector{scene_rate} : sweep.rates) {
         for (const float speed : {0.01f, 0.1f, 1.0f, 3.0f}) {
             for (const bool two : {false, true}) {
-                maps.add("contacts", two ? "fluid between two capsules" : "fluid between capsule and floor",
-                         "fluid", fmt::format("{:g} m/s", speed), step_name(rate), squeeze(rate, speed, two));
+                for (const bool as_in_the_scene : {true, false}) {
+                    maps.add("contacts",
+                             two ? "fluid between two capsules" : "fluid between capsule and floor",
+                             as_in_the_scene ? "saliva" : "saliva, all its surface tension",
+                             fmt::format("{:g} m/s", speed), step_name(rate),
+                             squeeze(rate, speed, two, as_in_the_scene));
+                }
             }
         }
     }
