@@ -151,6 +151,10 @@ int speed(const SpeedOptions& options) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(threads));
         SpeedMeter meter(threads, options.quick, results);
+        if (options.sweeps) {
+            measure_sweeps(meter);
+            continue;
+        }
         for (const double megabytes : {0.25, 4.0, 256.0}) {
             meter.add(fmt::format("bandwidth over {:g} MB (triad)", megabytes),
                       meter.bandwidth(megabytes * 1e6), "GB/s");
@@ -162,6 +166,7 @@ int speed(const SpeedOptions& options) {
         measure_scaling(meter);
         measure_scene(meter);
         if (!options.quick) {
+            measure_sweeps(meter);
             measure_whole_scenes(meter);
         }
     }
