@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
     try {
         if (options.device.empty()) {
             if (typed.empty()) {
-                throw InputError("neither --device nor --set is given; see --help");
+                throw eti::InputError("neither --device nor --set is given; see --help");
             }
             std::vector<PadCommand> wanted;
             std::ranges::transform(typed, std::back_inserter(wanted), command_from);

@@ -101,7 +101,10 @@ TEST(Compliance, AnAccelerationOfTheBodyPullsAsWeightDoes) {
     body.particles.inverse_mass = {0.0f, 1.0f / mass};
     body.links.configure({{0, 1}}, {stiffness}, body.particles);
     body.tetrahedra.configure({}, body.particles);
-    body.shapes.configure({.first = {0}}, body.particles);
+    ShapeMatching::Description none;
+    none.first = {0};
+    none.fitting_mass = none.particle_volume = {mass, mass};
+    body.shapes.configure(none, body.particles);
     body.settings.damping = 40.0f;
     body.settings.acceleration = Vec3f(0, 0, -3.0f);
     for (const float softer : {1.0f, 2.0f}) {
