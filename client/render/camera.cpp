@@ -52,14 +52,17 @@ RigidTransform Camera::pose() const {
     return RigidTransform::from(Quatf(rotation).normalized(), eye);
 }
 
-Camera overview_camera(const Landmarks& rest, const Orbit& orbit) {
+Camera overview_camera(const Landmarks& rest, const Orbit& orbit, float table_angle) {
     Camera camera;
     // A little behind the lips, so that face, handle and tube share the picture.
     camera.target = at(rest, Landmark::mouth_opening) + Vec3f(0.0f, -0.01f, 0.015f);
     const float elevation = std::clamp(orbit.elevation, -80.0f * degree, 85.0f * degree);
     const Vec3f direction(std::cos(elevation) * std::sin(orbit.azimuth), -std::sin(elevation),
                           std::cos(elevation) * std::cos(orbit.azimuth));
-    camera.eye = camera.target + std::clamp(orbit.distance, 0.15f, 1.5f) * direction;
+    // The patient frame tilts with the table, the onlooker does not.
+    const Quatf level(Eigen::AngleAxisf(-table_angle, Vec3f::UnitX()));
+    camera.up = level * camera.up;
+    camera.eye = camera.target + std::clamp(orbit.distance, 0.15f, 1.5f) * (level * direction);
     camera.vertical_field = 26.0f * degree;
     return camera;
 }

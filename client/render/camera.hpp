@@ -33,7 +33,9 @@ struct Orbit {
     float distance = 0.56f;
 };
 
-[[nodiscard]] Camera overview_camera(const Landmarks& rest, const Orbit& orbit);
+/// `table_angle` [rad], positive head-up: the picture's vertical is the world's, so that the table shows as
+/// tilted.
+[[nodiscard]] Camera overview_camera(const Landmarks& rest, const Orbit& orbit, float table_angle = 0.0f);
 
 /// From the patient's left onto the mid-sagittal plane, head to the right.
 [[nodiscard]] Camera section_camera(const Landmarks& rest);

@@ -109,7 +109,8 @@ void SceneRenderer::sync(const view::SceneView& scene) {
 Camera SceneRenderer::camera(View view, const view::SceneView& scene, const Orbit& orbit) {
     switch (view) {
         case View::overview:
-            return overview_camera(scene.landmarks(), orbit);
+            return overview_camera(scene.landmarks(), orbit,
+                                   scene.metrics() ? scene.metrics()->patient().table_angle() : 0.0f);
         case View::section:
             return section_camera(scene.landmarks());
         case View::laryngoscope:

@@ -245,6 +245,9 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
         return refuse("eti/live_metrics", "gum force or glottic opening is not finite");
     }
+    if (!std::isfinite(message.patient().table_angle())) {
+        return refuse("eti/live_metrics", "the table's angle is not finite");
+    }
     note_time(message.header().simulation_time_ns());
     landmarks_ = points;
     live_landmarks_ = true;

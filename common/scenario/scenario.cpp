@@ -102,6 +102,7 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
         read_shape(*patient, p.shape);
         p.head_elevation = patient->number("head_elevation_deg", p.head_elevation, {0, 30, degree});
         p.jaw_opening = patient->number("jaw_opening_deg", p.jaw_opening, {0, 35, degree});
+        p.table_angle = patient->number("table_angle_deg", p.table_angle, {-20, 20, degree});
         p.tissue_stiffness = patient->number("tissue_stiffness_kpa", p.tissue_stiffness, {1, 100, 1e3f});
         if (const std::string model = patient->text("model", ""); !model.empty()) {
             std::vector<std::string_view> held = {"variant", "tissue_stiffness_kpa"};
@@ -158,7 +159,10 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
         s.enhanced_view = view->flag("enhanced", s.enhanced_view);
         view->finish();
     }
-    s.saliva = root.flag("saliva", s.saliva);
+    static constexpr std::array<std::string_view, 3> secretions = {"off", "on", "standby"};
+    const std::size_t secretion = root.choice("saliva", 0, secretions);
+    s.saliva = secretion != 0;
+    s.saliva_standby = secretion == 2;
     s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
     s.seed = root.seed("seed", s.seed);
     root.finish();

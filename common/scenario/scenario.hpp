@@ -24,6 +24,7 @@ struct Scenario {
         std::filesystem::path model;    ///< a model that eti-anatomy built, instead of `shape`; empty: none
         float head_elevation = 0.0f;    ///< [rad], 0-30 deg
         float jaw_opening = 0.0f;       ///< [rad], 0-35 deg
+        float table_angle = 0.0f;       ///< [rad], -20-20 deg, positive head-up
         float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     } patient;
 
@@ -40,9 +41,10 @@ struct Scenario {
         bool self_contact = false;  ///< whether tissue also meets tissue
     } physics;
 
-    bool saliva = false;
-    bool enhanced_view = false;  ///< the client shows the section view beside the scene
-    float time_limit = 30.0f;    ///< [s], per attempt
+    bool saliva = false;          ///< whether there may be secretions
+    bool saliva_standby = false;  ///< with saliva: none before someone switches them on
+    bool enhanced_view = false;   ///< the client shows the section view beside the scene
+    float time_limit = 30.0f;     ///< [s], per attempt
     std::uint64_t seed = 1;
 };
 

@@ -32,7 +32,7 @@ inline constexpr std::size_t fluid_chunk = 4096;
 inline constexpr std::size_t small_chunk = 16;
 
 /// Groups of the step series; each shows the common time axis as `time_ns`.
-inline constexpr std::string_view step_groups[] = {"inputs", "tools", "skeleton", "metrics"};
+inline constexpr std::string_view step_groups[] = {"inputs", "tools", "skeleton", "tissue", "metrics"};
 
 /// "gum_force_n.max" -> "gum_force_n/max".
 [[nodiscard]] inline std::string path_of(const ParameterField& field) {
@@ -110,6 +110,20 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     add(
         "skeleton/jaw_opening", "rad", "turn of the mandible about its joints",
         [](auto& r) -> auto& { return r.jaw_opening; });
+    add(
+        "skeleton/table_angle", "rad",
+        "tilt of the operating table, positive head-up; the patient frame tilts with it",
+        [](auto& r) -> auto& { return r.table_angle; });
+
+    add(
+        "tissue/tongue_scale", "1", "size of the tongue, 1 is usual",
+        [](auto& r) -> auto& { return r.tongue_scale; });
+    add(
+        "tissue/stiffness", "Pa", "Young's modulus of tongue and mucosa",
+        [](auto& r) -> auto& { return r.tissue_stiffness; });
+    add(
+        "tissue/secretion", "1", "what the glands give over what they usually do",
+        [](auto& r) -> auto& { return r.secretion; });
 
     add(
         "metrics/attempt", "1", "number of the attempt; 0 before the first",
@@ -146,7 +160,7 @@ void command_columns(const Column& column) {
         "inputs/commands/kind", "1", "what was asked for", [](auto& r) -> auto& { return r.kind; },
         kind_bytes);
     add(
-        "inputs/commands/value", "rad or 1", "posture in rad, suction 0 to 1",
+        "inputs/commands/value", "rad, Pa or 1", "angles in rad, stiffness in Pa, the rest as ratios",
         [](auto& r) -> auto& { return r.value; });
     add(
         "inputs/commands/sender", "1", "who asked", [](auto& r) -> auto& { return r.sender; }, sender_bytes);

@@ -86,6 +86,11 @@ struct StepRecord {
     // Skeleton.
     float head_elevation = 0.0f;  ///< [rad]
     float jaw_opening = 0.0f;     ///< [rad]
+    // What else commands change; not-a-number in files from before they did.
+    double table_angle = 0.0;  ///< [rad], positive head-up
+    double tongue_scale = 1.0;
+    double tissue_stiffness = 0.0;  ///< [Pa], Young's modulus of tongue and mucosa
+    double secretion = 0.0;         ///< of what the glands usually give
     // Metrics.
     std::uint32_t attempt = 0;  ///< 0 before the first
     bool attempt_running = false;
@@ -100,7 +105,7 @@ struct CommandRecord {
     std::uint64_t time_ns = 0;
     std::uint64_t step = 0;
     std::string kind;    ///< e.g. "jaw_opening"
-    double value = 0.0;  ///< rad for postures, 0..1 for suction
+    double value = 0.0;  ///< SI, as the command's kind says (idl/eti.idl)
     std::string sender;
     std::uint32_t id = 0;  ///< chosen by the sender
 };

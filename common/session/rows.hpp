@@ -37,7 +37,7 @@ template <class Record, class Visit>
     std::size_t rows = std::numeric_limits<std::size_t>::max();
     visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        // A parameter may be newer than the file; everything else is needed.
+        // What is double may be newer than the file; everything else is needed.
         if (!std::is_same_v<Field, double> || root.has(path)) {
             rows = std::min(rows, readable_rows(root, path));
         }

@@ -17,15 +17,18 @@ constexpr float sent_every = 0.5f * degree;  // [rad]
 constexpr float suction_step = 0.1f;
 constexpr std::size_t trigger = 5;  // right trigger of common pads: -1 released, 1 pressed
 // The server's bounds; it refuses what lies beyond, so that these only keep a stick from winding up.
-constexpr float most_head_elevation = 30.0f * degree, most_jaw_opening = 35.0f * degree;
+constexpr float most_head_elevation = 30.0f * degree, most_jaw_opening = 35.0f * degree,
+                most_table_angle = 20.0f * degree;
 
 }  // namespace
 
 CommandPad::CommandPad(const PadCommands& start)
-    : head_{msg::COMMAND_HEAD_ELEVATION, start.head_elevation_deg * degree, most_head_elevation,
+    : head_{msg::COMMAND_HEAD_ELEVATION, start.head_elevation_deg * degree, 0.0f, most_head_elevation,
             start.head_elevation_deg * degree},
-      jaw_{msg::COMMAND_JAW_OPENING, start.jaw_opening_deg * degree, most_jaw_opening,
-           start.jaw_opening_deg * degree} {}
+      jaw_{msg::COMMAND_JAW_OPENING, start.jaw_opening_deg * degree, 0.0f, most_jaw_opening,
+           start.jaw_opening_deg * degree},
+      table_{msg::COMMAND_TABLE_ANGLE, start.table_angle_deg * degree, -most_table_angle, most_table_angle,
+             start.table_angle_deg * degree} {}
 
 bool CommandPad::move(Posture& posture, float stick, float elapsed) {
     if (std::abs(stick) < dead_zone) {
@@ -34,7 +37,7 @@ bool CommandPad::move(Posture& posture, float stick, float elapsed) {
         posture.sent = posture.value;
         return unsent;
     }
-    posture.value = std::clamp(posture.value + rate * elapsed * stick, 0.0f, posture.most);
+    posture.value = std::clamp(posture.value + rate * elapsed * stick, posture.least, posture.most);
     if (std::abs(posture.value - posture.sent) < sent_every) {
         return false;
     }
@@ -52,7 +55,8 @@ std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed
         }
         return out;
     }
-    for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]}}) {
+    for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]},
+                                  std::pair{&table_, -reading.axes[4]}}) {
         if (move(*posture, stick, elapsed)) {
             out.push_back({posture->kind, posture->value});
         }

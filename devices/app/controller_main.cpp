@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/bus/convert.hpp"
-#include "devices/app/command_pad.hpp"
+#include "common/scenario/scenario.hpp"
+#include "devices/app/command_link.hpp"
 #include "devices/app/program.hpp"
 #include "devices/sensor/sensor_watch.hpp"
 
@@ -25,10 +26,7 @@ class Controller {
           sensor_(driver_named(options.device, Use::commands).open(setup_of(options))),
           watch_(*sensor_),
           pad_(start),
-          node_(options.bus),
-          commands_(node_, bus::topics::command),
-          answers_(node_, bus::topics::command_result),
-          status_(node_, bus::topics::session_status) {}
+          link_(options.bus) {}
 
     void run(const volatile std::sig_atomic_t& stop) {
         auto last = std::chrono::steady_clock::now();
@@ -43,17 +41,20 @@ class Controller {
             const Reading reading = watch_.exchange({}, elapsed);
             // A command that nobody takes would be lost without a word: what is held now is sent when
             // a server is there.
-            if (commands_.matched() > 0) {
+            if (link_.served()) {
                 for (const PadCommand& command : pad_.update(reading, elapsed)) {
-                    send(command);
+                    link_.send(command);
                 }
             }
-            if ((commands_.matched() > 0) != served_) {
+            if (link_.served() != served_) {
                 served_ = !served_;
                 served_ ? spdlog::info("a server takes commands")
                         : spdlog::warn("no server takes commands any more");
             }
-            hear();
+            link_.hear();
+            if (link_.session_finished()) {
+                ended_ = "session finished";
+            }
             if (watch_.health().lost != lost) {
                 lost = !lost;
                 lost ? spdlog::warn("device '{}' is lost: {}", options_.device, watch_.fault())
@@ -70,7 +71,7 @@ class Controller {
 
     [[nodiscard]] nlohmann::ordered_json result() const {
         return {{"device", options_.device}, {"session", options_.bus.session}, {"ended", ended_},
-                {"commands", sent_},         {"accepted", accepted_},           {"refused", refused_}};
+                {"commands", link_.sent()},  {"accepted", link_.accepted()},    {"refused", link_.refused()}};
     }
 
   private:
@@ -80,50 +81,39 @@ class Controller {
         return setup;
     }
 
-    void send(const PadCommand& command) {
-        msg::Command message;
-        message.header(bus::make_header(0, ++sent_));
-        message.sender(sender_);
-        message.id(sent_);
-        message.kind(command.kind);
-        message.value(command.value);
-        if (!commands_.publish(message)) {
-            spdlog::warn("a command could not be sent: no server takes it");
-        }
-    }
-
-    void hear() {
-        msg::CommandResult answer;
-        while (answers_.take(answer)) {
-            if (answer.recipient().to_string() != sender_) {
-                continue;
-            }
-            ++(answer.accepted() ? accepted_ : refused_);
-            if (!answer.accepted()) {
-                spdlog::warn("refused: {}", answer.reason().to_string());
-            }
-        }
-        msg::SessionStatus status;
-        while (status_.take(status)) {
-            if (status.phase() == msg::PHASE_FINISHED) {
-                ended_ = "session finished";
-            }
-        }
-    }
-
     ProgramOptions options_;
-    std::string sender_ = "eti-controller:" + std::to_string(::getpid());
     std::unique_ptr<Sensor> sensor_;
     SensorWatch watch_;
     CommandPad pad_;
-    bus::Node node_;
-    bus::Publisher<msg::Command> commands_;
-    bus::Subscriber<msg::CommandResult> answers_;
-    bus::Subscriber<msg::SessionStatus> status_;
+    CommandLink link_;
     bool served_ = false;
     std::string ended_;
-    std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
 };
+
+/// Sends what was typed and waits for the answers.
+nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector<PadCommand>& wanted) {
+    using namespace std::chrono_literals;
+    CommandLink link(options.bus);
+    const auto limit = std::chrono::steady_clock::now() + 10s;
+    while (!link.served()) {
+        if (std::chrono::steady_clock::now() > limit) {
+            throw std::runtime_error(fmt::format(
+                "no server takes commands in session '{}' on domain {}; start eti-server there, or "
+                "give its --session and --domain",
+                options.bus.session, options.bus.domain));
+        }
+        std::this_thread::sleep_for(period);
+    }
+    for (const PadCommand& command : wanted) {
+        link.send(command);
+    }
+    const bool answered = link.hear_all(5s);
+    return {{"session", options.bus.session},
+            {"ended", answered ? "answered" : "the server did not answer"},
+            {"commands", link.sent()},
+            {"accepted", link.accepted()},
+            {"refused", link.refused()}};
+}
 
 }  // namespace
 }  // namespace eti::devices
@@ -134,22 +124,43 @@ int main(int argc, char** argv) {
     ProgramOptions options;
     options.bus.name = "eti-controller";
     PadCommands start;
-    CLI::App app("Commands from a pad or the keyboard: suction, head elevation, jaw opening.",
+    CLI::App app("Commands to a session: from a pad or the keyboard while it runs, or those of --set once.",
                  "eti-controller");
     app.footer(
         "Pad: trigger or first button suction, left stick up and down head elevation, left and right jaw "
-        "opening.\n"
-        "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening.");
+        "opening, right stick up and down table (up: head-up).\n"
+        "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table.\n"
+        "Keys of --set: " +
+        command_keys() + ". Exit status 0 only if the server accepted all.");
     app.set_version_flag("--version", ETI_VERSION);
     add_device_options(app, options, Use::commands);
+    std::vector<std::string> typed;
+    auto* const device = app.get_option("--device")->required(false);
+    app.add_option("--set", typed,
+                   "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
+        ->excludes(device);
     app.add_option("--head-elevation-deg", start.head_elevation_deg, "Where the head begins")
         ->capture_default_str();
     app.add_option("--jaw-opening-deg", start.jaw_opening_deg, "Where the jaw begins")->capture_default_str();
+    app.add_option("--table-angle-deg", start.table_angle_deg, "Where the table begins")
+        ->capture_default_str();
     add_bus_options(app, options);
     if (const auto code = parse(app, argc, argv)) {
         return *code;
     }
     try {
+        if (options.device.empty()) {
+            if (typed.empty()) {
+                throw eti::InputError("neither --device nor --set is given; see --help");
+            }
+            std::vector<PadCommand> wanted;
+            std::ranges::transform(typed, std::back_inserter(wanted), command_from);
+            const auto result = set_once(options, wanted);
+            if (options.json) {
+                std::cout << result.dump(2) << std::endl;
+            }
+            return result["accepted"] == wanted.size() ? 0 : 1;
+        }
         Controller controller(options, start);
         spdlog::info("commands from '{}' to session '{}'", options.device, options.bus.session);
         controller.run(stop_flag());

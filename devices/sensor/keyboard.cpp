@@ -54,9 +54,9 @@ class Keyboard final : public SampleSource {
             case 'D':
                 return deflect(1, 1.0f);
             case '[':
-                return deflect(2, -1.0f);
+                return deflect(4, 1.0f);
             case ']':
-                return deflect(2, 1.0f);
+                return deflect(4, -1.0f);  // up
             case 's':
                 sample.buttons ^= 1u;
                 return true;
@@ -69,7 +69,7 @@ class Keyboard final : public SampleSource {
 
   private:
     std::optional<Terminal> terminal_;
-    std::array<std::chrono::steady_clock::time_point, 3> until_{};
+    std::array<std::chrono::steady_clock::time_point, 5> until_{};
 };
 
 }  // namespace

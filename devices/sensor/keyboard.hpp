@@ -8,7 +8,7 @@
 
 namespace eti::devices {
 
-/// Keys of the terminal as if they were a pad: the arrows deflect axes 0 and 1, '[' and ']' axis 2, for a
+/// Keys of the terminal as if they were a pad: the arrows deflect axes 0 and 1, '[' and ']' axis 4, for a
 /// tenth of a second each; 's' switches button 0 on and off.
 [[nodiscard]] std::unique_ptr<Sensor> open_keyboard(const SensorSetup& setup);
 

@@ -33,17 +33,15 @@ struct BuildSettings {
 [[nodiscard]] Provenance provenance_of(const NewbornShape& shape, const BuildSettings& settings);
 [[nodiscard]] Provenance provenance_of(const BuildSettings& settings);
 
-// The steps of build_patient, each adding its part of the model.
+// The steps of build_patient, each adding its part of the model; set_tissue_stiffness() makes them as stiff
+// as they shall be.
 void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
-void build_tetrahedra(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_tetrahedra(const Anatomy& anatomy, Patient& patient);
 void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
-
-/// [Pa]; of cartilage the same in every patient.
-[[nodiscard]] float youngs_modulus_of(Tissue tissue, const BuildSettings& settings);
 
 /// Tissues that share clusters and tetrahedra: 0 body, 1 tongue, 2 epiglottis.
 [[nodiscard]] constexpr int family_of(Tissue tissue) {

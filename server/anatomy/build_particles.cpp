@@ -65,17 +65,6 @@ Voxel classify(const Anatomy& anatomy, const Fields& f, const Vec3f& point, floa
 
 }  // namespace
 
-float youngs_modulus_of(Tissue tissue, const BuildSettings& settings) {
-    switch (tissue) {
-        case Tissue::epiglottis:
-            return 320e3f;  // elastic cartilage
-        case Tissue::larynx:
-            return 32e3f;  // cartilage and cords in one
-        default:
-            return settings.tissue_stiffness;
-    }
-}
-
 void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     ParticleSet& set = patient.particles;
     const float size = anatomy.scale() / millimetre;
@@ -127,7 +116,6 @@ void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patie
         }
         clusters.member.insert(clusters.member.end(), members.begin(), members.end());
         clusters.first.push_back(static_cast<std::uint32_t>(clusters.member.size()));
-        clusters.youngs_modulus.push_back(youngs_modulus_of(tissue, settings));
         clusters.tissue.push_back(tissue);
     };
     // The epiglottis is one cluster over exactly its particles (Xiao et al. 2020, sec. 4.2). Its stalk,
@@ -206,13 +194,7 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
     const float size = anatomy.scale() / millimetre;
     const float spacing = settings.spacing * size;
     const PointGrid grid(set.rest, 2.0f * spacing);
-    const auto link = [&](std::uint32_t a, std::uint32_t b, float stiffness) {
-        patient.links.ends.push_back({a, b});
-        patient.links.stiffness.push_back(stiffness);
-    };
     // The tongue's underside grows out of the mouth floor: there it lies outside the cavity.
-    // A link stands for a column of tissue of one spacing squared: stiffness E h^2 / h.
-    const float floor_stiffness = settings.tissue_stiffness * spacing;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
         if (set.tissue[i] != Tissue::tongue || anatomy.fields(set.rest[i]).cavity < -0.3f * spacing) {
             continue;
@@ -220,7 +202,7 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
         grid.within(set.rest[i], 1.5f * spacing, [&](std::uint32_t k, float) {
             if (family_of(set.tissue[k]) == 0 && set.tissue[k] != Tissue::palate &&
                 set.tissue[k] != Tissue::upper_gum) {
-                link(i, k, floor_stiffness);
+                patient.links.ends.push_back({i, k});
             }
         });
     }
@@ -241,7 +223,7 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
         }
         grid.within(set.rest[i], reach, [&](std::uint32_t k, float) {
             if (set.tissue[k] == Tissue::tongue && std::fabs(set.rest[k].x()) < 3.0e-3f * size) {
-                link(i, k, 20.0f);
+                patient.links.ends.push_back({i, k});
             }
         });
     }

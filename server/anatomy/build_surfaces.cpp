@@ -12,6 +12,7 @@
 #include "common/mesh/uncrossed.hpp"
 #include "server/anatomy/build.hpp"
 #include "server/anatomy/newborn.hpp"
+#include "server/anatomy/stiffness.hpp"
 
 namespace eti::anatomy {
 
@@ -316,12 +317,12 @@ void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Pati
 Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings) {
     Patient patient;
     patient.weight = anatomy.weight();
-    patient.tissue_stiffness = settings.tissue_stiffness;
     patient.skeleton = anatomy.skeleton();
     build_particles(anatomy, settings, patient);
     build_clusters(anatomy, settings, patient);
-    build_tetrahedra(anatomy, settings, patient);
+    build_tetrahedra(anatomy, patient);
     build_links(anatomy, settings, patient);
+    set_tissue_stiffness(patient, settings.tissue_stiffness);
     build_surfaces(anatomy, settings, patient);
     build_shell(anatomy, settings, patient);
     build_landmarks(anatomy, settings, patient);

@@ -28,7 +28,7 @@ constexpr int cut[2][5][4] = {
 
 }  // namespace
 
-void build_tetrahedra(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+void build_tetrahedra(const Anatomy& anatomy, Patient& patient) {
     const ParticleSet& set = patient.particles;
     const Vec3f low = anatomy.airway_bounds()[0];
     std::map<Cell, std::uint32_t> particle_at;
@@ -66,18 +66,13 @@ void build_tetrahedra(const Anatomy& anatomy, const BuildSettings& settings, Pat
             std::array<std::uint32_t, 4> ends{};
             bool whole = true;
             bool moves = false;
-            float modulus = 0.0f;
             for (std::size_t k = 0; k < 4; ++k) {
                 ends[k] = corner[static_cast<std::size_t>(numbers[k])];
                 whole = whole && ends[k] != none;
-                if (whole) {
-                    moves = moves || set.mass[ends[k]] > 0.0f;
-                    modulus += 0.25f * youngs_modulus_of(set.tissue[ends[k]], settings);
-                }
+                moves = moves || (whole && set.mass[ends[k]] > 0.0f);
             }
             if (whole && moves) {
                 patient.tetrahedra.corners.push_back(ends);
-                patient.tetrahedra.youngs_modulus.push_back(modulus);
             }
         }
     }

@@ -28,10 +28,15 @@ struct Skeleton {
     float jaw_slide_per_radian = 0.0f;  ///< [m/rad], forward translation of the condyles
 };
 
-/// Posture relative to the rest posture [rad]; head elevation 0-30 deg, jaw opening 0-35 deg.
+/// Posture relative to the rest posture [rad]; head elevation 0-30 deg, jaw opening 0-35 deg, table -20-20
+/// deg.
 struct Posture {
     float head_elevation = 0.0f;
     float jaw_opening = 0.0f;
+    /// Tilt of the table about the patient's left-right axis, positive head-up (reverse Trendelenburg). The
+    /// patient frame tilts with the table: in it, gravity turns and nothing else.
+    float table_angle = 0.0f;
+    [[nodiscard]] bool operator==(const Posture&) const = default;
 };
 
 /// Blend weights over the bones; they sum to one.

@@ -11,6 +11,13 @@ namespace eti::anatomy {
 
 inline constexpr float max_head_elevation = 30.0f * degree;  ///< [rad]
 inline constexpr float max_jaw_opening = 35.0f * degree;     ///< [rad]
+inline constexpr float max_table_angle = 20.0f * degree;     ///< [rad], either way
+
+/// Every angle within its range.
+[[nodiscard]] Posture clamped(const Posture& posture);
+
+/// [m/s^2], patient frame. On a level table the patient lies on its back: +y is posterior.
+[[nodiscard]] Vec3f gravity(float table_angle);
 
 /// Transforms of trunk, skull and mandible from rest to a posture, patient frame.
 using BonePoses = std::array<RigidTransform, bone_count>;

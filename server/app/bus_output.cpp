@@ -381,6 +381,13 @@ void BusOutput::publish_live(const Work& work) {
     message.tube_force_n(work.snapshot.tube_force.norm());
     message.tube_tip(
         to_msg(work.snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : work.snapshot.tube_nodes.back()));
+    msg::PatientState& patient = message.patient();
+    patient.head_elevation(work.snapshot.head_elevation);
+    patient.jaw_opening(work.snapshot.jaw_opening);
+    patient.table_angle(work.snapshot.table_angle);
+    patient.tongue_scale(work.snapshot.tongue_scale);
+    patient.tissue_stiffness(work.snapshot.tissue_stiffness);
+    patient.secretion(work.snapshot.secretion);
     for (const Vec3f& p : work.snapshot.landmarks) {
         message.landmarks().push_back(to_msg(p));
     }

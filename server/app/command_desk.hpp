@@ -2,10 +2,12 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/app/bus_input.hpp"
-#include "server/scene/scene.hpp"
+#include "server/app/simulation.hpp"
 
 namespace eti::app {
 
@@ -15,6 +17,8 @@ namespace eti::app {
 /// Carries out commands that came over the bus and words their answers.
 class CommandDesk {
   public:
+    explicit CommandDesk(PatientLimits limits = {}) : limits_(std::move(limits)) {}
+
     /// Checks `command` and applies it to `inputs`; the answer is ready afterwards.
     void handle(const ReceivedCommand& command, scene::Inputs& inputs);
 
@@ -26,6 +30,12 @@ class CommandDesk {
     [[nodiscard]] bool take_reset();
 
   private:
+    // Each returns why not, or nothing.
+    [[nodiscard]] std::string grow_tongue(float scale, scene::Inputs& inputs) const;
+    [[nodiscard]] std::string stiffen(float modulus, scene::Inputs& inputs) const;
+    [[nodiscard]] std::string secrete(float flow, scene::Inputs& inputs) const;
+
+    PatientLimits limits_;
     msg::CommandResult answer_;
     float suction_ = 0.0f;
     bool stopped_ = false;

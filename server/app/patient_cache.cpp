@@ -5,8 +5,10 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <utility>
 
 #include "server/anatomy/model_file.hpp"
+#include "server/anatomy/stiffness.hpp"
 
 namespace eti::app {
 
@@ -35,7 +37,10 @@ std::filesystem::path cache_folder() {
     return std::filesystem::path(home != nullptr ? home : "/tmp") / ".cache" / "neoeti";
 }
 
-anatomy::Patient cached_patient(const NewbornShape& shape, const anatomy::BuildSettings& settings) {
+namespace {
+
+/// As stiff as `settings` say.
+anatomy::Patient patient_in_cache(const NewbornShape& shape, const anatomy::BuildSettings& settings) {
     const anatomy::Provenance provenance = anatomy::provenance_of(shape, settings);
     const std::filesystem::path file =
         cache_folder() / fmt::format("newborn-{:016x}.h5", hash_of(provenance));
@@ -59,6 +64,17 @@ anatomy::Patient cached_patient(const NewbornShape& shape, const anatomy::BuildS
             "model not cached ({}); the next start builds it again. Set ETI_CACHE to a writable folder.",
             e.what());
     }
+    return patient;
+}
+
+}  // namespace
+
+anatomy::Patient cached_patient(const NewbornShape& shape, anatomy::BuildSettings settings) {
+    // Geometry does not depend on it: one cached model serves every stiffness.
+    const float stiffness =
+        std::exchange(settings.tissue_stiffness, anatomy::BuildSettings{}.tissue_stiffness);
+    anatomy::Patient patient = patient_in_cache(shape, settings);
+    anatomy::set_tissue_stiffness(patient, stiffness);
     return patient;
 }
 

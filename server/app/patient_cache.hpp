@@ -13,7 +13,6 @@ namespace eti::app {
 
 /// The patient for these parameters, from the cache or built anew (some seconds) and then cached. A
 /// cache that cannot be written or read is reported and does without; it never stops the server.
-[[nodiscard]] anatomy::Patient cached_patient(const NewbornShape& shape,
-                                              const anatomy::BuildSettings& settings);
+[[nodiscard]] anatomy::Patient cached_patient(const NewbornShape& shape, anatomy::BuildSettings settings);
 
 }  // namespace eti::app

@@ -124,6 +124,10 @@ void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live
     step_.tube_nodes = snapshot.tube_nodes;
     step_.head_elevation = snapshot.head_elevation;
     step_.jaw_opening = snapshot.jaw_opening;
+    step_.table_angle = static_cast<double>(snapshot.table_angle);
+    step_.tongue_scale = static_cast<double>(snapshot.tongue_scale);
+    step_.tissue_stiffness = static_cast<double>(snapshot.tissue_stiffness);
+    step_.secretion = static_cast<double>(snapshot.secretion);
     step_.attempt = live.attempt;
     step_.attempt_running = live.attempt_running;
     step_.glottic_opening_percent = live.glottic_opening_percent;

@@ -29,7 +29,7 @@ class Recorder {
     /// Once per step. `eye`: as latched, if one has arrived.
     void record(const scene::Snapshot& snapshot, const metrics::Live& live, const Parameters& parameters,
                 const std::optional<RigidTransform>& eye);
-    /// A command, when it takes effect before step `step`. `value` in rad or 0..1.
+    /// A command, when it takes effect before step `step`. `value`: SI.
     void command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,
                  const std::string& sender, std::uint32_t id);
     /// `kind`: one word (attempt, command, error, ...).

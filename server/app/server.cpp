@@ -53,6 +53,7 @@ class Session {
         }
         patient_ = patient_of(scenario_);
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
+        desk_ = CommandDesk(limits_of(scenario_, patient_));
         if (script) {
             const std::uint64_t seed = options.seed.value_or(scenario_.seed ^ script->seed);
             operator_.emplace(*script, simulation_->scope(), scenario_.tube, seed,

@@ -19,32 +19,44 @@ constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
 /// Substeps short enough for a tongue of tetrahedra.
 int checked_substeps(const Scenario& scenario, const anatomy::Patient& patient) {
     const int substeps = scenario.physics.substeps;
-    const anatomy::ParticleSet& set = patient.particles;
-    const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
-    if (scenario.physics.tissue_model == TissueModel::tetrahedra && tongue != set.tissue.end()) {
-        const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
-        const float stiffest = pbd::Tetrahedra::stiffest(spacing, anatomy::tissue_density,
-                                                         scene::step_duration / static_cast<float>(substeps));
-        const float wanted = patient.tissue_stiffness;
-        if (wanted > stiffest) {
-            throw InputError(fmt::format(
-                "scenario '{}': tissue_stiffness_kpa is {:g}, but tetrahedra of {:.3g} mm bear at "
-                "most {:.3g} with {} substeps; raise physics.substeps to {} or physics.spacing_mm, or set "
-                "physics.tissue_model to clusters",
-                scenario.name, 1e-3f * wanted, 1e3f * spacing, 1e-3f * stiffest, substeps,
-                static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / stiffest)))));
-        }
+    const PatientLimits limits = limits_of(scenario, patient);
+    if (const float wanted = patient.tissue_stiffness; wanted > limits.stiffest) {
+        throw InputError(fmt::format(
+            "scenario '{}': tissue_stiffness_kpa is {:g}, but {} bear at most {:.3g} with {} substeps; raise "
+            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_model to clusters",
+            scenario.name, 1e-3f * wanted, limits.bearer, 1e-3f * limits.stiffest, substeps,
+            static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / limits.stiffest)))));
     }
     return substeps;
 }
 
 }  // namespace
 
+PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient) {
+    PatientLimits limits;
+    limits.saliva = scenario.saliva;
+    limits.built_stiffness = patient.tissue_stiffness;
+    // What a model file was built with counts as usual.
+    limits.tongue_scale = scenario.patient.model.empty() ? scenario.patient.shape.tongue_scale : 1.0f;
+    const anatomy::ParticleSet& set = patient.particles;
+    const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
+    if (scenario.physics.tissue_model == TissueModel::tetrahedra && tongue != set.tissue.end()) {
+        const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
+        limits.bearer = fmt::format("tetrahedra of {:.3g} mm", 1e3f * spacing);
+        limits.stiffest =
+            pbd::Tetrahedra::stiffest(spacing, anatomy::tissue_density,
+                                      scene::step_duration / static_cast<float>(scenario.physics.substeps));
+    }
+    return limits;
+}
+
 scene::Inputs parked(const Scenario& scenario) {
     scene::Inputs inputs;
     inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
     inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-    inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening};
+    inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening,
+                      scenario.patient.table_angle};
+    inputs.secretion = scenario.saliva && !scenario.saliva_standby ? 1.0f : 0.0f;
     return inputs;
 }
 
@@ -60,9 +72,12 @@ Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient
       scene_(patient, scope_, scenario.tube, start,
              scene::Settings{.substeps = checked_substeps(scenario, patient),
                              .tissue_model = scenario.physics.tissue_model,
+                             .tongue_scale = limits_of(scenario, patient).tongue_scale,
+                             .stiffest = limits_of(scenario, patient).stiffest,
                              .rigid = {},
                              .self_contact = scenario.physics.self_contact,
                              .saliva = scenario.saliva,
+                             .dry_start = scenario.saliva_standby,
                              .seed = scenario.seed}),
       viewer_(patient, scope_),
       tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <string>
 
 #include "common/operator/operator.hpp"
 #include "common/scenario/scenario.hpp"
@@ -18,6 +20,22 @@ namespace eti::app {
 
 /// The scenario's patient, from the cache or built anew (some seconds).
 [[nodiscard]] anatomy::Patient patient_of(const Scenario& scenario);
+
+/// What may be asked of a session's patient while it runs.
+struct PatientLimits {
+    float tongue_scale = 1.0f;                      ///< that the model was built with
+    float built_stiffness = 8e3f;                   ///< [Pa]
+    float softest = 1e3f, stiffest_typed = 100e3f;  ///< [Pa], a scenario's range
+    float stiffest =
+        std::numeric_limits<float>::infinity();  ///< [Pa], that the solver bears in the built tongue
+    std::string bearer;                          ///< what does not bear more
+    bool saliva = false;
+
+    /// [Pa], of a tongue of this size. Its tetrahedra are as much larger and weigh the same: they bear less.
+    [[nodiscard]] float stiffest_at(float scale) const { return stiffest * tongue_scale / scale; }
+};
+
+[[nodiscard]] PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient);
 
 /// One scenario as it is simulated and judged: the scene, and the metrics that watch it. Without a clock,
 /// bus or record.

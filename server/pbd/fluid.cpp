@@ -105,6 +105,12 @@ void Fluid::place_emitter(std::size_t which, const Vec3f& position, const Vec3f&
     sources_[which].emitter.direction = direction;
 }
 
+void Fluid::set_flow(float flow) {
+    for (Source& source : sources_) {
+        source.emitter.flow = flow;
+    }
+}
+
 bool Fluid::add(const Vec3f& position, const Vec3f& velocity) {
     const std::size_t i = count();
     if (i == settings_.capacity) {

@@ -81,6 +81,8 @@ class Fluid {
     void set_emitters(std::span<const FluidEmitter> emitters);
     /// Carries an emitter along; what it owes stays.
     void place_emitter(std::size_t which, const Vec3f& position, const Vec3f& direction);
+    /// Sets what every emitter gives [m^3/s]; what each owes stays.
+    void set_flow(float flow);
     /// False, and counted by overflow(), if the fluid is full.
     bool add(const Vec3f& position, const Vec3f& velocity = Vec3f::Zero());
 

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "server/pbd/links.hpp"
 
+#include <cassert>
+
 namespace eti::pbd {
 
 namespace {
@@ -45,6 +47,12 @@ void Links::set_rest(const Particles& particles) {
     for (std::size_t i = 0; i < ends_.size(); ++i) {
         length_[i] = (particles.rest[ends_[i][0]] - particles.rest[ends_[i][1]]).norm();
     }
+}
+
+void Links::set_stiffness(std::span<const float> stiffness) {
+    assert(stiffness.size() == ends_.size());
+    stiffness_.assign(stiffness.begin(), stiffness.end());
+    compliance_dt_ = 0.0f;  // the next pass works out the compliances
 }
 
 void Links::project(Particles& particles, float dt) {

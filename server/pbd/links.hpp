@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/pbd/particles.hpp"
@@ -21,6 +22,8 @@ class Links {
     void configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
                    const Particles& particles);
     void set_rest(const Particles& particles);
+    /// Takes other stiffnesses [N/m], one per link.
+    void set_stiffness(std::span<const float> stiffness);
     void project(Particles& particles, float dt);
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
 

@@ -87,6 +87,7 @@ void ShapeMatching::configure(const Description& description, const Particles& p
     lever_.assign(padded, Eigen::Vector4f::Zero());
     frame_.assign(padded, {});
     spring_.resize(clusters);
+    unit_spring_.resize(clusters);
     mass_.resize(clusters);
     wide_.assign(count + 1, Eigen::Vector4f::Zero());
     wide_rest_.assign(count, Eigen::Vector4f::UnitW());
@@ -117,6 +118,7 @@ void ShapeMatching::configure(const Description& description, const Particles& p
             squared += moment_[k].head<3>().squaredNorm() / moment_[k].w();
         }
         spring_[c] /= std::max(squared * 5.0f / 3.0f, 1e-12f);
+        unit_spring_[c] = spring_[c] / description.youngs_modulus[c];
     }
     share_dt_ = 0.0f;
     reset();
@@ -139,6 +141,14 @@ void ShapeMatching::set_rest(const Particles& particles) {
             moment_[k].head<3>() = moment_[k].w() * (particles.rest[member_[k]] - rest_centre_[c]);
         }
     });
+}
+
+void ShapeMatching::set_youngs_modulus(std::span<const float> moduli) {
+    assert(moduli.size() == size());
+    for (std::size_t c = 0; c < size(); ++c) {
+        spring_[c] = moduli[c] * unit_spring_[c];
+    }
+    share_dt_ = 0.0f;  // the next pass works out the shares
 }
 
 void ShapeMatching::reset() {

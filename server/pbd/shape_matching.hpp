@@ -38,6 +38,9 @@ class ShapeMatching {
     /// Takes `particles.rest` as the new unloaded shape (after a change of posture).
     void set_rest(const Particles& particles);
 
+    /// Takes other moduli [Pa], one per cluster; shape and state stay.
+    void set_youngs_modulus(std::span<const float> moduli);
+
     /// One Jacobi pass: fits every cluster to the predicted positions and moves the free particles
     /// towards their averaged goals. Substep `dt` [s].
     void project(Particles& particles, float dt);
@@ -93,7 +96,8 @@ class ShapeMatching {
     std::vector<Eigen::Vector4f> wide_, wide_rest_;
     Vec3f origin_ = Vec3f::Zero();  // one of the particles at rest: rest positions from there keep digits
     std::vector<Vec3f> rest_centre_, centre_;
-    std::vector<float> spring_, mass_;  // per cluster: spring [N/m] and mean mass share [kg]
+    // Per cluster: spring [N/m], the same for a modulus of 1 Pa, and mean mass share [kg].
+    std::vector<float> spring_, unit_spring_, mass_;
     // Per cluster, filled up to whole blocks.
     std::vector<Quatf> rotation_;
     std::vector<Eigen::Vector4f> lever_;  // rest centre from the origin, and the part of the way per pass

@@ -29,6 +29,12 @@ Four four(const float* from) {
 
 void SoftBody::predict(float dt, float fraction) {
     Particles& p = particles;
+    if (!settings.acceleration.isZero(0.0f)) {
+        const Vec3f faster = dt * settings.acceleration;
+        for_each(p.size(), grain, [&](std::size_t i) {
+            p.velocity[i] += p.inverse_mass[i] > 0.0f ? faster : Vec3f(Vec3f::Zero());
+        });
+    }
     for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
         std::size_t i = begin;
         // Four particles fill three registers.

@@ -15,6 +15,8 @@ class SoftBody {
   public:
     struct Settings {
         float damping = 12.0f;  ///< [1/s], of velocity; tissue in the mouth is overdamped
+        /// [m/s^2], of free particles, beyond the weight that the unloaded shape already bears.
+        Vec3f acceleration = Vec3f::Zero();
     };
 
     Particles particles;

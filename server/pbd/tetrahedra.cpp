@@ -65,6 +65,10 @@ void project_blocks_baseline(const Tetrahedra::Block* block, std::size_t count, 
 
 using Corners = std::array<std::uint32_t, 4>;
 
+float shear_modulus(float youngs_modulus, float poisson_ratio) {
+    return youngs_modulus / (2.0f * (1.0f + poisson_ratio));
+}
+
 // Every third bit of a Morton code, from 20 bits.
 std::uint64_t spread(std::uint64_t bits) {
     bits = (bits | bits << 32) & 0x1f00000000ffffULL;
@@ -137,11 +141,13 @@ void Tetrahedra::configure(const Description& description, const Particles& part
     const std::vector<Corners>& tetrahedra = description.tetrahedra;
     assert(description.youngs_modulus.size() == tetrahedra.size());
     assert(description.poisson_ratio >= 0.2f && description.poisson_ratio < 0.4995f);
-    ratio_ = neo_hookean_ratio(description.poisson_ratio);
+    poisson_ratio_ = description.poisson_ratio;
+    ratio_ = neo_hookean_ratio(poisson_ratio_);
     avx2_ = has_avx2();
     shear_modulus_.resize(tetrahedra.size());
+    volume_.assign(tetrahedra.size(), 0.0f);
     for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
-        shear_modulus_[t] = description.youngs_modulus[t] / (2.0f * (1.0f + description.poisson_ratio));
+        shear_modulus_[t] = shear_modulus(description.youngs_modulus[t], poisson_ratio_);
     }
 
     const std::vector<std::uint32_t> order = spatial_order(tetrahedra, particles.rest);
@@ -212,8 +218,16 @@ void Tetrahedra::set_rest_of(std::size_t t, const Particles& particles) {
         block.metric[k][lane] = static_cast<float>(metric(row[k], column[k]));
     }
     block.inverse_determinant[lane] = static_cast<float>(inverse.determinant());
-    block.stiffness[lane] =
-        flat ? 0.0f : shear_modulus_[t] * static_cast<float>(std::fabs(determinant) / 6.0);
+    volume_[t] = flat ? 0.0f : static_cast<float>(std::fabs(determinant) / 6.0);
+    block.stiffness[lane] = shear_modulus_[t] * volume_[t];
+}
+
+void Tetrahedra::set_youngs_modulus(std::span<const float> moduli) {
+    assert(moduli.size() == place_.size());
+    for (std::size_t t = 0; t < place_.size(); ++t) {
+        shear_modulus_[t] = shear_modulus(moduli[t], poisson_ratio_);
+        block_[place_[t] / lanes].stiffness[place_[t] % lanes] = shear_modulus_[t] * volume_[t];
+    }
 }
 
 void Tetrahedra::project(Particles& particles, float dt) {

@@ -38,6 +38,9 @@ class Tetrahedra {
     /// Takes `particles.rest` as the new unloaded shape (after a change of posture).
     void set_rest(const Particles& particles);
 
+    /// Takes other moduli [Pa], one per tetrahedron as described; shape and state stay.
+    void set_youngs_modulus(std::span<const float> moduli);
+
     /// One Gauss-Seidel pass: moves the free particles' predicted positions. Substep `dt` [s]. The same
     /// bits for any number of threads. Does not allocate.
     void project(Particles& particles, float dt);
@@ -73,10 +76,12 @@ class Tetrahedra {
     std::vector<std::uint32_t> first_block_;  // by colour, count + 1
     std::vector<std::uint32_t> place_;        // by tetrahedron: lanes * block + lane
     std::vector<float> shear_modulus_;        // [Pa], by tetrahedron
+    std::vector<float> volume_;               // [m^3], at rest, by tetrahedron; 0 where it is flat
     std::vector<std::uint32_t> used_;         // particles in the order of wide_
     // Predicted position and inverse mass of the particles in use, then those that fill up the last block
     // of a colour, which never move.
     std::vector<Eigen::Vector4f> wide_;
+    float poisson_ratio_ = 0.45f;
     float ratio_ = 1.0f;
     std::size_t flat_ = 0;
     bool avx2_ = false;

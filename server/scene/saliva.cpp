@@ -13,8 +13,6 @@ namespace eti::scene {
 
 namespace {
 
-const Vec3f gravity(0.0f, 9.81f, 0.0f);  // [m/s^2]; the patient lies on its back: +y is posterior
-
 // Lengths are those of a newborn of 3.5 kg and shrink with the patient, volumes with their cube.
 constexpr std::size_t capacity = 3000;         // particles; 3 ml
 constexpr float spacing = 1e-3f;               // [m]
@@ -105,7 +103,7 @@ Saliva::Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float
     suction_[0].reach = suction_[0].radius + 6e-3f * size_;
 }
 
-void Saliva::reset(const SalivaSurroundings& at) {
+void Saliva::reset(const SalivaSurroundings& at, bool dry) {
     fluid_.reset(seed_);
     wall_.reset(at.shell);
     // All of mouth and throat, once.
@@ -127,6 +125,10 @@ void Saliva::reset(const SalivaSurroundings& at) {
     }
     wall_.update(at.shell, at.shell_revision, at.tissue, everywhere);
     find_glands(at);
+    place_emitters(at.bones);
+    if (dry) {
+        return;
+    }
     const float volume = fluid_.particle_volume();
     const float part = size_ * size_ * size_ / volume;
     std::set<Place> seen;
@@ -134,7 +136,6 @@ void Saliva::reset(const SalivaSurroundings& at) {
          Order::lowest, seen, at.landmarks);
     fill(eti::at(at.landmarks, Landmark::tongue_dorsum), static_cast<std::size_t>(film * part),
          Order::nearest, seen, at.landmarks);
-    place_emitters(at.bones);
 }
 
 /// The ducts: two under the tongue, two in the cheeks opposite the upper molars. The model has no such
@@ -251,6 +252,8 @@ void Saliva::place_capsules(const SalivaSurroundings& during) {
 void Saliva::begin_step(const SalivaSurroundings& during) {
     place_capsules(during);
     place_emitters(during.bones);
+    fluid_.set_flow(during.secretion * gland_flow * size_ * size_ * size_);
+    gravity_ = during.gravity;
     suction_[0].strength = during.suction;
     suction_[0].tip = during.blade_to * scope_.tip();
     tissue_.position = during.tissue.position;
@@ -271,7 +274,7 @@ void Saliva::run(const DistanceGrid& shell, std::uint64_t shell_revision) {
             now_.push_back(part_of(c, begin, begin + share));
         }
         surroundings.capsules = now_;
-        fluid_.step(substep, gravity, surroundings);
+        fluid_.step(substep, gravity_, surroundings);
     }
 }
 

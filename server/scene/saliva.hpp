@@ -29,6 +29,8 @@ struct SalivaSurroundings {
     RigidTransform blade_from, blade_to;
     std::span<const Vec3f> tube_from, tube_to;  ///< nodes [m]
     float suction = 0.0f;                       ///< 0..1
+    Vec3f gravity = anatomy::gravity(0.0f);     ///< [m/s^2]
+    float secretion = 1.0f;                     ///< of what the glands usually give
 };
 
 /// Saliva of particles `spacing` [m] apart for substeps of `dt` [s], with as much surface tension as these
@@ -41,8 +43,12 @@ class Saliva {
   public:
     Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius, std::uint64_t seed);
 
-    /// The liquid as at the start of a session, in the posture of `at`.
-    void reset(const SalivaSurroundings& at);
+    /// The liquid as at the start of a session, in the posture of `at`: none if `dry`, else the pool and the
+    /// film, laid out as on a level table.
+    void reset(const SalivaSurroundings& at, bool dry = false);
+
+    /// Whether a step would change anything: there is liquid, or glands that give some.
+    [[nodiscard]] bool flows(float secretion) const { return secretion > 0.0f || fluid_.count() > 0; }
 
     /// Starts a step; the shell and what is spanned in `during` have to last until end_step(), the rest is
     /// copied. The liquid is then computed beside whatever the caller does next.
@@ -85,6 +91,7 @@ class Saliva {
     std::vector<pbd::MovingCapsule> capsules_;  // over the whole step
     std::vector<pbd::MovingCapsule> now_;       // over a substep
     std::array<pbd::FluidSuction, 1> suction_{};
+    Vec3f gravity_ = Vec3f::Zero();  // [m/s^2], of this step
     tbb::task_group beside_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "server/anatomy/swelling.hpp"
 #include "server/pbd/ranges.hpp"
 
 namespace eti::scene {
@@ -13,6 +14,9 @@ namespace eti::scene {
 namespace {
 
 constexpr float tongue_friction = 0.2f;
+constexpr int swelling_delay = 90;  // steps; half a second
+constexpr float tissue_weight_share =
+    1000.0f / anatomy::tissue_density;        // tissue's own density over its particles'
 constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
 
 float approach(float from, float to, float most) {
@@ -48,6 +52,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
              const Inputs& start, const Settings& settings)
     : patient_(patient),
       settings_(settings),
+      stiffness_(patient.tissue_stiffness),
       tissue_(patient, settings.tissue_model, step_duration / static_cast<float>(settings.substeps)),
       shell_(patient),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
@@ -82,6 +87,19 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
 
 void Scene::reset(const Inputs& start) {
     posture_ = start.posture;
+    turn_gravity();
+    secretion_ = start.secretion;
+    if (const float growth = wanted_growth(start); growth != growth_) {
+        if (!tissue_.knows_swelling()) {
+            tissue_.set_swelling(swelling_.valid() ? swelling_.get() : anatomy::tongue_swelling(patient_));
+        }
+        growth_ = growth;
+        tissue_.set_tongue_growth(growth);
+    }
+    if (const float stiffness = wanted_stiffness(start); stiffness != stiffness_) {
+        stiffness_ = stiffness;
+        tissue_.set_stiffness(stiffness);
+    }
     const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture_);
     tissue_.pose(bones);
     tissue_.reset();
@@ -92,7 +110,7 @@ void Scene::reset(const Inputs& start) {
     place_tube(start.tube_grip);
     fill_snapshot(start);
     if (saliva_) {
-        saliva_->reset(about_saliva(start.laryngoscope, 0.0f));
+        saliva_->reset(about_saliva(start.laryngoscope, 0.0f), settings_.dry_start);
         fill_saliva();
     }
 }
@@ -108,27 +126,71 @@ void Scene::place_tube(const RigidTransform& grip) {
     tube_before_.clear();
 }
 
-void Scene::apply_posture(const anatomy::Posture& wanted) {
+void Scene::approach_wanted(const Inputs& inputs) {
     const float most = settings_.posture_rate * step_duration;
-    const anatomy::Posture next{
-        approach(posture_.head_elevation,
-                 std::clamp(wanted.head_elevation, 0.0f, anatomy::max_head_elevation), most),
-        approach(posture_.jaw_opening, std::clamp(wanted.jaw_opening, 0.0f, anatomy::max_jaw_opening), most)};
-    if (next.head_elevation == posture_.head_elevation && next.jaw_opening == posture_.jaw_opening) {
+    const anatomy::Posture wanted = anatomy::clamped(inputs.posture);
+    const anatomy::Posture next{approach(posture_.head_elevation, wanted.head_elevation, most),
+                                approach(posture_.jaw_opening, wanted.jaw_opening, most),
+                                approach(posture_.table_angle, wanted.table_angle, most)};
+    const bool bones_move =
+        next.head_elevation != posture_.head_elevation || next.jaw_opening != posture_.jaw_opening;
+    const bool table_turns = next.table_angle != posture_.table_angle;
+    posture_ = next;
+    if (table_turns) {
+        turn_gravity();
+    }
+    secretion_ = approach(secretion_, inputs.secretion, settings_.secretion_rate * step_duration);
+    approach_stiffness(wanted_stiffness(inputs));
+    const bool tongue_grows = approach_tongue(wanted_growth(inputs));
+    if (!bones_move && !tongue_grows) {
         return;
     }
-    posture_ = next;
     const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture_);
     tissue_.pose(bones);
-    shell_.pose(bones);
-    rigid_.move_shell(shell_.vertices());
+    if (bones_move) {
+        shell_.pose(bones);
+        rigid_.move_shell(shell_.vertices());
+    }
+}
+
+void Scene::approach_stiffness(float wanted) {
+    wanted = std::min(wanted, settings_.stiffest / growth_);
+    if (wanted != stiffness_) {
+        stiffness_ = approach(stiffness_, wanted, settings_.stiffness_rate * step_duration * stiffness_);
+        tissue_.set_stiffness(stiffness_);
+    }
+}
+
+bool Scene::approach_tongue(float wanted) {
+    wanted = std::min(wanted, settings_.stiffest / stiffness_);
+    if (wanted == growth_) {
+        return false;
+    }
+    if (!tissue_.knows_swelling()) {
+        if (!swelling_.valid()) {
+            swelling_ = std::async(std::launch::async, [this] { return anatomy::tongue_swelling(patient_); });
+            swelling_wait_ = swelling_delay;
+        }
+        if (--swelling_wait_ > 0) {
+            return false;
+        }
+        tissue_.set_swelling(swelling_.get());
+    }
+    growth_ = approach(growth_, wanted, settings_.tongue_rate * step_duration);
+    tissue_.set_tongue_growth(growth_);
+    return true;
+}
+
+void Scene::turn_gravity() {
+    gravity_ = anatomy::gravity(posture_.table_angle);
+    tissue_.body().settings.acceleration = tissue_weight_share * (gravity_ - anatomy::gravity(0.0f));
 }
 
 void Scene::step(const Inputs& inputs) {
     if (clock_ != nullptr) {
         clock_->start();
     }
-    apply_posture(inputs.posture);
+    approach_wanted(inputs);
     shell_.advance();
 
     const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
@@ -139,7 +201,8 @@ void Scene::step(const Inputs& inputs) {
     pbd::SoftBody& body = tissue_.body();
     blade_.begin_step(body.particles, blade_pose_, blade_to);
     tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to);
-    if (saliva_) {
+    const bool liquid_moves = saliva_ && saliva_->flows(secretion_);
+    if (liquid_moves) {
         saliva_->begin_step(about_saliva(blade_to, inputs.suction));
     }
     if (self_contact_) {
@@ -152,7 +215,7 @@ void Scene::step(const Inputs& inputs) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
         const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));
-        tube_.predict(dt, end);
+        tube_.predict(dt, end, gravity_);
         lap(Stage::predict);
         body.project(dt);
         if (self_contact_) {
@@ -177,7 +240,7 @@ void Scene::step(const Inputs& inputs) {
     // Whole nanoseconds from the step number: no drift.
     snapshot_.time_ns = snapshot_.step * 1'000'000'000ULL / steps_per_second;
     fill_snapshot(inputs);
-    if (saliva_) {
+    if (liquid_moves) {
         saliva_->end_step();
         fill_saliva();
     }
@@ -195,7 +258,9 @@ SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suc
             blade_to,
             tube_before_.size() == to.size() ? tube_before_ : to,
             to,
-            suction};
+            suction,
+            gravity_,
+            secretion_};
 }
 
 void Scene::fill_saliva() {
@@ -265,6 +330,10 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     }
     s.head_elevation = posture_.head_elevation;
     s.jaw_opening = posture_.jaw_opening;
+    s.table_angle = posture_.table_angle;
+    s.tongue_scale = growth_ * settings_.tongue_scale;
+    s.tissue_stiffness = stiffness_;
+    s.secretion = secretion_;
     lap(Stage::snapshot);
 }
 

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
+#include <limits>
 #include <optional>
+#include <vector>
 
 #include "server/anatomy/patient.hpp"
 #include "server/anatomy/skeleton.hpp"
@@ -27,17 +30,29 @@ inline constexpr float step_duration = 1.0f / steps_per_second;  ///< [s]
 struct Inputs {
     RigidTransform laryngoscope;
     RigidTransform tube_grip;
-    float suction = 0.0f;      ///< 0..1
-    anatomy::Posture posture;  ///< wanted; approached smoothly
+    float suction = 0.0f;  ///< 0..1
+    // Wanted, and approached smoothly.
+    anatomy::Posture posture;
+    std::optional<float> tongue_scale;      ///< as a scenario's; by default that of the model
+    std::optional<float> tissue_stiffness;  ///< [Pa], tongue and mucosa; by default that of the model
+    float secretion = 1.0f;                 ///< of what the glands usually give; 0: nothing
 };
 
 struct Settings {
     int substeps = 8;
     TissueModel tissue_model = TissueModel::tetrahedra;
-    float posture_rate = 0.17f;  ///< [rad/s]; a nurse tilts a head at about 10 deg/s
+    float posture_rate = 0.17f;   ///< [rad/s]; a nurse tilts a head at about 10 deg/s
+    float tongue_rate = 0.1f;     ///< [1/s], of the built tongue's size
+    float stiffness_rate = 1.0f;  ///< [1/s], of the stiffness itself
+    float secretion_rate = 5.0f;  ///< [1/s], of the usual flow
+    float tongue_scale = 1.0f;    ///< that the model was built with
+    /// [Pa], that the solver bears in the built tongue, and so much less as that grows. Stiffness and size
+    /// wait for each other where both change.
+    float stiffest = std::numeric_limits<float>::infinity();
     rigid::Settings rigid;
     bool self_contact = false;  ///< tissue also meets tissue
     bool saliva = false;        ///< secretions in mouth and throat; without them they cost nothing
+    bool dry_start = false;     ///< with saliva: none before glands are told to give some
     std::uint64_t seed = 1;     ///< of what the glands give
 };
 
@@ -72,7 +87,19 @@ class Scene {
     void place_tube(const RigidTransform& grip);
 
   private:
-    void apply_posture(const anatomy::Posture& posture);
+    /// Carries patient and table on towards what is wanted, by what may change in a step.
+    void approach_wanted(const Inputs& inputs);
+    void approach_stiffness(float wanted);
+    /// Whether the tongue has grown or shrunk.
+    [[nodiscard]] bool approach_tongue(float wanted);
+    /// What hangs on the table's angle.
+    void turn_gravity();
+    [[nodiscard]] float wanted_growth(const Inputs& inputs) const {
+        return inputs.tongue_scale ? *inputs.tongue_scale / settings_.tongue_scale : 1.0f;
+    }
+    [[nodiscard]] float wanted_stiffness(const Inputs& inputs) const {
+        return inputs.tissue_stiffness.value_or(patient_.tissue_stiffness);
+    }
     /// The tongue does not go through palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles);
     void fill_snapshot(const Inputs& inputs);
@@ -88,6 +115,14 @@ class Scene {
     const anatomy::Patient& patient_;
     Settings settings_;
     anatomy::Posture posture_;
+    float growth_ = 1.0f;  // of the tongue against the built one
+    float stiffness_;      // [Pa]
+    float secretion_ = 1.0f;
+    // How the tongue grows, computed beside the simulation once someone asks for another size and taken over
+    // a set number of steps later, so that a session re-runs to the same bits.
+    std::future<std::vector<Vec3f>> swelling_;
+    int swelling_wait_ = 0;
+    Vec3f gravity_ = Vec3f::Zero();  // [m/s^2]
     SoftTissue tissue_;
     PosedShell shell_;
     rigid::RigidLayer rigid_;

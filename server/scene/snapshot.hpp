@@ -72,6 +72,10 @@ struct Snapshot {
 
     float head_elevation = 0.0f;  ///< [rad]
     float jaw_opening = 0.0f;     ///< [rad]
+    float table_angle = 0.0f;     ///< [rad], positive head-up
+    float tongue_scale = 1.0f;
+    float tissue_stiffness = 0.0f;  ///< [Pa], Young's modulus of tongue and mucosa
+    float secretion = 1.0f;         ///< of what the glands usually give
 };
 
 }  // namespace eti::scene

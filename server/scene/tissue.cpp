@@ -3,16 +3,18 @@
 #include "server/scene/tissue.hpp"
 
 #include <algorithm>
+#include <cassert>
 
+#include "server/anatomy/stiffness.hpp"
 #include "server/pbd/cluster_calibration.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-/// [Pa]. Clusters joined to each other yield more than each of them; the epiglottis is one alone.
-float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, float substep) {
-    const float wanted = patient.clusters.youngs_modulus[cluster];
+/// [Pa], for the modulus `wanted`. Clusters joined to each other yield more than each of them; the epiglottis
+/// is one alone.
+float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
     if (patient.clusters.tissue[cluster] == Tissue::epiglottis) {
         return wanted;
     }
@@ -31,7 +33,7 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
 }  // namespace
 
 SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float substep)
-    : patient_(patient) {
+    : patient_(patient), substep_(substep), soft_(patient.tissue_stiffness) {
     const anatomy::ParticleSet& set = patient.particles;
     pbd::Particles& p = body_.particles;
     p.resize(set.size());
@@ -59,6 +61,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
                                     [&](std::uint32_t i) { return set.tissue[i] == Tissue::tongue; })) {
                 mesh.tetrahedra.push_back(corners);
                 mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
+                meshed_.push_back(static_cast<std::uint32_t>(t));
                 for (const std::uint32_t i : corners) {
                     meshed[i] = true;
                 }
@@ -113,7 +116,8 @@ pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uin
         const auto members = patient_.clusters.members(c);
         shapes.member.insert(shapes.member.end(), members.begin(), members.end());
         shapes.first.push_back(static_cast<std::uint32_t>(shapes.member.size()));
-        shapes.youngs_modulus.push_back(modulus_to_put_in(patient_, c, substep));
+        shapes.youngs_modulus.push_back(
+            modulus_to_put_in(patient_, c, patient_.clusters.youngs_modulus[c], substep));
     }
     return shapes;
 }
@@ -122,15 +126,67 @@ void SoftTissue::pose(const anatomy::BonePoses& bones) {
     bones_ = bones;
     pbd::Particles& p = body_.particles;
     for (std::size_t i = 0; i < p.size(); ++i) {
-        p.rest[i] = anatomy::pose_point(patient_.particles.rest[i], patient_.particles.bones[i], bones);
+        p.rest[i] = anatomy::pose_point(grown(i), patient_.particles.bones[i], bones);
     }
     body_.set_rest();
     fitted_.set_rest(p);
     for (std::size_t c = 0; c < cluster_turn_.size(); ++c) {
         cluster_turn_[c] = anatomy::pose_rotation(cluster_bones_[c], bones);
-        cluster_posed_centre_[c] = anatomy::pose_point(patient_.frame_rest_centre[anatomy::bone_count + c],
-                                                       cluster_bones_[c], bones);
+        Vec3f centre = patient_.frame_rest_centre[anatomy::bone_count + c];
+        if (growth_ != 1.0f) {
+            centre += (growth_ - 1.0f) * cluster_swelling_[c];
+        }
+        cluster_posed_centre_[c] = anatomy::pose_point(centre, cluster_bones_[c], bones);
     }
+}
+
+Vec3f SoftTissue::grown(std::size_t particle) const {
+    const Vec3f& built = patient_.particles.rest[particle];
+    return growth_ == 1.0f ? built : Vec3f(built + (growth_ - 1.0f) * swelling_[particle]);
+}
+
+void SoftTissue::set_swelling(std::vector<Vec3f> displacement) {
+    assert(displacement.size() == body_.particles.size());
+    swelling_ = std::move(displacement);
+    cluster_swelling_.assign(patient_.clusters.size(), Vec3f::Zero());
+    for (std::uint32_t c = 0; c < patient_.clusters.size(); ++c) {
+        const auto members = patient_.clusters.members(c);
+        for (const std::uint32_t i : members) {
+            cluster_swelling_[c] += swelling_[i] / static_cast<float>(members.size());
+        }
+    }
+}
+
+void SoftTissue::set_tongue_growth(float growth) {
+    assert(knows_swelling());
+    growth_ = growth;
+    update_moduli();
+}
+
+void SoftTissue::set_stiffness(float soft) {
+    soft_ = soft;
+    update_moduli();
+}
+
+void SoftTissue::update_moduli() {
+    moduli_.clear();
+    for (const std::uint32_t t : meshed_) {
+        moduli_.push_back(anatomy::tetrahedron_modulus(patient_, t, soft_));
+    }
+    body_.tetrahedra.set_youngs_modulus(moduli_);
+    moduli_.clear();
+    for (const std::uint32_t c : held_clusters_) {
+        // A cluster's springs go with its size (E V / r^2), as a tetrahedron's do by its rest shape.
+        const float size = patient_.clusters.tissue[c] == Tissue::tongue ? growth_ : 1.0f;
+        moduli_.push_back(
+            size * modulus_to_put_in(patient_, c, anatomy::cluster_modulus(patient_, c, soft_), substep_));
+    }
+    body_.shapes.set_youngs_modulus(moduli_);
+    moduli_.clear();
+    for (std::uint32_t l = 0; l < patient_.links.ends.size(); ++l) {
+        moduli_.push_back(anatomy::link_stiffness(patient_, l, soft_));
+    }
+    body_.links.set_stiffness(moduli_);
 }
 
 void SoftTissue::frames(std::vector<FramePose>& frames) {

@@ -23,6 +23,15 @@ class SoftTissue {
     /// Carries the unloaded shape to a posture. Particles bound to bone go there over the next step.
     void pose(const anatomy::BonePoses& bones);
 
+    /// How the tongue grows (see anatomy::tongue_swelling()); needed before set_tongue_growth().
+    void set_swelling(std::vector<Vec3f> displacement);
+    [[nodiscard]] bool knows_swelling() const { return !swelling_.empty(); }
+    /// Length of the tongue over that of the built one; takes effect with the next pose(). Masses stay: they
+    /// are none of the tissue's own (docs/decisions/0020-quasi-static-mass.md).
+    void set_tongue_growth(float growth);
+    /// Young's modulus of tongue and mucosa [Pa]; in shape and state nothing changes.
+    void set_stiffness(float soft);
+
     /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
     /// that tetrahedra stand in for are fitted to the particles here.
     void frames(std::vector<FramePose>& frames);
@@ -41,6 +50,9 @@ class SoftTissue {
     /// The patient's clusters that `wanted` names, as the solver takes them.
     [[nodiscard]] pbd::ShapeMatching::Description description(std::span<const std::uint32_t> wanted,
                                                               float substep) const;
+    /// The particle at rest in the model's posture, as far as the tongue has grown.
+    [[nodiscard]] Vec3f grown(std::size_t particle) const;
+    void update_moduli();
     void frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
                    std::vector<FramePose>& frames) const;
 
@@ -52,6 +64,12 @@ class SoftTissue {
     std::vector<anatomy::BoneWeights> cluster_bones_;  // mean over a cluster's members
     std::vector<Quatf> cluster_turn_;                  // model rest to posed rest
     std::vector<Vec3f> cluster_posed_centre_;          // frame centre carried to the posed rest
+    float substep_;                                    // [s]
+    float soft_;                                       // [Pa], modulus of tongue and mucosa
+    float growth_ = 1.0f;                              // of the tongue
+    std::vector<Vec3f> swelling_, cluster_swelling_;   // [m] per unit of growth; of clusters the mean
+    std::vector<std::uint32_t> meshed_;                // the patient's numbers of the tetrahedra in use
+    std::vector<float> moduli_;                        // scratch
 };
 
 }  // namespace eti::scene

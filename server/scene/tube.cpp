@@ -11,7 +11,6 @@ namespace eti::scene {
 
 namespace {
 
-const Vec3f gravity(0.0f, 9.81f, 0.0f);  // [m/s^2]; the patient lies on its back: +y is posterior
 // [m]; beside the tube's own way, tissue and tube come no closer to each other within a step.
 constexpr float slack = 2e-3f;
 // Coulomb; a lubricated tube on wet mucosa, and on wet steel.
@@ -136,7 +135,7 @@ void TubeContact::find_ends() {
     }
 }
 
-void TubeContact::predict(float dt, float end) {
+void TubeContact::predict(float dt, float end, const Vec3f& gravity) {
     dt_ = dt;
     rod_.predict(dt, gravity, between(grip_from_, grip_to_, end));
 }

@@ -21,8 +21,8 @@ class TubeContact {
     void begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
                     const RigidTransform& grip_to, const RigidTransform& blade_from,
                     const RigidTransform& blade_to);
-    /// Moves the rod on by `dt` [s], to the grip's pose at share `end` of the step.
-    void predict(float dt, float end);
+    /// Moves the rod on by `dt` [s] under `gravity` [m/s^2], to the grip's pose at share `end` of the step.
+    void predict(float dt, float end, const Vec3f& gravity);
     /// Solves rod and contacts for the substep that ends at share `end` of the step; moves the particles
     /// that the tube presses on.
     void project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end);

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
         "speed", "Cost of the solver's parts, with one thread and two, or with as many as --threads says");
     costs->add_flag("--json", speed.json, "Print one JSON object");
     costs->add_flag("--quick", speed.quick, "Fewer repetitions");
+    costs->add_flag("--sweeps", speed.sweeps, "Only the scene's steps while posture and tissue change");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -151,6 +151,13 @@ int speed(const SpeedOptions& options) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(threads));
         SpeedMeter meter(threads, options.quick, results);
+        // Of one thread, whose time it is.
+        if (threads == 1 && (!options.quick || options.sweeps)) {
+            measure_sweeps(meter);
+        }
+        if (options.sweeps) {
+            continue;
+        }
         for (const double megabytes : {0.25, 4.0, 256.0}) {
             meter.add(fmt::format("bandwidth over {:g} MB (triad)", megabytes),
                       meter.bandwidth(megabytes * 1e6), "GB/s");

@@ -8,6 +8,7 @@ namespace eti::bench {
 
 struct SpeedOptions {
     bool json = false;
+    bool sweeps = false;                ///< only the scene while posture and tissue change
     bool quick = false;                 ///< fewer repetitions and no large bodies, for tests
     std::vector<int> threads = {1, 2};  ///< numbers of threads to measure with
 };

@@ -61,6 +61,8 @@ void measure_parts(SpeedMeter& meter);
 void measure_peers(SpeedMeter& meter);
 void measure_scaling(SpeedMeter& meter);
 void measure_scene(SpeedMeter& meter);
+/// The scenario 'term' while head, jaw, table, tongue and stiffness go through their ranges and back.
+void measure_sweeps(SpeedMeter& meter);
 /// Whole steps of a scenario with saliva, and of one as fine as is worth it. Takes minutes.
 void measure_whole_scenes(SpeedMeter& meter);
 

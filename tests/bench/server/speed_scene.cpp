@@ -2,10 +2,13 @@
 // Copyright the NeoETI authors
 #include <fmt/format.h>
 
+#include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <vector>
 
 #include "server/anatomy/model_file.hpp"
 #include "server/app/local_operator.hpp"
@@ -38,6 +41,49 @@ void stages(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs&
     }
 }
 
+/// What the calling thread has taken of a processor [ms]: what other programs do beside it does not count.
+double processor_ms() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// The slowest and the middle step while something goes through its full range and back. Each step is the
+/// least of several runs through the same course, so that what disturbs one of them does not count.
+void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& from, const scene::Inputs& to,
+           const std::string& what) {
+    constexpr int longest = 20 * scene::steps_per_second;
+    const int runs = meter.quick() ? 1 : 3;
+    std::vector<double> least;
+    for (int run = 0; run < runs; ++run) {
+        simulation.scene().reset(from);
+        for (int i = 0; i < 20; ++i) {
+            simulation.scene().step(from);
+        }
+        std::size_t step = 0;
+        for (const scene::Inputs& inputs : {to, from}) {
+            // The shell's distances follow a second after the bones: they are waited for, too.
+            int still = 0;
+            for (int i = 0; i < longest && still < 2 * scene::steps_per_second; ++i, ++step) {
+                const scene::Snapshot& s = simulation.snapshot();
+                const std::array before = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,
+                                           s.tissue_stiffness};
+                const double began = processor_ms();
+                simulation.scene().step(inputs);
+                const double took = processor_ms() - began;
+                least.resize(std::max(least.size(), step + 1), 1e300);
+                least[step] = std::min(least[step], took);
+                const std::array after = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,
+                                          s.tissue_stiffness};
+                still = before == after ? still + 1 : 0;
+            }
+        }
+    }
+    std::ranges::sort(least);
+    meter.add(fmt::format("{} there and back: middle step", what), least[least.size() / 2], "ms");
+    meter.add(fmt::format("{} there and back: slowest step", what), least.back(), "ms");
+}
+
 /// A step of a whole scene at rest, of which the name says what it is.
 void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& name) {
     const anatomy::Patient patient = app::patient_of(scenario);
@@ -62,6 +108,46 @@ void measure_whole_scenes(SpeedMeter& meter) {
     fine.physics.region = 15e-3f;
     fine.saliva = true;
     whole_step(meter, fine, "scenario 'term' on 1.5 and 0.75 mm within 15 mm, with saliva");
+}
+
+void measure_sweeps(SpeedMeter& meter) {
+    const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
+    const anatomy::Patient patient = app::patient_of(scenario);
+    const scene::Inputs start = app::parked(scenario);
+    app::Simulation simulation(scenario, patient, start);
+    const auto course = [&](const std::string& what, auto set_low, auto set_high) {
+        scene::Inputs low = start, high = start;
+        set_low(low);
+        set_high(high);
+        sweep(meter, simulation, low, high, what);
+    };
+    course(
+        "head 0 to 30 deg", [](auto& i) { i.posture.head_elevation = 0.0f; },
+        [](auto& i) { i.posture.head_elevation = anatomy::max_head_elevation; });
+    course(
+        "jaw 0 to 35 deg", [](auto& i) { i.posture.jaw_opening = 0.0f; },
+        [](auto& i) { i.posture.jaw_opening = anatomy::max_jaw_opening; });
+    course(
+        "table -20 to 20 deg", [](auto& i) { i.posture.table_angle = -anatomy::max_table_angle; },
+        [](auto& i) { i.posture.table_angle = anatomy::max_table_angle; });
+    course(
+        "tongue scale 0.8 to 1.4", [](auto& i) { i.tongue_scale = 0.8f; },
+        [](auto& i) { i.tongue_scale = 1.4f; });
+    course(
+        "tissue 1 to 18 kPa", [](auto& i) { i.tissue_stiffness = 1e3f; },
+        [](auto& i) { i.tissue_stiffness = 18e3f; });
+    course(
+        "head, jaw, table, tongue and tissue together",
+        [](auto& i) {
+            i.posture = {0.0f, 0.0f, -anatomy::max_table_angle};
+            i.tongue_scale = 0.8f;
+            i.tissue_stiffness = 1e3f;
+        },
+        [](auto& i) {
+            i.posture = {anatomy::max_head_elevation, anatomy::max_jaw_opening, anatomy::max_table_angle};
+            i.tongue_scale = 1.4f;
+            i.tissue_stiffness = 18e3f;
+        });
 }
 
 void measure_scene(SpeedMeter& meter) {

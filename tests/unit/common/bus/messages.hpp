@@ -161,7 +161,7 @@ inline msg::Command example() {
     out.header(example_header());
     out.sender("instructor");
     out.id(8);
-    out.kind(msg::COMMAND_SUCTION);
+    out.kind(msg::COMMAND_SECRETION);
     out.value(0.75f);
     return out;
 }
@@ -188,6 +188,12 @@ inline msg::LiveMetrics example() {
     out.tube_depth_past_glottis(-0.5f);
     out.tube_force_n(0.75f);
     out.tube_tip(vec(1.0f));
+    out.patient().head_elevation(0.25f);
+    out.patient().jaw_opening(0.5f);
+    out.patient().table_angle(-0.125f);
+    out.patient().tongue_scale(1.25f);
+    out.patient().tissue_stiffness(9e3f);
+    out.patient().secretion(2.0f);
     for (int i = 0; i < 32; ++i) {
         out.landmarks().push_back(vec(static_cast<float>(i)));
     }

@@ -84,6 +84,10 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     EXPECT_EQ(s.physics.substeps, defaults.physics.substeps);
     EXPECT_EQ(s.time_limit, defaults.time_limit);
     EXPECT_EQ(s.saliva, defaults.saliva);
+    EXPECT_FALSE(read("saliva: on\n").saliva_standby);
+    EXPECT_TRUE(read("saliva: standby\n").saliva);
+    EXPECT_TRUE(read("saliva: standby\n").saliva_standby);
+    EXPECT_FLOAT_EQ(read("patient: {table_angle_deg: -15}\n").patient.table_angle, -15 * degree);
 }
 
 TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
@@ -98,7 +102,7 @@ TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(refused("patient: {weight_kg: [3]}\n", {"weight_kg", "a list"}));
     EXPECT_TRUE(refused("patient: {weight_kg: }\n", {"weight_kg", "nothing"}));
     EXPECT_TRUE(refused("patient: {weight_kg: 3, weight_kg: 4}\n", {"weight_kg", "twice"}));
-    EXPECT_TRUE(refused("saliva: maybe\n", {"saliva", "'maybe'", "on or off"}));
+    EXPECT_TRUE(refused("saliva: maybe\n", {"saliva", "'maybe'", "off, on, standby"}));
     EXPECT_TRUE(refused("seed: -1\n", {"seed", "'-1'", "whole number"}));
     EXPECT_TRUE(refused("seed: 1.5\n", {"seed", "'1.5'"}));
     EXPECT_TRUE(refused("physics: {substeps: 0}\n", {"substeps", "1 to 64"}));

@@ -97,6 +97,10 @@ inline StepRecord step(std::uint64_t number) {
     }
     record.head_elevation = value(number, 120);
     record.jaw_opening = value(number, 121);
+    record.table_angle = static_cast<double>(value(number, 125));
+    record.tongue_scale = static_cast<double>(value(number, 126));
+    record.tissue_stiffness = static_cast<double>(value(number, 127));
+    record.secretion = static_cast<double>(value(number, 128));
     record.attempt = static_cast<std::uint32_t>(number / 1000);
     record.attempt_running = number % 2 == 1;
     record.glottic_opening_percent = value(number, 122);

@@ -54,6 +54,26 @@ TEST(CommandPad, PosturesStayWithinTheServersBounds) {
     EXPECT_NEAR(head, 0.0f, 1e-6f);
 }
 
+TEST(CommandPad, TheRightStickTiltsTheTableEitherWay) {
+    CommandPad pad({.table_angle_deg = 15.0f});
+    Reading reading;
+    for (const float stick : {-1.0f, 1.0f}) {
+        reading.axes[4] = stick;
+        float table = 0.0f;
+        for (int i = 0; i < 500; ++i) {
+            for (const PadCommand& command : pad.update(reading, dt)) {
+                EXPECT_EQ(command.kind, msg::COMMAND_TABLE_ANGLE);
+                table = command.value;
+            }
+        }
+        reading.axes = {};
+        for (const PadCommand& command : pad.update(reading, dt)) {
+            table = command.value;
+        }
+        EXPECT_NEAR(table, -20.0f * degree * stick, 1e-5f) << "away from the body is head-up";
+    }
+}
+
 TEST(CommandPad, ButtonAndTriggerAreSuction) {
     CommandPad pad({});
     Reading reading;

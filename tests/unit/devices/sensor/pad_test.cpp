@@ -137,8 +137,9 @@ TEST(Keyboard, ArrowsDeflectForATenthOfASecond) {
 TEST(Keyboard, SSwitchesSuctionAndBracketsTheTable) {
     EXPECT_EQ(typed("s]",
                     [](Loop& loop) {
-                        return loop.until(
-                                   [&] { return loop.reading.buttons == 1u && loop.reading.axes[2] == 1.0f; })
+                        return loop.until([&] {
+                            return loop.reading.buttons == 1u && loop.reading.axes[4] == -1.0f;
+                        })
                                    ? 0
                                    : 1;
                     }),

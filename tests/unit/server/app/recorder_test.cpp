@@ -76,6 +76,10 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     snapshot.suction = 0.5f;
     snapshot.head_elevation = 0.4f;
     snapshot.jaw_opening = 0.3f;
+    snapshot.table_angle = -0.2f;
+    snapshot.tongue_scale = 1.2f;
+    snapshot.tissue_stiffness = 9e3f;
+    snapshot.secretion = 3.0f;
     live.attempt = 3;
     live.attempt_running = true;
     live.glottic_opening_percent = 42.0f;
@@ -112,6 +116,10 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(first.suction, 0.5f);
     EXPECT_EQ(first.head_elevation, 0.4f);
     EXPECT_EQ(first.jaw_opening, 0.3f);
+    EXPECT_EQ(first.table_angle, static_cast<double>(-0.2f));
+    EXPECT_EQ(first.tongue_scale, static_cast<double>(1.2f));
+    EXPECT_EQ(first.tissue_stiffness, 9e3);
+    EXPECT_EQ(first.secretion, 3.0);
     EXPECT_EQ(first.attempt, 3u);
     EXPECT_TRUE(first.attempt_running);
     EXPECT_EQ(first.glottic_opening_percent, 42.0f);

@@ -91,5 +91,32 @@ TEST(Compliance, OfClustersConvergesWithTheSquareOfTheSubstep) {
     EXPECT_GT((coarse - limit) / limit, 0.3 * bound);
 }
 
+// A moved weight on a link stretches it by m a / k, as gravity does above.
+TEST(Compliance, AnAccelerationOfTheBodyPullsAsWeightDoes) {
+    SoftBody body;
+    body.particles.resize(2);
+    body.particles.rest = {Vec3f::Zero(), Vec3f(0, 0, -1e-2f)};
+    body.particles.position = body.particles.predicted = body.particles.rest;
+    const float mass = 1e-4f, stiffness = 20.0f;
+    body.particles.inverse_mass = {0.0f, 1.0f / mass};
+    body.links.configure({{0, 1}}, {stiffness}, body.particles);
+    body.tetrahedra.configure({}, body.particles);
+    ShapeMatching::Description none;
+    none.first = {0};
+    none.fitting_mass = none.particle_volume = {mass, mass};
+    body.shapes.configure(none, body.particles);
+    body.settings.damping = 40.0f;
+    body.settings.acceleration = Vec3f(0, 0, -3.0f);
+    for (const float softer : {1.0f, 2.0f}) {
+        body.links.set_stiffness(std::vector{stiffness / softer});
+        for (int n = 0; n < 1440; ++n) {
+            test::substep(body, 1.0f / 1440.0f);
+        }
+        const double expected = 1e-4 * 3.0 / 20.0 * static_cast<double>(softer);
+        EXPECT_NEAR(static_cast<double>(-body.particles.position[1].z() - 1e-2f), expected, 2e-3 * expected);
+    }
+    EXPECT_EQ(body.particles.position[0], Vec3f(Vec3f::Zero()));
+}
+
 }  // namespace
 }  // namespace eti::pbd

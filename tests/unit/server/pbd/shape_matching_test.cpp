@@ -243,5 +243,28 @@ TEST(ShapeMatching, ForceOfAHeldParticleFollowsTheSpring) {
     EXPECT_NEAR(force, k * 1e-4f * (1.0f - followed), 0.02f * k * 1e-4f);
 }
 
+TEST(ShapeMatching, AModulusThatIsSetLaterIsTheOneThatItWasConfiguredWith) {
+    const auto run = [](float configured, std::optional<float> later) {
+        SoftBody body = block(5, configured);
+        if (later) {
+            body.shapes.set_youngs_modulus(std::vector<float>(body.shapes.size(), *later));
+        }
+        body.particles.position[0] += Vec3f(2e-3f, 0, 0);
+        for (int k = 0; k < 20; ++k) {
+            substep(body, 1e-3f);
+        }
+        return body.particles.position;
+    };
+    const std::vector<Vec3f> wanted = run(5e3f, {}), set = run(8e3f, 5e3f), other = run(8e3f, {});
+    float apart = 0.0f, otherwise = 0.0f;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        apart = std::max(apart, (set[i] - wanted[i]).norm());
+        otherwise = std::max(otherwise, (other[i] - wanted[i]).norm());
+    }
+    // A spring's last bit, in some places of some hundredths of a metre.
+    EXPECT_LT(apart, 1e-7f);
+    EXPECT_GT(otherwise, 1e-5f);
+}
+
 }  // namespace
 }  // namespace eti::pbd

@@ -484,5 +484,21 @@ TEST(Tetrahedra, StretchAsTheClosedFormWithManySubsteps) {
     }
 }
 
+TEST(Tetrahedra, AModulusThatIsSetLaterIsTheOneThatTheyWereConfiguredWith) {
+    const auto run = [](float configured, std::optional<float> later) {
+        test::TetrahedralBody body(test::tetrahedral_lattice(4, 4, 4, 2e-3), configured, 0.45f);
+        if (later) {
+            body.tetrahedra.set_youngs_modulus(std::vector<float>(body.lattice.tetrahedra.size(), *later));
+        }
+        body.particles.position[0] += Vec3f(1e-3f, 0, 0);
+        for (int k = 0; k < 20; ++k) {
+            body.substep(1e-4f);
+        }
+        return body.particles.position;
+    };
+    EXPECT_EQ(run(8e3f, 5e3f), run(5e3f, std::nullopt));
+    EXPECT_NE(run(8e3f, 5e3f), run(8e3f, std::nullopt));
+}
+
 }  // namespace
 }  // namespace eti::pbd

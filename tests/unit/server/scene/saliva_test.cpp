@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "common/math/units.hpp"
@@ -249,6 +250,60 @@ TEST_F(SalivaInScene, ResetBringsThePoolBack) {
 
 TEST_F(SalivaInScene, TheStateHashTellsOfIt) {
     EXPECT_NE(make(true).state_hash(), make(false).state_hash());
+}
+
+TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
+    Inputs inputs = away_;
+    inputs.secretion = 0.0f;
+    Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
+                {.rigid = {}, .saliva = true, .dry_start = true});
+    for (int k = 0; k < 20; ++k) {
+        scene.step(inputs);
+    }
+    EXPECT_TRUE(scene.snapshot().saliva.on);
+    EXPECT_TRUE(scene.snapshot().saliva.positions.empty());
+    inputs.secretion = 10.0f;
+    for (int k = 0; k < 2 * steps_per_second; ++k) {
+        scene.step(inputs);
+    }
+    EXPECT_NEAR(scene.snapshot().secretion, 10.0f, 1e-3f);
+    // It takes two seconds to be asked for ten times the flow, five more of it in each; each gland may owe a
+    // particle. None has run out yet.
+    const double given = 10.0 * 1.0 * 4.0 * 2e-9 * (1.1 / 3.5);
+    const double particle = std::pow(1e-3 * std::cbrt(1.1 / 3.5), 3);
+    EXPECT_NEAR(static_cast<double>(scene.snapshot().saliva.positions.size()), given / particle, 5.0);
+    inputs.secretion = 0.0f;
+    for (int k = 0; k < 3 * steps_per_second; ++k) {
+        scene.step(inputs);
+    }
+    const std::size_t there = scene.snapshot().saliva.positions.size() + scene.snapshot().saliva.left;
+    for (int k = 0; k < steps_per_second / 2; ++k) {
+        scene.step(inputs);
+    }
+    EXPECT_EQ(scene.snapshot().saliva.positions.size() + scene.snapshot().saliva.left, there);
+}
+
+TEST_F(SalivaInScene, RunsToTheEndOfTheTableThatIsLower) {
+    const auto middle = [&](float table_angle) {
+        Inputs inputs = away_;
+        inputs.posture.table_angle = table_angle;
+        Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
+                    {.rigid = {}, .saliva = true});
+        for (int k = 0; k < 2 * steps_per_second; ++k) {
+            scene.step(inputs);
+        }
+        float z = 0.0f;
+        for (const Vec3f& p : scene.snapshot().saliva.positions) {
+            z += p.z() / static_cast<float>(scene.snapshot().saliva.positions.size());
+        }
+        return z;
+    };
+    const float head_down = middle(-anatomy::max_table_angle);
+    const float level = middle(0.0f);
+    const float head_up = middle(anatomy::max_table_angle);
+    // More than a particle's way.
+    EXPECT_GT(head_down, level + 0.3e-3f);
+    EXPECT_LT(head_up, level - 0.3e-3f);
 }
 
 }  // namespace

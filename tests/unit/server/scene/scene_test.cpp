@@ -5,6 +5,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
 #include "common/math/units.hpp"
 #include "server/anatomy/build.hpp"
 #include "tests/support/allocations.hpp"
@@ -153,6 +159,159 @@ TEST_F(SceneTest, PostureIsApproachedAtANursesPace) {
         scene.step(inputs);
     }
     EXPECT_FLOAT_EQ(scene.snapshot().head_elevation, anatomy::max_head_elevation);
+}
+
+/// The tongue's particles that have left their mean by most: height of the highest fifty [m].
+float tongue_height(const Scene& scene) {
+    const pbd::Particles& p = scene.tissue().body().particles;
+    std::vector<float> z;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        if (scene.tissue().tissue_of(i) == Tissue::tongue) {
+            z.push_back(p.position[i].z());
+        }
+    }
+    std::ranges::sort(z, std::greater());
+    return std::accumulate(z.begin(), z.begin() + 50, 0.0f) / 50.0f;
+}
+
+TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
+    const auto settled = [&](std::optional<float> first, std::optional<float> later) {
+        Inputs start = away_;
+        start.tissue_stiffness = first;
+        Scene scene(coarse_newborn(), scope_, Tube{}, start, {});
+        press(scene);
+        Inputs held = pressing(0.15e-3f * 39.0f);
+        held.tissue_stiffness = later;
+        float before = scene.snapshot().tissue_force.norm();
+        float largest = 0.0f;
+        for (int k = 0; k < 3 * steps_per_second; ++k) {
+            scene.step(held);
+            const float now = scene.snapshot().tissue_force.norm();
+            largest = std::max(largest, std::fabs(now - before));
+            before = now;
+        }
+        return std::array{before, largest};
+    };
+    const auto [soft, soft_change] = settled({}, {});
+    const auto [stiff, stiff_change] = settled(12e3f, 12e3f);
+    const auto [late, late_change] = settled({}, 12e3f);
+    ASSERT_GT(stiff, 1.2f * soft);
+    // The way there leaves friction on the blade at other places: no more than a twentieth.
+    EXPECT_NEAR(late, stiff, 0.05f * stiff);
+    // A step changes the stiffness by 1/180, and the force with it; what else goes on in the tissue, as it
+    // settles with the blade held, is in the others.
+    EXPECT_LT(late_change, std::max(soft_change, stiff_change) + 2.0f * stiff / steps_per_second);
+}
+
+TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
+    Scene scene = make();
+    const float before = tongue_height(scene);
+    const std::vector<FramePose> frames = scene.snapshot().frames;
+    const auto grow = [&](float scale, int steps) {
+        Inputs inputs = away_;
+        inputs.tongue_scale = scale;
+        float last = tongue_height(scene);
+        float fastest = 0.0f;
+        for (int k = 0; k < steps; ++k) {
+            scene.step(inputs);
+            fastest = std::max(fastest, std::fabs(tongue_height(scene) - last));
+            last = tongue_height(scene);
+        }
+        return fastest;
+    };
+    const float fastest = grow(1.2f, 4 * steps_per_second);
+    EXPECT_FLOAT_EQ(scene.snapshot().tongue_scale, 1.2f);
+    const float grown = tongue_height(scene) - before;
+    EXPECT_GT(grown, 1e-3f);
+    // A tenth a second of 20 mm at most, in one step; twice that where it eases into place.
+    EXPECT_LT(fastest, 2.0f * 0.1f * 20e-3f / steps_per_second);
+    EXPECT_EQ(scene.snapshot().tissue_force, Vec3f(Vec3f::Zero()));
+    (void)grow(1.0f, 5 * steps_per_second);
+    EXPECT_NEAR(tongue_height(scene), before, 2e-5f);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        ASSERT_LT((scene.snapshot().frames[i].centre - frames[i].centre).norm(), 1e-4f) << "frame " << i;
+    }
+}
+
+TEST_F(SceneTest, ResetPutsALargerTongueInPlaceAtOnce) {
+    Inputs large = away_;
+    large.tongue_scale = 1.2f;
+    Scene swollen = make();
+    for (int k = 0; k < 5 * steps_per_second; ++k) {
+        swollen.step(large);
+    }
+    Scene reset = make();
+    reset.reset(large);
+    EXPECT_FLOAT_EQ(reset.snapshot().tongue_scale, 1.2f);
+    for (int k = 0; k < 2 * steps_per_second; ++k) {
+        reset.step(large);
+    }
+    EXPECT_NEAR(tongue_height(reset), tongue_height(swollen), 1e-4f);
+}
+
+TEST_F(SceneTest, SizeAndStiffnessWaitForEachOtherWhereTheSolverBearsNotBoth) {
+    Scene scene = make({.stiffest = 10e3f, .rigid = {}});
+    Inputs both = away_;
+    both.tongue_scale = 1.4f;
+    both.tissue_stiffness = 10e3f;
+    for (int k = 0; k < 8 * steps_per_second; ++k) {
+        scene.step(both);
+        ASSERT_LE(scene.snapshot().tissue_stiffness * scene.snapshot().tongue_scale, 10.01e3f) << k;
+    }
+}
+
+TEST_F(SceneTest, HowTheTongueGrowsDoesNotHangOnThreads) {
+    const auto run = [&](std::size_t threads) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+        Scene scene = make();
+        Inputs inputs = away_;
+        inputs.tongue_scale = 1.1f;
+        inputs.tissue_stiffness = 10e3f;
+        inputs.posture.table_angle = 0.1f;
+        for (int k = 0; k < 150; ++k) {
+            scene.step(inputs);
+        }
+        return scene.state_hash();
+    };
+    EXPECT_EQ(run(4), run(1));
+}
+
+TEST_F(SceneTest, ATiltedTableTurnsGravityAndNothingElse) {
+    Scene level = make();
+    Scene tilted = make();
+    Inputs inputs = away_;
+    inputs.posture.table_angle = 0.5f;  // beyond what it does
+    const std::vector<FramePose> before = tilted.snapshot().frames;
+    for (int k = 0; k < 4 * steps_per_second; ++k) {
+        tilted.step(inputs);
+    }
+    EXPECT_FLOAT_EQ(tilted.snapshot().table_angle, anatomy::max_table_angle);
+    for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
+        EXPECT_EQ(tilted.snapshot().frames[b].centre, before[b].centre);
+    }
+    // Head-up, the tongue sags towards the feet: by rho g sin(20 deg) L / E of its length of some 30 mm at
+    // most.
+    const Vec3f sag = at(tilted.snapshot().landmarks, Landmark::tongue_dorsum) -
+                      at(level.snapshot().landmarks, Landmark::tongue_dorsum);
+    EXPECT_LT(sag.z(), -5e-6f);
+    EXPECT_GT(sag.z(), -1000.0f * 9.81f * 0.342f * 0.03f / 8e3f * 0.03f);
+    inputs.posture.table_angle = 0.0f;
+    for (int k = 0; k < 5 * steps_per_second; ++k) {
+        tilted.step(inputs);
+    }
+    EXPECT_LT((at(tilted.snapshot().landmarks, Landmark::tongue_dorsum) -
+               at(level.snapshot().landmarks, Landmark::tongue_dorsum))
+                  .norm(),
+              5e-6f);
+}
+
+TEST(Gravity, IsTrueToTheBitOnALevelTable) {
+    const Vec3f level = anatomy::gravity(0.0f);
+    EXPECT_EQ(level, Vec3f(0.0f, 9.81f, 0.0f));
+    EXPECT_FALSE(std::signbit(level.z()));
+    const Vec3f head_up = anatomy::gravity(30.0f * degree);
+    EXPECT_NEAR(head_up.z(), -4.905f, 1e-5f) << "towards the feet";
+    EXPECT_NEAR(head_up.norm(), 9.81f, 1e-5f);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ class TubeContactTest : public ::testing::Test {
             for (std::size_t i = 0; i < particles_.size(); ++i) {
                 particles_.predicted[i] = particles_.position[i] + dt * particles_.velocity[i];
             }
-            contact.predict(dt, end);
+            contact.predict(dt, end, anatomy::gravity(0.0f));
             contact.project(particles_, shell_, begin, end);
             contact.finish();
             for (std::size_t i = 0; i < particles_.size(); ++i) {

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "devices/app/command_pad.hpp"
+
+namespace eti::devices {
+
+/// A command as a person types it, KEY=VALUE, e.g. "tongue_scale=1.2" or "table_angle_deg=-10". Throws
+/// InputError naming the keys there are.
+[[nodiscard]] PadCommand command_from(const std::string& typed);
+
+/// The keys of command_from() with their units and ranges, for help texts.
+[[nodiscard]] std::string command_keys();
+
+/// Sends commands to a session and hears how the server answers. For one thread.
+class CommandLink {
+  public:
+    explicit CommandLink(const bus::Options& options);
+
+    [[nodiscard]] bool served() const { return commands_.matched() > 0; }
+    void send(const PadCommand& command);
+    /// Reads the answers that have come and logs refusals.
+    void hear();
+    /// Waits for all answers, at most `patience`; true if they have come.
+    [[nodiscard]] bool hear_all(std::chrono::milliseconds patience);
+
+    [[nodiscard]] std::uint32_t sent() const { return sent_; }
+    [[nodiscard]] std::uint32_t accepted() const { return accepted_; }
+    [[nodiscard]] std::uint32_t refused() const { return refused_; }
+    [[nodiscard]] bool session_finished() const { return session_finished_; }
+
+  private:
+    std::string sender_ = "eti-controller:" + std::to_string(::getpid());
+    bus::Node node_;
+    bus::Publisher<msg::Command> commands_;
+    bus::Subscriber<msg::CommandResult> answers_;
+    bus::Subscriber<msg::SessionStatus> status_;
+    std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
+    bool session_finished_ = false;
+};
+
+}  // namespace eti::devices

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""An instructor changes the patient of a running session by commands: answered, carried out smoothly, recorded."""
+
+import json
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+import numpy
+
+import support
+
+SECONDS_TO_START = 120
+STEP = 1 / 180  # [s]
+DEGREE = numpy.pi / 180
+
+# As docs/scenarios.md says: per second.
+POSTURE_RATE = 0.17  # [rad/s]
+TONGUE_RATE = 0.1
+STIFFNESS_RATE = 1.0  # of the stiffness itself
+
+
+class Live(support.Case):
+    def start_server(self, scenario):
+        self.log = self.folder / "server.log"
+        self.record = self.folder / "live.eti.h5"
+        with self.log.open("wb") as file:
+            self.server = subprocess.Popen(
+                [support.BIN / "eti-server", "--scenario", scenario, "--record", self.record, "--session",
+                 support.SESSION, "--domain", str(support.DOMAIN)],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
+        self.addCleanup(self.server.wait, 30)
+        self.addCleanup(self.server.kill)
+        self.wait_for("runs scenario")
+
+    def wait_for(self, words):
+        deadline = time.monotonic() + SECONDS_TO_START
+        while words not in self.log.read_text(errors="replace"):
+            self.assertIsNone(self.server.poll(), self.log.read_text())
+            self.assertLess(time.monotonic(), deadline, self.log.read_text())
+            time.sleep(0.1)
+
+    def set(self, *wishes):
+        arguments = [part for wish in wishes for part in ("--set", wish)]
+        return support.run("eti-controller", *arguments, "--session", support.SESSION, "--domain", support.DOMAIN,
+                           "--json")
+
+    def stop_server(self):
+        self.server.send_signal(signal.SIGINT)
+        self.assertEqual(self.server.wait(30), 0, self.log.read_text())
+
+    def assert_ramped(self, values, wanted, most_per_second, relative=False):
+        """It begins as it was, ends as it was wanted, and changes by no more than its rate in any step."""
+        self.assertNotAlmostEqual(values[0], wanted, places=4)
+        numpy.testing.assert_allclose(values[-1], wanted, rtol=1e-5)
+        change = numpy.abs(numpy.diff(values))
+        bound = most_per_second * STEP * (values[:-1] if relative else 1)
+        # A float's last digits of values of about one (stiffness: relative to itself).
+        self.assertTrue((change <= bound * 1.001 + (1e-6 * values[:-1] if relative else 1e-6)).all(), change.max())
+
+    def test_instructor_changes_the_patient(self):
+        self.start_server("term")
+        done = self.set("table_angle_deg=-10", "tongue_scale=1.1", "tissue_stiffness_kpa=12",
+                        "head_elevation_deg=20")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["accepted"], 4)
+        refused = self.set("tissue_stiffness_kpa=90", "secretion=2", "tongue_scale=1.2")
+        self.assertEqual(refused.returncode, 1)
+        self.assertEqual(json.loads(refused.stdout)["refused"], 2)
+        self.assertIn("tetrahedra of 2 mm bear at most", refused.stderr)
+        self.assertIn("saliva: standby", refused.stderr)
+        # Two tenths of tongue take two seconds, and half a second before they begin.
+        second = int(self.log.read_text().rsplit("simulation time ", 1)[-1].split(" s")[0]) \
+            if "simulation time" in self.log.read_text() else 0
+        self.wait_for(f"simulation time {second + 4} s")
+        self.stop_server()
+        with h5py.File(self.record, "r") as file:
+            kinds = [kind.decode() for kind in file["inputs/commands/kind"]]
+            self.assertEqual(kinds, ["table_angle", "tongue_scale", "tissue_stiffness", "head_elevation",
+                                     "tongue_scale"])
+            numpy.testing.assert_allclose(file["inputs/commands/value"][:],
+                                          [-10 * DEGREE, 1.1, 12e3, 20 * DEGREE, 1.2], rtol=1e-6)
+            self.assert_ramped(file["skeleton/table_angle"][:], -10 * DEGREE, POSTURE_RATE)
+            self.assert_ramped(file["skeleton/head_elevation"][:], 20 * DEGREE, POSTURE_RATE)
+            self.assert_ramped(file["tissue/tongue_scale"][:], 1.2, TONGUE_RATE)
+            self.assert_ramped(file["tissue/stiffness"][:], 12e3, STIFFNESS_RATE, relative=True)
+            first = file["inputs/commands/step"][0]
+            before = file["skeleton/table_angle"][:][file["inputs/step"][:] < first]
+            self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
+
+    def test_what_cannot_be_sent_is_said(self):
+        for wish, words in (("tongue_size=1.2", "tongue_scale"), ("tongue_scale=1.2x", "plain number"),
+                            ("tongue_scale", "KEY=VALUE")):
+            self.assert_refused(self.set(wish), wish, words)
+        nobody = support.run("eti-controller", "--set", "suction=1", "--session", "nobody", "--domain",
+                             support.DOMAIN)
+        self.assert_refused(nobody, "no server takes commands in session 'nobody'")
+
+
+if __name__ == "__main__":
+    unittest.main()
