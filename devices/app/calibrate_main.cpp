@@ -31,6 +31,7 @@ struct CalibrateOptions {
     std::string out = "calibration.yaml";
     double seconds = 15.0;
     int trials = 1000;
+    std::uint64_t seed = 1;
     bool json = false;
 };
 
@@ -41,8 +42,10 @@ bool stopped() {
     return stop_flag() != 0;
 }
 
-/// Interrupted: what was measured is not enough to keep.
-struct Interrupted {};
+/// What was measured is not enough to keep.
+struct Interrupted : std::runtime_error {
+    Interrupted() : std::runtime_error("interrupted; nothing was written") {}
+};
 
 RigidTransform single(const Eigen::Isometry3d& pose) {
     return {Quatf(Eigen::Quaterniond(pose.linear()).cast<float>()), pose.translation().cast<float>()};
@@ -150,19 +153,10 @@ std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::V
     return pairs;
 }
 
-int register_device(const CalibrateOptions& options) {
-    Calibration out;
+/// Fits what was touched, writes the file and says how good it is.
+int conclude(const CalibrateOptions& options, Calibration out, const std::vector<PointPair>& pairs) {
     out.device = options.device.device;
     out.date = utc_now();
-    out.tool = {mounting(out.device), Vec3f::Zero()};
-    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
-    if (!options.pivot.empty()) {
-        const Calibration pivot = load_calibration(options.pivot);
-        out.tool = pivot.tool;
-        tip = (pivot.tool * tip_of(options)).cast<double>();
-    }
-    const std::vector<PointPair> pairs =
-        options.pairs.empty() ? touch_all(options, tip) : load_points(options.pairs, true);
     const RigidFit fit = fit_robustly(pairs);
     out.to_patient = single(fit.transform);
     out.error = fit.fiducial_error;
@@ -194,6 +188,31 @@ int register_device(const CalibrateOptions& options) {
                   << std::endl;
     }
     return 0;
+}
+
+int register_device(const CalibrateOptions& options) {
+    Calibration out;
+    out.device = options.device.device;
+    out.tool = {mounting(out.device), Vec3f::Zero()};
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+    if (!options.pivot.empty()) {
+        const Calibration pivot = load_calibration(options.pivot);
+        out.tool = pivot.tool;
+        tip = (pivot.tool * tip_of(options)).cast<double>();
+    }
+    const std::vector<PointPair> pairs =
+        options.pairs.empty() ? touch_all(options, tip) : load_points(options.pairs, true);
+    return conclude(options, out, pairs);
+}
+
+/// What a simulated device's registration gives: its frame is the patient's, so what is left is the error.
+int register_simulated(const CalibrateOptions& options) {
+    const SensorNoise& noise =
+        options.device.device == "scripted" ? sensor_noises().back() : sensor_noises().front();
+    Random random(options.seed);
+    const auto board = load_points(options.points, false);
+    spdlog::info("points touched with the noise of a {}: {}", noise.device, noise.source);
+    return conclude(options, {}, touched(board, noise, Eigen::Isometry3d::Identity(), random));
 }
 
 std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
@@ -244,6 +263,9 @@ int pivot(const CalibrateOptions& options) {
 }
 
 int simulate(const CalibrateOptions& options) {
+    if (!options.device.device.empty()) {
+        return register_simulated(options);
+    }
     const auto board = load_points(options.points, false);
     ordered_json rows = ordered_json::array();
     if (!options.json) {
@@ -255,7 +277,7 @@ int simulate(const CalibrateOptions& options) {
             if (stopped()) {
                 throw Interrupted{};
             }
-            const TrialResult r = simulate_calibrations(board, noise, options.trials, outliers, 1);
+            const TrialResult r = simulate_calibrations(board, noise, options.trials, outliers, options.seed);
             rows.push_back({{"device", noise.device},
                             {"outliers", outliers},
                             {"trials", options.trials},
@@ -282,11 +304,9 @@ int simulate(const CalibrateOptions& options) {
 
 int main(int argc, char** argv) {
     using namespace eti::devices;
-    set_up_process("eti-calibrate");
     CalibrateOptions options;
     CLI::App app("Finds where a device stands to the patient, and where a tool's tip is on it.",
                  "eti-calibrate");
-    app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     const auto common = [&](CLI::App* command) {
         add_device_options(*command, options.device, Use::tool);
@@ -318,21 +338,18 @@ int main(int argc, char** argv) {
     trial->add_option("--trials", options.trials, "Of each device")
         ->capture_default_str()
         ->check(CLI::Range(1, 1000000));
-    trial->add_flag("--json", options.json, "Print one JSON array");
-    if (const auto code = parse(app, argc, argv)) {
-        return *code;
-    }
-    try {
+    trial->add_option("--seed", options.seed, "Of what is random")->capture_default_str();
+    trial
+        ->add_option("--device", options.device.device,
+                     "Instead of a table: the calibration that one such trial gives this simulated device")
+        ->check(CLI::IsMember({"simulated", "scripted"}));
+    trial->add_option("--out", options.out, "File for that calibration")->capture_default_str();
+    trial->add_flag("--json", options.json, "Print the result as JSON");
+    return run_program(app, argc, argv, [&] {
         options.points =
             eti::find_data_file(options.points.empty() ? "board" : options.points, "calibration").string();
         return points->parsed() ? register_device(options)
                : turn->parsed() ? pivot(options)
                                 : simulate(options);
-    } catch (const Interrupted&) {
-        spdlog::info("interrupted; nothing was written");
-        return 1;
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    });
 }

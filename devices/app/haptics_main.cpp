@@ -43,6 +43,9 @@ nlohmann::ordered_json statistics(const Program& program, const SceneLink& link,
                        {"max", 1e3 * intervals.longest()}};
     out["late_share"] = intervals.share_over(late_cycle);
     out["real_time"] = loop.priority_refusal().empty();
+    out["message_ms"] = {{"p50", 1e3 * record.messages.percentile(0.5)},
+                         {"p99", 1e3 * record.messages.percentile(0.99)},
+                         {"max", 1e3 * record.messages.longest()}};
     out["force_n"] = {{"max", record.force_max},
                       {"mean", record.force_sum / static_cast<double>(intervals.count() + 1)}};
     out["compute_us"] = {{"p50", 1e6 * record.computing.percentile(0.5)},
@@ -74,9 +77,14 @@ void log(const nlohmann::ordered_json& s) {
         s["cycles"].get<std::uint64_t>(), s["cycle_ms"]["p50"].get<double>(),
         s["cycle_ms"]["p99"].get<double>(), s["cycle_ms"]["p99_9"].get<double>(),
         s["cycle_ms"]["max"].get<double>(), 100.0 * s["late_share"].get<double>());
-    spdlog::info("force max {:.2f} N, mean {:.2f} N; engaged {:.1f} %, scene stale {:.1f} % of the time",
-                 s["force_n"]["max"].get<double>(), s["force_n"]["mean"].get<double>(),
-                 100.0 * s["engaged_share"].get<double>(), 100.0 * s["stale_share"].get<double>());
+    spdlog::info(
+        "force max {:.2f} N, mean {:.2f} N; engaged {:.1f} %, faded {:.1f} % of the time; ms from one "
+        "message "
+        "to the next: p50 {:.1f}, p99 {:.1f}, max {:.1f}",
+        s["force_n"]["max"].get<double>(), s["force_n"]["mean"].get<double>(),
+        100.0 * s["engaged_share"].get<double>(), 100.0 * s["stale_share"].get<double>(),
+        s["message_ms"]["p50"].get<double>(), s["message_ms"]["p99"].get<double>(),
+        s["message_ms"]["max"].get<double>());
     spdlog::info(
         "computing took p50 {:.0f}, p99 {:.0f} us of a cycle; energy: lowest {:.2f} mJ, {:.2f} mJ taken back "
         "by the passivity controller, which acted in {:.2f} % of the cycles",
@@ -85,9 +93,9 @@ void log(const nlohmann::ordered_json& s) {
         100.0 * s["passivity_share"].get<double>());
     if (s["stale_share"].get<double>() > most_stale) {
         spdlog::warn(
-            "the server was late or silent for {:.0f} % of the time, and forces faded; run it on a faster "
-            "machine, or "
-            "bridge its gaps with --silence-ms",
+            "messages were missing so long that forces were less than whole for {:.0f} % of the time; run "
+            "the "
+            "server on a faster machine, or bridge its gaps with --silence-ms",
             100.0 * s["stale_share"].get<double>());
     }
     if (s["messages_refused"].get<std::uint64_t>() > 0) {
@@ -164,7 +172,6 @@ int run(const ProgramOptions& options, RenderSettings settings) {
 
 int main(int argc, char** argv) {
     using namespace eti::devices;
-    set_up_process("eti-haptics");
     ProgramOptions options;
     options.bus.name = "eti-haptics";
     RenderSettings settings;
@@ -192,17 +199,11 @@ int main(int argc, char** argv) {
            "the cost of feeling an old scene for as long")
         ->capture_default_str()
         ->check(CLI::Range(10.0f, 1000.0f));
-    if (const auto code = parse(app, argc, argv)) {
-        return *code;
-    }
-    settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
-    settings.safety.silence_limit = 1e-3f * silence_ms;
-    settings.tool = tool == "tube" ? eti::Tool::tube : eti::Tool::laryngoscope;
-    std::signal(SIGUSR1, [](int) { panic_signals = panic_signals + 1; });
-    try {
+    return run_program(app, argc, argv, [&] {
+        settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
+        settings.safety.silence_limit = 1e-3f * silence_ms;
+        settings.tool = tool == "tube" ? eti::Tool::tube : eti::Tool::laryngoscope;
+        std::signal(SIGUSR1, [](int) { panic_signals = panic_signals + 1; });
         return run(options, settings);
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    });
 }

@@ -16,7 +16,6 @@
 int main(int argc, char** argv) {
     using namespace eti;
     using namespace eti::devices;
-    set_up_process("eti-parts");
     PartSettings settings;
     std::filesystem::path out = "parts";
     float tube_inner_mm = 3.0f;
@@ -25,7 +24,6 @@ int main(int argc, char** argv) {
         "Parts to print, by the tools' models: laryngoscopes for a stylus, a connector for a magnetic "
         "sensor, the board for eti-calibrate. Binary STL, millimetres.",
         "eti-parts");
-    app.set_version_flag("--version", ETI_VERSION);
     app.add_option("--out", out, "Folder for the files")->capture_default_str();
     const auto millimetres = [&](const char* name, float& value, const char* text, float low, float high) {
         app.add_option_function<float>(
@@ -43,10 +41,7 @@ int main(int argc, char** argv) {
         ->capture_default_str()
         ->check(CLI::Range(2.0f, 6.0f));
     app.add_flag("--json", json, "Print one JSON array");
-    if (const auto code = parse(app, argc, argv)) {
-        return *code;
-    }
-    try {
+    return run_program(app, argc, argv, [&] {
         Tube tube;
         tube.inner_diameter = 1e-3f * tube_inner_mm;
         tube.outer_diameter = outer_diameter_of(tube.inner_diameter);
@@ -89,8 +84,5 @@ int main(int argc, char** argv) {
             std::cout << rows.dump(2) << std::endl;
         }
         return 0;
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    });
 }

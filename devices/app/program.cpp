@@ -49,7 +49,6 @@ void add_device_options(CLI::App& app, ProgramOptions& options, Use use) {
 }
 
 void add_options(CLI::App& app, ProgramOptions& options) {
-    app.set_version_flag("--version", ETI_VERSION);
     add_device_options(app, options, Use::tool);
     app.add_option("--calibration", options.calibration,
                    "Where the device stands: a file that eti-calibrate wrote");
@@ -84,6 +83,20 @@ void set_up_process(const std::string& name) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(name));
     std::signal(SIGINT, [](int) { stop_requested = 1; });
     std::signal(SIGTERM, [](int) { stop_requested = 1; });
+}
+
+int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
+    set_up_process(app.get_name());
+    app.set_version_flag("--version", ETI_VERSION);
+    if (const auto code = parse(app, argc, argv)) {
+        return *code;
+    }
+    try {
+        return work();
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
 }
 
 Program::Program(const ProgramOptions& options, Tool tool)

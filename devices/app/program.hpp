@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,6 +49,10 @@ void add_bus_options(CLI::App& app, ProgramOptions& options);
 
 /// Logs go to standard error; Ctrl-C and SIGTERM end the program in order.
 void set_up_process(const std::string& name);
+
+/// What a program's main does once its options are declared: parses, runs `work`, and turns an exception into
+/// its text in the log. Returns the exit status.
+[[nodiscard]] int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work);
 
 /// A device program's life: its place on the bus, its device, and why it ended.
 class Program {

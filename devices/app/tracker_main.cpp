@@ -116,18 +116,9 @@ int run(const ProgramOptions& options) {
 
 int main(int argc, char** argv) {
     using namespace eti::devices;
-    set_up_process("eti-tracker");
     ProgramOptions options;
     options.bus.name = "eti-tracker";
     CLI::App app("The tube's tracker: tells the server at 240 Hz where the tube is held.", "eti-tracker");
     add_options(app, options);
-    if (const auto code = parse(app, argc, argv)) {
-        return *code;
-    }
-    try {
-        return run(options);
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    return run_program(app, argc, argv, [&] { return run(options); });
 }

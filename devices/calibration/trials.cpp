@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "common/math/random.hpp"
-
 namespace eti::devices {
 
 namespace {
@@ -52,6 +50,16 @@ std::span<const SensorNoise> sensor_noises() {
     return table;
 }
 
+std::vector<PointPair> touched(std::span<const PointPair> board, const SensorNoise& device,
+                               const Isometry3d& to_patient, Random& random) {
+    const Isometry3d back = to_patient.inverse();
+    std::vector<PointPair> pairs(board.begin(), board.end());
+    for (PointPair& pair : pairs) {
+        pair.device = back * pair.patient + noise(random, device.position) + noise(random, touching_noise);
+    }
+    return pairs;
+}
+
 TrialResult simulate_calibrations(std::span<const PointPair> board, const SensorNoise& device, int trials,
                                   bool outliers, std::uint64_t seed) {
     Random random(seed);
@@ -60,11 +68,7 @@ TrialResult simulate_calibrations(std::span<const PointPair> board, const Sensor
     for (int trial = 0; trial < trials; ++trial) {
         const Isometry3d truth = any_pose(random);
         const Isometry3d back = truth.inverse();
-        std::vector<PointPair> pairs(board.begin(), board.end());
-        for (PointPair& pair : pairs) {
-            pair.device =
-                back * pair.patient + noise(random, device.position) + noise(random, touching_noise);
-        }
+        std::vector<PointPair> pairs = touched(board, device, truth, random);
         if (outliers) {
             const std::size_t wrong = (pairs.size() + 9) / 10;
             for (std::size_t k = 0; k < wrong; ++k) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/math/random.hpp"
 #include "devices/calibration/rigid_fit.hpp"
 
 namespace eti::devices {
@@ -17,12 +18,18 @@ struct SensorNoise {
     std::string_view source;
 };
 
-/// Of the devices that need calibrating.
+/// Of the devices that need calibrating. From the vendors' data sheets by hearsay: no first-hand copy was
+/// found, so the figures are not verified.
 [[nodiscard]] std::span<const SensorNoise> sensor_noises();
 
 /// A person who rests a tip in a dimple and presses the key does not sit in its middle: RMS distance [m].
 /// An assumption, half of a dimple's radius.
 inline constexpr double touching_noise = 0.5e-3;
+
+/// The points of `board` (their patient places) as a device measures them that a person touches each with
+/// once; `to_patient`: where it stands.
+[[nodiscard]] std::vector<PointPair> touched(std::span<const PointPair> board, const SensorNoise& device,
+                                             const Eigen::Isometry3d& to_patient, Random& random);
 
 /// What came of simulated calibrations: the error [m] at the targets, in the mouth, over all trials.
 struct TrialResult {

@@ -80,8 +80,9 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
                                              : predicted_proxy(device, scene.proxy, age * scene.pace,
                                                                scene.pace, settings_.prediction);
     }
-    const float fresh = freshness_.update(proxy ? age : never, dt);
-    tissue_freshness_.update(age_of(scene.tissue_arrived, now), dt);
+    const float fresh_before = freshness_.share(), tissue_before = tissue_freshness_.share();
+    const float fresh = freshness_.update(age, dt);
+    const float tissue_fresh = tissue_freshness_.update(age_of(scene.tissue_arrived, now), dt);
 
     Wrench raw;
     if (proxy) {
@@ -95,9 +96,10 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
         }
         raw = limited(sum, settings_.coupling);
     }
-    const float share = engagement_.update(fresh > 0.0f, raw.force.norm(), dt);
-    const Wrench passive = limited(
-        passivity_.apply(scaled(raw, share), device, dt, share >= 1.0f && fresh >= 1.0f), settings_.coupling);
+    const float share = engagement_.update(proxy.has_value(), raw.force.norm(), dt);
+    const bool steady = share >= 1.0f && fresh == fresh_before && tissue_fresh == tissue_before;
+    const Wrench passive =
+        limited(passivity_.apply(scaled(raw, share), device, dt, steady), settings_.coupling);
     last_ = rate_limited(passive, last_, dt, settings_.coupling);
     if (fresh == 0.0f || share == 0.0f) {
         last_ = {};

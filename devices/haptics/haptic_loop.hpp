@@ -38,6 +38,7 @@ class SimulationTime {
 struct HapticRecord {
     CycleStatistics intervals;
     CycleStatistics computing;       // time that a cycle took, without the exchange with the device
+    CycleStatistics messages;        // between arrivals of successive messages, as cycles saw them
     double force_sum = 0.0;          // [N], over cycles
     float force_max = 0.0f;          // [N]
     std::uint64_t stale_cycles = 0;  // with less than all force for want of messages

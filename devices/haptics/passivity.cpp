@@ -14,7 +14,7 @@ double work(const Wrench& wrench, const Vec3f& way, const Vec3f& turn) {
 
 }  // namespace
 
-Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, float dt, bool whole) {
+Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, float dt, bool steady) {
     if (any_) {
         const Vec3f way = device.pose.translation - pose_.translation;
         const Vec3f turn = rotation_vector(device.pose.rotation * pose_.rotation.conjugate());
@@ -29,7 +29,7 @@ Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, fl
     if (idle_ > settings_.idle_time) {
         stored_ = 0.0;
     }
-    if (!whole) {
+    if (!steady) {
         stored_ = std::max(stored_, 0.0);
     }
     damping_ = {};

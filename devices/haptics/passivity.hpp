@@ -27,9 +27,9 @@ class PassivityController {
     explicit PassivityController(const PassivitySettings& settings = {}) : settings_(settings) {}
 
     /// `wanted` with the controller's damping; `device` as just read, `dt` [s] since the last call. Not
-    /// `whole`: the wrench fades or ramps up. What that gives is meant, bounded, and no oscillation, so it
+    /// `steady`: the wrench fades or ramps up. What that gives is meant, bounded, and no oscillation, so it
     /// is not asked back.
-    Wrench apply(const Wrench& wanted, const Motion& device, float dt, bool whole = true);
+    Wrench apply(const Wrench& wanted, const Motion& device, float dt, bool steady = true);
 
     /// What was exerted in the end, where it differs from what apply() returned (limits).
     void exerted(const Wrench& wrench) { last_ = wrench; }

@@ -22,15 +22,22 @@ float Freshness::update(float age, float dt) {
         // By the age and not by the cycles, which may come late themselves.
         const float left = (settings_.silence_limit - age) / settings_.fade_time;
         share_ = age >= 0.0f ? std::min(share_, std::max(left, 0.0f)) : 0.0f;
+        calm_ = 0.0f;
         return share_;
     }
-    // The first message after a silence that lasted gives all of it: the engagement's ramp follows.
-    share_ = share_ == 0.0f ? 1.0f : std::min(share_ + dt / settings_.recovery_time, 1.0f);
+    if (!heard_) {
+        heard_ = true;
+        share_ = 1.0f;
+    }
+    calm_ += dt;
+    if (calm_ > settings_.recovery_wait) {
+        share_ = std::min(share_ + dt / settings_.recovery_time, 1.0f);
+    }
     return share_;
 }
 
-float Engagement::update(bool fresh, float force, float dt) {
-    if (!fresh) {
+float Engagement::update(bool there, float force, float dt) {
+    if (!there) {
         share_ = 0.0f;
         cycles_ = 0;
         return share_;

@@ -14,14 +14,23 @@ struct SafetySettings {
     /// [s] without a message, by which there is no force; larger keeps forces through a late server's gaps,
     /// at the cost of feeling an old scene for as long.
     float silence_limit = 0.020f;
-    /// [s] before that limit, over which the force fades. One message of 180 Hz may be lost (11 ms) before
-    /// it begins. The fade is faster than the force-rate limit: that is against pushes, this lets go.
-    float fade_time = 0.008f;
+    /// [s] before that limit, over which the force fades. Two messages of 180 Hz in a row may be lost
+    /// (16.7 ms) before it begins. The fade is faster than the force-rate limit: that is against pushes, this
+    /// lets go.
+    float fade_time = 0.003f;
     [[nodiscard]] float stale_after() const { return silence_limit - fade_time; }
-    float recovery_time = 0.1f;  ///< [s], back to all force after a gap that ended before the fade did
+    /// [s] in which no gap between messages was long enough for a fade, before what faded begins to come
+    /// back. Less, and a late server's gaps make the force come and go, and the hand with it.
+    float recovery_wait = 0.5f;
+    /// [s], from no force to all of it: a light grip (150 N/m) that presses 4 mm into the wall is pushed back
+    /// by less than the 0.3 mm in a fifth of a second that count as moving.
+    float recovery_time = 2.5f;
 };
 
-/// Share of the force that a scene of this age deserves: 1 while messages come, 0 when it is stale.
+/// Share of the force that a scene deserves: 1 while messages come, falling to 0 at the silence limit. What
+/// a gap took away stays away until messages have come in time for a while, and then comes back slowly:
+/// gaps that repeat themselves settle the share at what the longest of them left, so that the force stands
+/// still instead of going up and down with them.
 class Freshness {
   public:
     explicit Freshness(const SafetySettings& settings) : settings_(settings) {}
@@ -33,18 +42,21 @@ class Freshness {
   private:
     SafetySettings settings_;
     float share_ = 0.0f;
+    bool heard_ = false;  // a first message: it gives all, for the engagement's ramp follows
+    float calm_ = 0.0f;   // [s] without a gap
 };
 
 /// Share of the force that may be exerted at all. At the start, and after a force that was not finite,
 /// several quiet cycles in a row must pass, so that nobody is kicked by a device that wakes up inside
-/// something (as CHAI3D does); after an outage, as many cycles with a fresh scene, for a hand that is
-/// still pressing on something would never be quiet. Then the force ramps up.
+/// something (as CHAI3D does); after a device that was too far from the scene's, as many cycles with one
+/// that is near, for a hand that is still pressing on something would never be quiet. Then the force ramps
+/// up.
 class Engagement {
   public:
     explicit Engagement(const SafetySettings& settings) : settings_(settings) {}
 
-    /// `fresh`: there is a scene to feel; `force` [N]: what would be exerted in full.
-    float update(bool fresh, float force, float dt);
+    /// `there`: a scene to feel; `force` [N]: what would be exerted in full.
+    float update(bool there, float force, float dt);
     void disengage();
     [[nodiscard]] float share() const { return share_; }
 

@@ -67,9 +67,4 @@ std::string driver_list(Use use) {
     return list;
 }
 
-RigidTransform parked_pose(Tool tool) {
-    return tool == Tool::tube ? RigidTransform{Quatf::Identity(), {-0.12f, -0.25f, 0.10f}}
-                              : RigidTransform{Quatf::Identity(), {0.0f, -0.25f, 0.15f}};
-}
-
 }  // namespace eti::devices

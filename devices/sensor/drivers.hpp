@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/model/tools.hpp"
+#include "common/model/parked_pose.hpp"
 #include "devices/sensor/device_error.hpp"
 #include "devices/sensor/sensor.hpp"
 
@@ -44,8 +44,5 @@ struct Driver {
 
 /// "name: description; name: ..." of the drivers for `use`, for help texts.
 [[nodiscard]] std::string driver_list(Use use);
-
-/// Where a tool rests while nobody moves it: well clear of the face, patient frame.
-[[nodiscard]] RigidTransform parked_pose(Tool tool);
 
 }  // namespace eti::devices

@@ -7,6 +7,7 @@
 #include <GLFW/glfw3.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 
 #include "common/math/units.hpp"
@@ -97,7 +98,7 @@ class Mouse final : public Sensor {
     }
 
     [[nodiscard]] std::string fault() const override {
-        return "its window was closed; start the program again";
+        return closed_ ? "its window was closed; start the program again" : "";
     }
 
   private:
@@ -132,7 +133,7 @@ class Mouse final : public Sensor {
     Vec3f velocity_ = Vec3f::Zero();
     double x_ = 0.0, y_ = 0.0;  // cursor
     float wheel_ = 0.0f;        // notches since the last look
-    bool closed_ = false;
+    std::atomic<bool> closed_{false};
     std::chrono::steady_clock::time_point looked_;
     TripleBuffer<Reading> newest_;
     std::uint64_t calls_ = 0;

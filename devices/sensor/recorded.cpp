@@ -3,13 +3,41 @@
 #include "devices/sensor/recorded.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <vector>
 
+#include "common/process/memory_channel.hpp"
 #include "common/session/reader.hpp"
 
 namespace eti::devices {
 
 namespace {
+
+/// What is kept of a step, on its way from the child process that read the file.
+struct Step {
+    double time = 0.0;                   // [s]
+    std::array<float, 4> rotation{};     // x, y, z, w
+    std::array<float, 3> translation{};  // [m]
+};
+
+// The library that reads session files may crash on a hostile one: a child process runs it. Address space:
+// the bus has mapped a lot already.
+constexpr GuardLimits limits{.processor_seconds = 60, .memory_bytes = std::uint64_t{16} << 30};
+
+std::vector<std::uint8_t> steps_of(const std::string& file, Tool tool) {
+    std::vector<std::uint8_t> bytes;
+    for (const session::StepRecord& record : session::SessionReader(file).steps()) {
+        const RigidTransform& pose = tool == Tool::tube ? record.tube_grip : record.laryngoscope;
+        Step step{.time = 1e-9 * static_cast<double>(record.time_ns)};
+        Eigen::Map<Eigen::Vector4f>(step.rotation.data()) = pose.rotation.coeffs();
+        Eigen::Map<Vec3f>(step.translation.data()) = pose.translation;
+        const std::size_t at = bytes.size();
+        bytes.resize(at + sizeof(Step));
+        std::memcpy(bytes.data() + at, &step, sizeof(Step));
+    }
+    return bytes;
+}
 
 class Recorded final : public Sensor {
   public:
@@ -18,11 +46,17 @@ class Recorded final : public Sensor {
             throw DeviceError("--device recorded: which file? Name a session file with --source");
         }
         try {
-            for (const session::StepRecord& step : session::SessionReader(setup.source).steps()) {
-                times_.push_back(1e-9 * static_cast<double>(step.time_ns));
-                poses_.push_back(setup.tool == Tool::tube ? step.tube_grip : step.laryngoscope);
+            const std::vector<std::uint8_t> bytes =
+                parse_in_child([&] { return steps_of(setup.source, setup.tool); }, setup.source, limits);
+            times_.resize(bytes.size() / sizeof(Step));
+            poses_.resize(times_.size());
+            for (std::size_t i = 0; i < times_.size(); ++i) {
+                Step step;
+                std::memcpy(&step, bytes.data() + i * sizeof(Step), sizeof(Step));
+                times_[i] = step.time;
+                poses_[i] = {Quatf(step.rotation.data()), Vec3f(step.translation.data())};
             }
-        } catch (const hdf5::Error& error) {
+        } catch (const ParseError& error) {
             throw DeviceError("--source " + setup.source + ": " + error.what());
         }
         if (times_.empty() || !std::ranges::is_sorted(times_)) {

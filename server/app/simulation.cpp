@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/parked_pose.hpp"
 #include "server/anatomy/from_scenario.hpp"
 #include "server/app/patient_cache.hpp"
 
@@ -52,8 +53,8 @@ PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patien
 
 scene::Inputs parked(const Scenario& scenario) {
     scene::Inputs inputs;
-    inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-    inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
+    inputs.laryngoscope = parked_pose(Tool::laryngoscope);
+    inputs.tube_grip = parked_pose(Tool::tube);
     inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening,
                       scenario.patient.table_angle};
     inputs.secretion = scenario.saliva && !scenario.saliva_standby ? 1.0f : 0.0f;

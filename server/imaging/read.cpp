@@ -2,87 +2,33 @@
 // Copyright the NeoETI authors
 #include "server/imaging/read.hpp"
 
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
+#include "common/process/memory_channel.hpp"
 #include "server/imaging/formats.hpp"
 
 namespace eti::imaging {
 
 namespace {
 
-/// A nameless file in memory that a child process inherits.
-class Channel {
+/// What a child process says of a volume.
+class Channel : public MemoryChannel {
   public:
-    Channel() : file_(::memfd_create("volume", MFD_CLOEXEC)) {
-        if (file_ < 0) {
-            throw VolumeError(fmt::format("no memory for a volume: {}", std::strerror(errno)));
-        }
-    }
-    ~Channel() { ::close(file_); }
-    Channel(const Channel&) = delete;
-    Channel& operator=(const Channel&) = delete;
-
-    void put(const void* data, std::size_t size) const {
-        const auto* at = static_cast<const char*>(data);
-        while (size > 0) {
-            const ssize_t done = ::write(file_, at, std::min<std::size_t>(size, 1u << 30));
-            if (done <= 0) {
-                throw VolumeError(fmt::format("no memory for a volume: {}", std::strerror(errno)));
-            }
-            at += done;
-            size -= static_cast<std::size_t>(done);
-        }
-    }
-    void put(const std::string& text) const {
-        const std::size_t size = text.size();
-        put(&size, sizeof(size));
-        put(text.data(), size);
-    }
+    using MemoryChannel::get;
+    using MemoryChannel::put;
 
     void put(const Geometry& geometry) const {
         put(geometry.size.data(), sizeof(geometry.size));
         put(geometry.origin.data(), 3 * sizeof(double));
         put(geometry.step.data(), 9 * sizeof(double));
     }
-
-    void rewind() const { ::lseek(file_, 0, SEEK_SET); }
-    [[nodiscard]] bool get(void* data, std::size_t size) const {
-        auto* at = static_cast<char*>(data);
-        while (size > 0) {
-            const ssize_t done = ::read(file_, at, std::min<std::size_t>(size, 1u << 30));
-            if (done <= 0) {
-                return false;
-            }
-            at += done;
-            size -= static_cast<std::size_t>(done);
-        }
-        return true;
-    }
     [[nodiscard]] bool get(Geometry& geometry) const {
         return get(geometry.size.data(), sizeof(geometry.size)) &&
                get(geometry.origin.data(), 3 * sizeof(double)) &&
                get(geometry.step.data(), 9 * sizeof(double));
     }
-    [[nodiscard]] bool get(std::string& text) const {
-        std::size_t size = 0;
-        constexpr std::size_t most = 1 << 20;
-        if (!get(&size, sizeof(size)) || size > most) {
-            return false;
-        }
-        text.resize(size);
-        return get(text.data(), size);
-    }
-
-  private:
-    int file_;
 };
 
 enum Outcome : int { whole = 0, refused = 3 };
@@ -108,12 +54,8 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
     return refused;
 }
 
-[[noreturn]] void broken(const std::filesystem::path& path, const std::string& how,
-                         const char* expected = "a CT volume") {
-    throw VolumeError(
-        fmt::format("{}: damaged: reading it ended with {}; expected {}. Remedy: copy or "
-                    "export it again.",
-                    path.string(), how, expected));
+[[noreturn]] void broken(const std::filesystem::path& path, const std::string& how) {
+    throw VolumeError(damaged(path.string(), how, "a CT volume"));
 }
 
 }  // namespace
@@ -185,45 +127,11 @@ Reading read(const std::filesystem::path& path, const GuardLimits& limits) {
 }
 
 Bytes run_parser(const std::function<Bytes()>& parse_it, const std::string& name, const GuardLimits& limits) {
-    const Channel channel;
-    const Guarded ended = run_guarded(
-        [&]() -> int {
-            try {
-                const Bytes made = parse_it();
-                const std::size_t size = made.size();
-                channel.put(&size, sizeof(size));
-                channel.put(made.data(), size);
-                return whole;
-            } catch (const std::bad_alloc&) {
-                channel.put(name +
-                            ": reading it takes more memory than is allowed; expected a smaller file.");
-            } catch (const std::exception& error) {
-                channel.put(error.what());
-            }
-            return refused;
-        },
-        limits);
-    constexpr const char* expected = "a whole file";
-    if (ended.broken) {
-        broken(name, *ended.broken, expected);
+    try {
+        return parse_in_child(parse_it, name, limits);
+    } catch (const ParseError& error) {
+        throw VolumeError(error.what());
     }
-    channel.rewind();
-    if (ended.status != whole) {
-        std::string finding;
-        if (!channel.get(finding)) {
-            broken(name, fmt::format("status {}", ended.status), expected);
-        }
-        throw VolumeError(finding);
-    }
-    std::size_t size = 0;
-    Bytes made;
-    if (channel.get(&size, sizeof(size)) && size <= limits.memory_bytes) {
-        made.resize(size);
-        if (channel.get(made.data(), size)) {
-            return made;
-        }
-    }
-    broken(name, "an incomplete result", expected);
 }
 
 Format format_of(const std::filesystem::path& file) {

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/bus/bus.hpp"
+
 namespace eti::test {
 
 /// The DDS domain that this process has to itself until it ends, so that tests which run at the same
@@ -40,6 +42,15 @@ namespace eti::test {
         throw std::runtime_error("no DDS domain from 1 to 100 is free for this test");
     }();
     return mine;
+}
+
+/// A place on the bus for a participant of that name, in this process's domain.
+[[nodiscard]] inline bus::Options bus_options(const std::string& name, const std::string& session = "test") {
+    bus::Options options;
+    options.session = session;
+    options.domain = own_domain();
+    options.name = name;
+    return options;
 }
 
 }  // namespace eti::test

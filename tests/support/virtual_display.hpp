@@ -27,8 +27,9 @@ class VirtualDisplay {
             const std::string number = std::to_string(ends[1]);
             const int silence = ::open("/dev/null", O_WRONLY);
             ::dup2(silence, STDERR_FILENO);
+            // Without -noreset it starts anew when its last client goes, and refuses the next meanwhile.
             ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24", "-nolisten",
-                     "tcp", nullptr);
+                     "tcp", "-noreset", nullptr);
             ::_exit(127);
         }
         ::close(ends[1]);

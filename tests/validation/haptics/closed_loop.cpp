@@ -199,6 +199,7 @@ devices::RenderSettings settings_of(const LoopCase& loop) {
     devices::RenderSettings settings;
     settings.soft_force = loop.law;
     settings.passivity.on = loop.passivity;
+    settings.safety = loop.safety;
     if (loop.medium == Medium::wall) {
         settings.coupling.stiffness = loop.stiffness;
     } else {
@@ -209,6 +210,30 @@ devices::RenderSettings settings_of(const LoopCase& loop) {
 }
 
 }  // namespace
+
+void Stillness::add(int at_ms, double position) {
+    if (at_ms >= 0 && at_ms < length_ms) {
+        Window& window = windows_[static_cast<std::size_t>(at_ms / window_ms)];
+        window.low = std::min(window.low, position);
+        window.high = std::max(window.high, position);
+    }
+}
+
+double Stillness::excursion() const {
+    double least = 1.0;
+    for (const Window& window : windows_) {
+        least = window.high >= window.low ? std::min(least, window.high - window.low) : least;
+    }
+    return least;
+}
+
+double Stillness::dip() const {
+    double most = 0.0;
+    for (const Window& window : windows_) {
+        most = std::max(most, window.high - window.low);
+    }
+    return most;
+}
 
 LoopOutcome run_loop(const LoopCase& loop) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
@@ -222,12 +247,11 @@ LoopOutcome run_loop(const LoopCase& loop) {
     Line<SceneState> down;
 
     LoopOutcome out;
-    std::int64_t next_step = origin_ns;
+    std::int64_t next_step = origin_ns, next_gap = origin_ns;
     SceneState state, arrived;
-    constexpr int windows = 5, window = (deeper_at - held_from) / windows;
-    std::array<double, windows> low{}, high{};
-    low.fill(1.0);
-    high.fill(-1.0);
+    static_assert(deeper_at - held_from == Stillness::length_ms);
+    Stillness still;
+    std::uint64_t stale_before = 0;
     double crossed = -1.0;
     double force[2] = {0.0, 0.0}, depth[2] = {0.0, 0.0};
     for (int i = 0; i < cycles; ++i) {
@@ -236,6 +260,12 @@ LoopOutcome run_loop(const LoopCase& loop) {
         hand.want(std::max(0, i - 700));
         if (next_step <= now) {
             next_step += step_ns;
+            if (loop.gaps.longest > 0.0 && next_step >= next_gap) {
+                const double gap = loop.gaps.shortest + (loop.gaps.longest - loop.gaps.shortest) *
+                                                            static_cast<double>(random.uniform());
+                next_step += static_cast<std::int64_t>(1e9 * gap) - step_ns;
+                next_gap = next_step + static_cast<std::int64_t>(1e9 * loop.gaps.every);
+            }
             RigidTransform device;
             if (up.receive(now, device)) {
                 server.hear(device);
@@ -259,10 +289,14 @@ LoopOutcome run_loop(const LoopCase& loop) {
         if (crossed >= 0.0 && out.onset == 0.0 && given > 0.05) {
             out.onset = 1e-3 * (i - crossed);
         }
+        still.add(i - held_from - 700, height);
+        if (i == held_from + 700) {
+            stale_before = cycle.record().stale_cycles;
+        }
+        if (i == deeper_at + 700) {
+            out.faded = 1e-3 * static_cast<double>(cycle.record().stale_cycles - stale_before);
+        }
         if (i >= held_from + 700 && i < deeper_at + 700) {
-            const auto w = static_cast<std::size_t>((i - held_from - 700) / window);
-            low[w] = std::min(low[w], height);
-            high[w] = std::max(high[w], height);
             force[0] += given;
             depth[0] -= height;
         }
@@ -271,11 +305,8 @@ LoopOutcome run_loop(const LoopCase& loop) {
             depth[1] -= height;
         }
     }
-    out.excursion = 1.0;
-    for (std::size_t w = 0; w < low.size(); ++w) {
-        out.excursion = std::min(out.excursion, high[w] - low[w]);
-        out.dip = std::max(out.dip, high[w] - low[w]);
-    }
+    out.excursion = still.excursion();
+    out.dip = still.dip();
     const double counts[2] = {1000.0, 300.0};
     out.rendered =
         (force[1] / counts[1] - force[0] / counts[0]) / (depth[1] / counts[1] - depth[0] / counts[0]);

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -30,13 +31,21 @@ struct Grip {
 inline constexpr Grip firm{"firm grip", 900.0f, 18.0f};  ///< as in HandSettings
 inline constexpr Grip light{"light grip", 150.0f, 3.0f};
 
+/// A server that now and then computes nothing for a while, beside a machine's other work.
+struct Gaps {
+    double shortest = 0.0, longest = 0.0;  ///< [s], from one message to the next, evenly distributed; 0: none
+    double every = 0.0;                    ///< [s] of messages in time between two gaps; 0: gaps only
+};
+
 struct LoopCase {
     Medium medium = Medium::wall;
     devices::SoftForce law = devices::SoftForce::constraint;
     float stiffness = CouplingSettings{}.stiffness;  ///< [N/m]
     bool passivity = true;
     Channel channel;
+    Gaps gaps;
     Grip grip = firm;
+    devices::SafetySettings safety;
     std::uint64_t seed = 1;
 };
 
@@ -45,6 +54,7 @@ struct LoopOutcome {
     /// a limit cycle goes on and on.
     double excursion = 0.0;
     double dip = 0.0;       ///< [m], the most of those windows: where messages are missing, the force lets go
+    double faded = 0.0;     ///< share of that second with less than all force for want of messages
     double rendered = 0.0;  ///< [N/m], force over depth between two depths held still
     double onset = 0.0;     ///< [s], from the blade's reaching the surface to a force of 0.05 N
     double energy_lowest = 0.0;  ///< [J], the observer's
@@ -54,6 +64,25 @@ struct LoopOutcome {
 
 /// Ten encoder steps of the simulated device: what a limit cycle exceeds, and a hand held still does not.
 inline constexpr double most_excursion = 0.3e-3;
+
+/// How still a device is that a hand holds still: peak to peak in five windows of a fifth of a second.
+class Stillness {
+  public:
+    static constexpr int windows = 5, window_ms = 200, length_ms = windows * window_ms;
+
+    /// `position` [m] along the surface's normal, `at_ms` after the watch began; others are left out.
+    void add(int at_ms, double position);
+    /// [m], of the stillest window: a limit cycle goes on and on. A metre when nothing was added.
+    [[nodiscard]] double excursion() const;
+    /// [m], of the least still one.
+    [[nodiscard]] double dip() const;
+
+  private:
+    struct Window {
+        double low = 1.0, high = -1.0;
+    };
+    std::array<Window, windows> windows_{};
+};
 
 /// The haptic loop's own cycle with a simulated device in a hand, and the server's rigid layer or an
 /// elastic half-space at 180 Hz behind a channel with delay, jitter and loss; by a virtual clock, so that

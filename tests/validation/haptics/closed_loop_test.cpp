@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace eti::validation {
 namespace {
 
@@ -40,6 +42,59 @@ TEST(ClosedLoop, TheShippedDefaultsShowNoLimitCycleAtTenMillisecondsAndOnePercen
             }
         }
     }
+}
+
+/// A server with gaps between messages about the fade's begin and end, of one length or of any.
+std::vector<Gaps> gaps_about_the_fade() {
+    std::vector<Gaps> all;
+    for (const double every : {0.0, 0.05, 0.15, 0.3, 0.6, 1.0}) {
+        all.push_back({.shortest = 0.013, .longest = 0.025, .every = every});
+        for (const double gap : {0.013, 0.018, 0.019, 0.022}) {
+            all.push_back({.shortest = gap, .longest = gap, .every = every});
+        }
+    }
+    return all;
+}
+
+// Forces that fade in gaps must not come back between them, or they move the hand with every gap.
+TEST(ClosedLoop, GapsOfTheServerAboutTheFadeKeepNothingMoving) {
+    for (const auto& [medium, law] : surfaces) {
+        for (const Grip& grip : {firm, light}) {
+            for (const Gaps& gaps : gaps_about_the_fade()) {
+                for (std::uint64_t seed = 1; seed <= (gaps.shortest < gaps.longest ? 3u : 1u); ++seed) {
+                    LoopCase loop = shipped(medium, law);
+                    loop.grip = grip;
+                    loop.channel = {.delay = 0.010, .jitter = 0.001, .loss = 0.01};
+                    loop.gaps = gaps;
+                    loop.seed = seed;
+                    EXPECT_LE(run_loop(loop).excursion, most_excursion)
+                        << grip.name << ", medium " << static_cast<int>(medium) << ", law "
+                        << static_cast<int>(law) << ", gaps of " << gaps.shortest << " to " << gaps.longest
+                        << " s every " << gaps.every << " s, seed " << seed;
+                }
+            }
+        }
+    }
+}
+
+// What it does if the force is back at once: the law of decision 0050.
+TEST(ClosedLoop, ForcesThatComeBackAtOnceAfterAGapDoMoveTheHand) {
+    LoopCase loop;
+    loop.grip = light;
+    loop.safety.fade_time = 0.008f;
+    loop.safety.recovery_wait = 0.0f;
+    loop.safety.recovery_time = 0.1f;
+    loop.gaps = {.shortest = 0.013, .longest = 0.025, .every = 0.05};
+    EXPECT_GT(run_loop(loop).excursion, most_excursion);
+}
+
+// A server at a third of its pace, or one that lost two messages in a row, is felt in full.
+TEST(ClosedLoop, GapsOfThreeStepsTakeNoForceAway) {
+    LoopCase loop;
+    loop.gaps = {.shortest = 3.0 / 180.0, .longest = 3.0 / 180.0, .every = 0.0};
+    const LoopOutcome outcome = run_loop(loop);
+    EXPECT_EQ(outcome.faded, 0.0);
+    EXPECT_LE(outcome.excursion, most_excursion);
 }
 
 // Twice the passive bound of Colgate & Schenkel for a light grip, 2 (b - B) / T = 4000 N/m, and late.

@@ -17,11 +17,7 @@
 namespace eti::synthetic {
 
 [[nodiscard]] inline bus::Options bus_options(const std::string& name) {
-    bus::Options options;
-    options.session = "client-test-" + std::to_string(::getpid());
-    options.domain = test::own_domain();
-    options.name = name;
-    return options;
+    return test::bus_options(name, "client-test-" + std::to_string(::getpid()));
 }
 
 // Publishes the synthetic scene on a real bus, in steps of 30 ms of simulation time that begin when a

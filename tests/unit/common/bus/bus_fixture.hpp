@@ -17,11 +17,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 [[nodiscard]] inline Options options(const std::string& name, const std::string& session = "test") {
-    Options out;
-    out.session = session;
-    out.domain = test::own_domain();
-    out.name = name;
-    return out;
+    return test::bus_options(name, session);
 }
 
 /// Waits until `condition` holds, at most `limit`; discovery takes about 0.1-0.2 s, more on a loaded machine.

@@ -181,11 +181,7 @@ TEST_P(EitherProgram, EndsAfterItsDuration) {
 }
 
 TEST_P(EitherProgram, EndsWithItsSession) {
-    bus::Options options;
-    options.session = "test";
-    options.domain = test::own_domain();
-    options.name = "eti-server";
-    bus::Node node(options);
+    bus::Node node(test::bus_options("eti-server"));
     bus::Publisher<msg::SessionStatus> topic(node, bus::topics::session_status);
     msg::SessionStatus status;
     status.session("test");
@@ -294,11 +290,7 @@ TEST_F(Calibrate, SimulatesWhatToExpect) {
 }
 
 TEST(Controller, PassesCommandsOnAndHearsTheAnswers) {
-    bus::Options options;
-    options.session = "test";
-    options.domain = test::own_domain();
-    options.name = "eti-server";
-    bus::Node node(options);
+    bus::Node node(test::bus_options("eti-server"));
     bus::Subscriber<msg::Command> commands(node, bus::topics::command);
     bus::Publisher<msg::CommandResult> answers(node, bus::topics::command_result);
     const std::string pad = testing::TempDir() + "eti_controller_pad_" + std::to_string(::getpid());

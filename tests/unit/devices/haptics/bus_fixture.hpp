@@ -18,11 +18,7 @@ namespace eti::devices {
 using namespace std::chrono_literals;
 
 [[nodiscard]] inline bus::Options options(const std::string& name) {
-    bus::Options out;
-    out.session = "test";
-    out.domain = test::own_domain();
-    out.name = name;
-    return out;
+    return test::bus_options(name);
 }
 
 using test::eventually;

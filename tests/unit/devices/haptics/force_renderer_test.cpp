@@ -140,7 +140,7 @@ TEST_F(Engaged, SilenceFadesTheForceWithin20ms) {
     for (int silent_ms = 1; silent_ms <= 60; ++silent_ms) {
         const Wrench wrench = cycle(true);
         EXPECT_LE((wrench.force - last.force).norm(), 1.001f * steepest) << silent_ms;
-        if (silent_ms <= 12) {
+        if (silent_ms <= 17) {
             EXPECT_GT(wrench.force.norm(), 7.8f) << silent_ms;
         }
         if (silent_ms >= 20) {
@@ -151,12 +151,15 @@ TEST_F(Engaged, SilenceFadesTheForceWithin20ms) {
         }
         last = wrench;
     }
-    // And comes back by the ramp: after 20 fresh cycles, 7.9 N over 0.5 s.
+    // And comes back by the ramp: after 0.5 s with messages, 7.9 N over 2.5 s.
+    for (int i = 0; i < 500; ++i) {
+        ASSERT_EQ(cycle().force.norm(), 0.0f) << i;
+    }
     float force = 0.0f;
-    for (int i = 0; i < 120; ++i) {
+    for (int i = 0; i < 100; ++i) {
         force = cycle().force.norm();
     }
-    EXPECT_NEAR(force, settings_.coupling.force_limit * 0.1f / settings_.safety.ramp_time, 0.05f);
+    EXPECT_NEAR(force, settings_.coupling.force_limit * 0.1f / settings_.safety.recovery_time, 0.05f);
 }
 
 // A new message every 5.6 ms that says 1 N more or less each time: the force follows within a message, and no

@@ -19,7 +19,7 @@ TEST(Freshness, FallsToNothingWithin20msOfTheLastMessage) {
     int cycles = 0;
     for (float age = 0.0f; freshness.share() > 0.0f; age += dt, ++cycles) {
         const float share = freshness.update(age, dt);
-        if (age <= 0.0119f) {
+        if (age <= settings.stale_after() - dt) {
             EXPECT_EQ(share, 1.0f) << age;
         }
         ASSERT_LT(cycles, 100);
@@ -29,12 +29,45 @@ TEST(Freshness, FallsToNothingWithin20msOfTheLastMessage) {
     EXPECT_LE(cycles, 21);
 }
 
-TEST(Freshness, RecoversSlowlyFromAShortGap) {
+TEST(Freshness, TwoMessagesInARowMayBeLostAtNoCost) {
     Freshness freshness(settings);
     (void)freshness.update(0.0f, dt);
-    const float lowest = freshness.update(0.016f, dt);
-    EXPECT_NEAR(lowest, 0.5f, 1e-5f) << "half of the fade from 12 to 20 ms";
-    EXPECT_NEAR(freshness.update(0.0f, dt), lowest + dt / settings.recovery_time, 1e-5f);
+    EXPECT_EQ(freshness.update(3.0f / 180.0f, dt), 1.0f);
+}
+
+TEST(Freshness, WhatAGapTookComesBackSlowlyAfterAWhileWithoutAny) {
+    Freshness freshness(settings);
+    (void)freshness.update(0.0f, dt);
+    const float lowest = freshness.update(0.0185f, dt);
+    EXPECT_NEAR(lowest, 0.5f, 1e-5f) << "half of the fade from 17 to 20 ms";
+    const int wait = static_cast<int>(settings.recovery_wait / dt);
+    for (int i = 0; i < wait; ++i) {
+        ASSERT_EQ(freshness.update(0.005f, dt), lowest) << i;
+    }
+    // A cycle more or less by the rounding of the waited time.
+    int cycles = 0;
+    for (float last = lowest; freshness.share() < 1.0f && cycles < 5000; ++cycles) {
+        const float share = freshness.update(0.005f, dt);
+        EXPECT_LE(share - last, dt / settings.recovery_time + 1e-6f);
+        last = share;
+    }
+    EXPECT_NEAR(static_cast<float>(cycles) * dt, 0.5f * settings.recovery_time, 3.0f * dt);
+}
+
+TEST(Freshness, GapsThatRepeatThemselvesSettleAtWhatTheLongestLeft) {
+    Freshness freshness(settings);
+    (void)freshness.update(0.0f, dt);
+    float least = 1.0f;
+    for (int gap = 0; gap < 50; ++gap) {
+        const float longest = gap % 7 == 0 ? 0.019f : 0.018f;
+        for (float age = 0.0f; age < longest - 0.5f * dt; age += dt) {
+            const float share = freshness.update(age, dt);
+            ASSERT_LE(share, least) << gap;
+            least = share;
+        }
+        least = freshness.update(longest, dt);
+    }
+    EXPECT_NEAR(least, 1.0f / 3.0f, 1e-4f);
 }
 
 TEST(Freshness, NonsenseIsStale) {

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "devices/sensor/sensor_watch.hpp"
+
 namespace eti::devices {
 namespace {
 
@@ -128,6 +132,55 @@ TEST(HandSensor, ANewSessionStartsTheScriptAnewAtAHandsSpeed) {
     EXPECT_LT((reading.motion.pose.translation - start.motion.pose.translation).norm(), 0.02f);
     // Wanted at 1 m/s; the hand's spring and damper overshoot a step in speed by less than half.
     EXPECT_LT(fastest, 1.5f);
+}
+
+// What the scripted hand sees may be nonsense; what it does with the device is not.
+TEST(HandSensor, ASceneThatJumpsOrIsNoneMovesTheDeviceNoFasterThanAHand) {
+    const SensorSetup setup = scripted();
+    HandSensor sensor(setup);
+    SensorWatch watch(sensor);
+    Observation seen = setup.start;
+    Reading reading;
+    const auto pass = [&](double seconds) {
+        for (const double end = seen.time + seconds; seen.time < end; seen.time += 1e-3) {
+            watch.look(seen);
+            reading = watch.exchange({}, dt);
+            ASSERT_TRUE(reading.present);
+            ASSERT_TRUE(reading.motion.pose.translation.allFinite());
+        }
+    };
+    pass(0.5);
+    for (Vec3f& point : seen.landmarks) {
+        point.x() += 1.0f;
+    }
+    pass(0.5);
+    for (Vec3f& point : seen.landmarks) {
+        point.setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+    pass(0.5);
+    seen.landmarks = setup.start.landmarks;
+    for (Vec3f& point : seen.landmarks) {
+        point.x() *= -1.0f;
+    }
+    pass(0.5);
+    EXPECT_EQ(watch.health().jumps, 0u);
+    EXPECT_EQ(watch.health().not_finite, 0u);
+}
+
+// Looks ten times a second only: the script goes on in steps, the device in a hand's motions.
+TEST(HandSensor, ASceneAtTenHertzIsFollowedWithoutJumps) {
+    const SensorSetup setup = scripted();
+    HandSensor sensor(setup);
+    SensorWatch watch(sensor);
+    Observation seen = setup.start;
+    for (int i = 0; i < 3000; ++i) {
+        if (i % 100 == 0) {
+            seen.time = 1e-3 * i;
+            watch.look(seen);
+        }
+        ASSERT_TRUE(watch.exchange({}, dt).present);
+    }
+    EXPECT_EQ(watch.health().jumps, 0u);
 }
 
 TEST(HandSensor, LateCyclesAdvanceTheDeviceAsMuchAsPunctualOnes) {

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "close_window.hpp"
 #include "tests/support/virtual_display.hpp"
 #include "vendor_fixture.hpp"
 
@@ -73,6 +74,29 @@ TEST_F(MouseDriver, KeysMoveAndSpaceIsSuction) {
     const Vec3f stopped = way();
     loop_->run_for(200ms);
     EXPECT_LT((way() - stopped).norm(), 1e-3f);
+}
+
+TEST_F(MouseDriver, AWindowThatIsClosedIsADeviceThatIsLost) {
+    EXPECT_TRUE(loop_->reading.present);
+    EXPECT_EQ(device_->fault(), "");
+    ASSERT_TRUE(test::close_window("NeoETI hand"));
+    ASSERT_TRUE(loop_->until([&] { return loop_->watch.health().lost; }, 3s));
+    EXPECT_FALSE(loop_->reading.present);
+    EXPECT_NE(device_->fault().find("start the program again"), std::string::npos) << device_->fault();
+    EXPECT_LT(way().norm(), 1e-6f) << "it stays where it was";
+}
+
+// A pointer that is set to the other side of the screen while it drags: 0.1 m in no time is no hand's motion.
+TEST_F(MouseDriver, APointerThatJumpsIsNotFollowedAtOnce) {
+    ASSERT_TRUE(xdotool("mousemove 10 150 mousedown 1"));
+    loop_->run_for(100ms);
+    const Vec3f before = way();
+    ASSERT_TRUE(xdotool("mousemove 510 150"));
+    ASSERT_TRUE(loop_->until([&] { return loop_->watch.health().jumps > 0; }, 3s));
+    EXPECT_LT((way() - before).norm(), 1e-6f);
+    EXPECT_TRUE(loop_->until([&] { return (way() - before - Vec3f(-0.1f, 0, 0)).norm() < 1e-5f; }, 3s))
+        << "it stays at the new place, so it is believed";
+    ASSERT_TRUE(xdotool("mouseup 1"));
 }
 
 TEST(Mouse, WithoutADisplayItSaysWhatToDo) {

@@ -29,7 +29,9 @@ class Cycle final : public ServoCycle {
     explicit Cycle(Sensor& device) : watch(device) {}
     void servo_cycle() noexcept override {
         const Wrench wrench{{pull.load(), 0.0f, 0.0f}, Vec3f::Zero()};
-        const Reading reading = watch.exchange(wrench, 1e-3f);
+        const auto now = std::chrono::steady_clock::now();
+        const Reading reading = watch.exchange(wrench, std::chrono::duration<float>(now - last_).count());
+        last_ = now;
         present = reading.present;
         x = reading.motion.pose.translation.x();
         y = reading.motion.pose.translation.y();
@@ -44,6 +46,9 @@ class Cycle final : public ServoCycle {
     std::atomic<std::uint32_t> buttons{0};
     std::atomic<std::thread::id> thread;
     std::atomic<int> cycles{0};
+
+  private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 class OpenHapticsDriver : public ::testing::Test {
@@ -112,6 +117,13 @@ TEST_F(OpenHapticsDriver, AServoThreadThatStopsCallingIsNoticed) {
     state_.servo_calls = true;
     const int before = cycle_->cycles;
     EXPECT_TRUE(tended_until([&] { return cycle_->cycles > before + 10; }));
+}
+
+TEST_F(OpenHapticsDriver, TenHertzIsReported) {
+    state_.servo_period_us = 100'000;
+    EXPECT_TRUE(tended_until([&] { return cycle_->watch.health().slow; }));
+    EXPECT_FALSE(cycle_->watch.health().lost);
+    EXPECT_EQ(device_->fault(), "");
 }
 
 TEST_F(OpenHapticsDriver, AbsurdPosesAreNotPassedOn) {

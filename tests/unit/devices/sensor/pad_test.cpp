@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <linux/joystick.h>
 #include <pty.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -144,6 +145,24 @@ TEST(Keyboard, SSwitchesSuctionAndBracketsTheTable) {
                                    : 1;
                     }),
               0);
+}
+
+TEST(Keyboard, ATerminalThatGoesIsADeviceThatIsLost) {
+    int terminal = -1;
+    const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+    if (child == 0) {
+        ::signal(SIGHUP, SIG_IGN);
+        const auto device = open_keyboard({});
+        Loop loop(*device);
+        (void)::write(STDOUT_FILENO, "ready", 5);
+        ::_exit(loop.until([&] { return loop.watch.health().lost && !device->fault().empty(); }) ? 0 : 1);
+    }
+    std::array<char, 64> said{};
+    ASSERT_GT(::read(terminal, said.data(), said.size()), 0);
+    ::close(terminal);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
 
 TEST(Keyboard, WithoutATerminalItIsRefused) {

@@ -7,9 +7,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
 
+#include "common/math/random.hpp"
 #include "common/session/writer.hpp"
 #include "devices/sensor/device_error.hpp"
+#include "devices/sensor/sensor_watch.hpp"
 
 namespace eti::devices {
 namespace {
@@ -76,6 +80,123 @@ TEST_F(RecordedDriver, FollowsTheRecordingAtItsSimulationTimes) {
     EXPECT_NEAR(device->exchange({}, 1e-3f).motion.pose.translation.x(), 0.0f, 1e-6f);
     setup.tool = Tool::tube;
     EXPECT_EQ(open_recorded(setup)->exchange({}, 0.0f).motion.pose.translation, Vec3f(0, 0.5f, 0));
+}
+
+/// A second of a recording at `rate` [1/s], which `spoil` makes absurd half-way, through a watch.
+struct Played {
+    SensorHealth health;
+    float farthest = 0.0f;  ///< [m], that the device was let to move in a cycle
+    bool finite = true, present = false;
+};
+
+class AbsurdRecording : public RecordedDriver {
+  protected:
+    Played play(int rate, const std::function<void(session::StepRecord&)>& spoil) {
+        std::filesystem::remove(file_);
+        {
+            session::SessionWriter writer(file_, {}, {}, {});
+            for (int i = 0; i <= rate; ++i) {
+                session::StepRecord step;
+                step.step = static_cast<std::uint64_t>(i);
+                step.time_ns =
+                    static_cast<std::uint64_t>(i) * 1'000'000'000 / static_cast<std::uint64_t>(rate);
+                step.laryngoscope.translation = {0.1f * static_cast<float>(i) / static_cast<float>(rate), 0,
+                                                 0};
+                if (2 * i > rate) {
+                    spoil(step);
+                }
+                EXPECT_TRUE(writer.push(step));
+            }
+            EXPECT_TRUE(writer.close());
+        }
+        SensorSetup setup;
+        setup.source = file_;
+        const auto device = open_recorded(setup);
+        SensorWatch watch(*device);
+        Played played;
+        Observation seen;
+        Vec3f last = watch.exchange({}, 0.0f).motion.pose.translation;
+        for (int i = 0; i < 700; ++i) {
+            seen.time = 1e-3 * i;
+            watch.look(seen);
+            const Reading reading = watch.exchange({}, 1e-3f);
+            const Vec3f at = reading.motion.pose.translation;
+            played.farthest = std::max(played.farthest, (at - last).norm());
+            played.finite = played.finite && at.allFinite();
+            played.present = reading.present;
+            last = at;
+        }
+        played.health = watch.health();
+        return played;
+    }
+    static constexpr float hand = 3.0f * 1e-3f + 5e-3f;  // [m], what a watch believes of a millisecond
+};
+
+TEST_F(AbsurdRecording, AJumpOfAMetreIsNotFollowed) {
+    const Played played =
+        play(180, [](session::StepRecord& step) { step.laryngoscope.translation.y() = 1.0f; });
+    EXPECT_GT(played.health.jumps, 0u);
+    EXPECT_LT(played.farthest, hand);
+}
+
+TEST_F(AbsurdRecording, NumbersThatAreNoneAreLeftOut) {
+    const Played played = play(180, [](session::StepRecord& step) {
+        step.laryngoscope.translation.z() = std::numeric_limits<float>::quiet_NaN();
+    });
+    EXPECT_GT(played.health.not_finite, 0u);
+    EXPECT_TRUE(played.finite);
+    EXPECT_FALSE(played.present);
+}
+
+TEST_F(AbsurdRecording, ATurnThatIsNoneIsLeftOut) {
+    const Played played =
+        play(180, [](session::StepRecord& step) { step.laryngoscope.rotation = Quatf(0, 0, 0, 0); });
+    EXPECT_GT(played.health.not_finite, 0u);
+    EXPECT_FALSE(played.present);
+}
+
+TEST_F(AbsurdRecording, AFrozenOneStandsStillAndTenHertzIsFollowedWithoutJumps) {
+    const Played frozen =
+        play(180, [](session::StepRecord& step) { step.laryngoscope.translation.x() = 0.05f; });
+    EXPECT_TRUE(frozen.present);
+    EXPECT_EQ(frozen.health.jumps, 0u);
+    const Played slow = play(10, [](session::StepRecord&) {});
+    EXPECT_EQ(slow.health.jumps, 0u);
+    EXPECT_LT(slow.farthest, 2e-4f) << "0.1 m/s, between its steps too";
+}
+
+// The plug of a recording: its file. It was read whole when it was opened.
+TEST_F(RecordedDriver, AFileThatGoesWhileItPlaysIsNotMissed) {
+    record(181);
+    SensorSetup setup;
+    setup.source = file_;
+    const auto device = open_recorded(setup);
+    std::filesystem::remove(file_);
+    Observation seen;
+    seen.time = 0.5;
+    device->look(seen);
+    const Reading reading = device->exchange({}, 1e-3f);
+    EXPECT_TRUE(reading.present);
+    EXPECT_NEAR(reading.motion.pose.translation.x(), 0.05f, 1e-6f);
+}
+
+// What crashes the library that reads it must not crash the device's program.
+TEST_F(RecordedDriver, ADamagedFileIsRefusedHoweverItIsDamaged) {
+    record(60);
+    std::vector<char> whole(std::filesystem::file_size(file_));
+    std::ifstream(file_, std::ios::binary).read(whole.data(), static_cast<std::streamsize>(whole.size()));
+    Random random(4);
+    for (int trial = 0; trial < 40; ++trial) {
+        std::vector<char> bytes = whole;
+        for (int i = 0; i < 200; ++i) {
+            bytes[random.bits() % bytes.size()] = static_cast<char>(random.bits());
+        }
+        bytes.resize(trial % 4 == 0 ? bytes.size() / 2 : bytes.size());
+        std::ofstream(file_, std::ios::binary)
+            .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        const std::string said = refusal(file_);
+        EXPECT_TRUE(said == "opened" || said.find(file_) != std::string::npos) << said;
+    }
 }
 
 TEST_F(RecordedDriver, FilesThatAreNoneAreRefused) {

@@ -3,6 +3,7 @@
 #include "devices/sensor/spacenav.hpp"
 
 #include <gmock/gmock.h>
+#include <spnav.h>
 
 #include "common/math/units.hpp"
 #include "devices/sensor/device_error.hpp"
@@ -81,6 +82,13 @@ TEST_F(SpacenavDriver, ADaemonThatDiesIsReportedAndFoundAgain) {
     state_.daemon = true;
     EXPECT_TRUE(loop_->until([&] { return loop_->reading.present; }));
     EXPECT_EQ(device_->fault(), "");
+}
+
+TEST_F(SpacenavDriver, AnUnpluggedDeviceIsLostAndFoundAgain) {
+    ASSERT_TRUE(send(SPNAV_EVENT_DEV, {SPNAV_DEV_RM, 0, 0, 0, 0, 0}));
+    ASSERT_TRUE(loop_->until([&] { return loop_->watch.health().lost && !device_->fault().empty(); }));
+    EXPECT_THAT(device_->fault(), HasSubstr("unplugged"));
+    EXPECT_TRUE(loop_->until([&] { return loop_->reading.present; }));
 }
 
 TEST(SpacenavLibrary, WithoutADaemonItSaysWhatToStart) {

@@ -28,6 +28,8 @@ bool send(int type, const int (&values)[6], unsigned int period_ms) {
         event.motion.ry = values[4];
         event.motion.rz = values[5];
         event.motion.period = period_ms;
+    } else if (type == SPNAV_EVENT_DEV) {
+        event.dev.op = values[0];
     } else {
         event.button.press = values[0];
         event.button.bnum = values[1];

@@ -10,7 +10,8 @@ namespace eti::stand_in {
 struct SpacenavState {
     std::atomic<bool> daemon{true};  ///< spacenavd runs
     std::atomic<int> opened{0};
-    /// Sends a motion event, or (type 2) a button's; false when nobody listens.
+    /// Sends a motion event, a button's (type 2) or one of coming and going (SPNAV_EVENT_DEV); false when
+    /// nobody listens.
     bool (*send)(int type, const int (&values)[6], unsigned int period_ms) = nullptr;
     void (*hang_up)() = nullptr;  ///< the daemon dies
 };
