@@ -37,11 +37,13 @@ Stage read_stage(YamlMap& map, bool first) {
     if (auto tip = map.map("tip")) {
         s.tip_at = landmark(*tip, "at", s.tip_at);
         s.tip_offset = tip->vector("offset_mm", offset_range);
+        s.tip_fixed_offset = tip->vector("fixed_offset_mm", offset_range);
         tip->finish();
     }
     if (auto axis = map.map("axis")) {
         s.axis_from = landmark(*axis, "from", s.axis_from);
         s.axis_from_offset = axis->vector("from_offset_mm", offset_range);
+        s.axis_from_fixed_offset = axis->vector("from_fixed_offset_mm", offset_range);
         s.axis_to_tip = !axis->has("to");
         s.axis_to = landmark(*axis, "to", s.axis_to);
         axis->finish();
@@ -98,6 +100,7 @@ OperatorScript parse_operator(const std::string& text, const std::filesystem::pa
     script.seed = root.seed("seed", script.seed);
     script.laryngoscope = read_track(root, "laryngoscope");
     script.tube = read_track(root, "tube");
+    script.laryngoscope.weight = script.tube.weight = root.number("patient_weight_kg", 0.0f, {0.5f, 4.5f});
     root.finish();
     if (script.laryngoscope.stages.empty() && script.tube.stages.empty()) {
         root.refuse("laryngoscope", "no stages for either hand",

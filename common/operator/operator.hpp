@@ -24,15 +24,18 @@ struct Observation {
     float tube_depth_rule = 0.0f;           ///< [m] at the lip, weight plus 6 cm; 0 while unknown
 };
 
-/// One stage of a track. A pose is built from landmarks, not from coordinates.
+/// One stage of a track. A pose is built from landmarks, not from coordinates. Lengths are those of a newborn
+/// of the script's weight.
 struct Stage {
     std::string name;
     // Tip position: landmark plus offset along the current left, posterior, superior axes [m].
     Landmark tip_at = Landmark::mouth_opening;
     Vec3f tip_offset = Vec3f::Zero();
+    Vec3f tip_fixed_offset = Vec3f::Zero();  ///< [m], the same in every newborn: room for the tool
     // Axis of blade or tube: from a landmark to the tip, or towards another landmark.
     Landmark axis_from = Landmark::mouth_opening;
-    Vec3f axis_from_offset = Vec3f::Zero();  ///< [m], as tip_offset
+    Vec3f axis_from_offset = Vec3f::Zero();        ///< [m], as tip_offset
+    Vec3f axis_from_fixed_offset = Vec3f::Zero();  ///< [m], as tip_fixed_offset
     bool axis_to_tip = true;  ///< the axis runs from axis_from to the tip's target, else to axis_to
     Landmark axis_to = Landmark::vallecula;
     bool follow = false;   ///< track the landmarks live instead of aiming once
@@ -59,6 +62,8 @@ struct Stage {
 
 struct Track {
     std::vector<Stage> stages;
+    /// [kg], of the newborn whose lengths the stages give; 0: they hold for any newborn.
+    float weight = 0.0f;
 };
 
 /// A scripted operator: a track for each hand, tremor, and the hand's impedance.

@@ -23,6 +23,19 @@ float minimum_jerk(double t) {
     return static_cast<float>(u * u * u * (10.0 - 15.0 * u + 6.0 * u * u));
 }
 
+/// How long what is `reference` [kg] long in its newborn is in the one that is seen; 1 where either is
+/// unknown.
+float size_of(const Observation& observation, float reference) {
+    // The rule's depth is weight plus 6, in cm.
+    const double weight = 100.0 * static_cast<double>(observation.tube_depth_rule) - 6.0;
+    if (!(weight > 0.0) || !(reference > 0.0f)) {
+        return 1.0f;
+    }
+    // To the gram: the depth was rounded on its way, and the newborn of the reference is to have size 1.
+    return static_cast<float>(
+        std::cbrt(std::round(1e3 * weight) / std::round(1e3 * static_cast<double>(reference))));
+}
+
 Mat3f axes_from(const Vec3f& direction) {
     // +x to the patient's left as far as the axis allows: the handle then points anterior where the tool
     // points inferior, and inferior where it points posterior, as it does in a hand.
@@ -73,9 +86,11 @@ RigidTransform TrackPlayer::along_tool(float length) const {
 RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& observation,
                                       const Landmarks& points, const RigidTransform& previous) const {
     RigidTransform pose = previous;
+    const float size = size_of(observation, track_.weight);
     if (!stage.keep) {
-        const Vec3f from = at(points, stage.axis_from) + stage.axis_from_offset;
-        const Vec3f tip = at(points, stage.tip_at) + stage.tip_offset;
+        const Vec3f from =
+            at(points, stage.axis_from) + size * stage.axis_from_offset + stage.axis_from_fixed_offset;
+        const Vec3f tip = at(points, stage.tip_at) + size * stage.tip_offset + stage.tip_fixed_offset;
         const Vec3f line = (stage.axis_to_tip ? tip : at(points, stage.axis_to)) - from;
         // A curved tool passes through `from` and ends at the tip: from the chord to the tangent at its end
         // it is half the arc's angle. A point farther back than the tool reaches counts as its origin.
@@ -90,9 +105,9 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
                      Eigen::AngleAxisf(stage.yaw, pose.rotation * Vec3f::UnitY()) *
                      Eigen::AngleAxisf(stage.roll, pose.rotation * Vec3f::UnitZ()));
     pose = RigidTransform{turn, pivot - turn * pivot} * pose;
-    pose.translation += stage.lift * (pose.rotation * Vec3f::UnitY());
-    pose = pose * along_tool(stage.advance);
-    const float depth = stage.depth_by_rule ? observation.tube_depth_rule : stage.depth_at_lip;
+    pose.translation += size * stage.lift * (pose.rotation * Vec3f::UnitY());
+    pose = pose * along_tool(size * stage.advance);
+    const float depth = stage.depth_by_rule ? observation.tube_depth_rule : size * stage.depth_at_lip;
     if (depth > 0.0f) {
         const Vec3f mouth = pose.inverse() * at(points, Landmark::mouth_opening);
         const float outside =
@@ -128,11 +143,12 @@ RigidTransform TrackPlayer::between(float share) const {
 }
 
 bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observation) {
-    const bool now =
-        (stage.until_view_percent < 0.0f ||
-         observation.glottic_opening_percent >= stage.until_view_percent) &&
-        (stage.until_tube_depth < 0.0f || observation.tube_depth_past_glottis >= stage.until_tube_depth) &&
-        (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
+    const float size = size_of(observation, track_.weight);
+    const bool now = (stage.until_view_percent < 0.0f ||
+                      observation.glottic_opening_percent >= stage.until_view_percent) &&
+                     (stage.until_tube_depth < 0.0f ||
+                      observation.tube_depth_past_glottis >= size * stage.until_tube_depth) &&
+                     (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
     if (!now) {
         met_since_ = -1.0;
         return false;
@@ -172,9 +188,13 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         const double since = observation.time - started_;
         nominal_ = between(minimum_jerk(since / duration_));
         const double waited = since - duration_;
-        if (waited >= 0.0) {
+        // Who watches the tube go in stops where it is deep enough, short of where the path leads.
+        if (waited >= 0.0 || stage.until_tube_depth >= 0.0f) {
             const bool met = conditions_met(stage, observation);
-            if (met && waited >= static_cast<double>(stage.hold)) {
+            if (waited < 0.0 && met) {
+                target_ = nominal_;
+                next_stage();
+            } else if (met && waited >= static_cast<double>(stage.hold)) {
                 next_stage();
             } else if (!met && waited >= static_cast<double>(stage.timeout)) {
                 if (stage.abort_on_timeout && stage_ + 1 < track_.stages.size()) {

@@ -22,7 +22,7 @@ RUNS = {
     "oesophageal": ("term", "oesophageal", 2, {}),
     "no_lift": ("term", "no_lift", 2, {}),
     "jaw_closed": ("term", "expert", 2, {"jaw_opening_deg": 0}),
-    "premature": ("premature", "expert_premature", 2, {}),
+    "premature": ("premature", "expert", 2, {}),
 }
 
 

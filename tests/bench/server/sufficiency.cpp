@@ -58,10 +58,6 @@ std::vector<Variant> variants(const Scenario& scenario, bool quick) {
     return list;
 }
 
-std::string operator_for(const std::string& scenario) {
-    return scenario.starts_with("premature") ? "expert_premature" : "expert";
-}
-
 void write_row(Table& table, const std::string& scenario, const Variant& v, std::uint64_t seed,
                const Trial& t) {
     table.row(fmt::format(
@@ -78,9 +74,9 @@ int sufficiency(const SufficiencyOptions& options) {
                 "scenario,variant,seed,substeps,spacing_mm,fine_spacing_mm,region_mm,particles,success,"
                 "glottic_opening_max_percent,glottic_opening_mean_percent,gum_force_max_n,tongue_force_max_n,"
                 "epiglottis_force_max_n,blade_force_max_n,time_s,step_ms");
+    const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     for (const std::string& name : options.scenarios) {
         const Scenario shipped = load_scenario(find_data_file(name, "scenarios"));
-        const OperatorScript script = load_operator(find_data_file(operator_for(shipped.name), "operators"));
         const std::uint64_t seed = shipped.seed ^ script.seed;
         const std::vector<Variant> all = variants(shipped, options.quick);
         for (std::size_t k = 0; k < all.size(); ++k) {

@@ -2,18 +2,24 @@
 # Copyright the NeoETI authors
 """Builds newborns of random shape, checks each model and, if asked, lets the scripted expert intubate it.
 
-Usage: ETI_BIN=build/release/bin sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--out FOLDER]
+Usage: ETI_BIN=build/release/bin sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--out FILE.csv]
 
 Shapes are drawn evenly from the ranges of common/model/newborn_shape.cpp, every fourth with one of the named
-variants; the age follows the weight. Prints one line per newborn and a JSON summary; fails where a model has a
-fault. An intubation that fails is reported with its reason and does not fail the sweep.
+variants; the age follows the weight. --grid takes usual newborns of every weight and age that go together instead.
+Prints one line per newborn and a JSON summary. Rows that the CSV file already holds are not computed again, so an
+interrupted sweep goes on where it was.
+
+Who is not intubated needs a reason. One is anatomical when two measurements say so: the expert saw less of the
+glottis than it wants before it takes the tube, and the same newborn is intubated once its most difficult features,
+taken one after the other by how far they are from usual, are usual. Anything else is a fault, as is a model that
+does not hold what eti-anatomy check tests; the sweep fails with a fault.
 """
 
 import argparse
+import csv
 import json
 import os
 import random
-import re
 import subprocess
 import sys
 import tempfile
@@ -21,55 +27,49 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 BIN = Path(os.environ.get("ETI_BIN", ROOT / "build/release/bin"))
-VARIANTS = ("micrognathia", "macroglossia", "anterior-larynx")
 # Name: lowest and highest value as typed.
 RANGES = {"weight_kg": (0.5, 4.5), "tongue_scale": (0.8, 1.4), "mandible_scale": (0.7, 1.15),
           "mouth_scale": (0.7, 1.2), "head_scale": (0.85, 1.15), "larynx_anterior_mm": (0, 3),
           "larynx_superior_mm": (0, 3)}
-# Weight and operator that were tuned to each other.
-TUNED = ((1.1, "expert_premature"), (3.5, "expert"))
+# What the named variants are made of; see apply() in common/model/newborn_shape.cpp.
+VARIANTS = {"micrognathia": {"mandible_scale": 0.8}, "macroglossia": {"tongue_scale": 1.25},
+            "anterior-larynx": {"larynx_anterior_mm": 2.5, "larynx_superior_mm": 2.0}}
+# Name: the usual value and the difficult end of the range.
+DIFFICULT = {"tongue_scale": (1, 1.4), "mandible_scale": (1, 0.7), "mouth_scale": (1, 0.7),
+             "larynx_anterior_mm": (0, 3), "larynx_superior_mm": (0, 3)}
+# [%], the view at which the shipped expert takes the tube (deploy/operators/expert.yaml).
+WANTED_VIEW = 25
+GRID_WEIGHTS = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5)
+GRID_AGES = (22, 25, 28, 31, 34, 37, 40, 42)
+FAULT = "fault: "
+NO_SUCH = "no such newborn: "
+COLUMNS = ("number", "weight_kg", "gestational_age_weeks", "variant", "tongue_scale", "mandible_scale", "mouth_scale",
+           "head_scale", "larynx_anterior_mm", "larynx_superior_mm", "particles", "sound", "intubated",
+           "glottis_seen_percent", "cormack_lehane_grade", "time_s", "reason", "because")
 
 
-def shapes(count, seed):
+def random_shapes(count, seed):
     chance = random.Random(seed)
     for k in range(count):
         if k % 4 == 3:
-            yield {"weight_kg": round(chance.uniform(*RANGES["weight_kg"]), 3), "variant": chance.choice(VARIANTS)}
+            yield {"weight_kg": round(chance.uniform(*RANGES["weight_kg"]), 3),
+                   "variant": chance.choice(tuple(VARIANTS))}
         else:
             yield {name: round(chance.uniform(*ends), 3) for name, ends in RANGES.items()}
 
 
-def run(*arguments):
-    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, timeout=1800, check=False)
-    return done.returncode, (json.loads(done.stdout) if done.stdout.startswith("{") else None), done.stderr
-
-
-def operators_for(weight, folder):
-    """The tuned experts, that of the nearest size first, their lengths scaled to this newborn."""
-    for tuned, name in sorted(TUNED, key=lambda entry: abs(entry[0] ** (1 / 3) - weight ** (1 / 3))):
-        yield scaled_operator(name, (weight / tuned) ** (1 / 3), folder)
-
-
-def scaled_operator(name, scale, folder):
-    text = (ROOT / f"deploy/operators/{name}.yaml").read_text()
-
-    def scaled(match):
-        return match.group(1) + re.sub(r"-?\d+(\.\d+)?", lambda n: f"{float(n.group()) * scale:.2f}", match.group(2))
-
-    text = re.sub(r"((?:offset_mm|lift_mm|advance_mm|tube_depth_mm): )(\[[^]]*\]|-?[\d.]+)", scaled, text)
-    file = folder / "operator.yaml"
-    file.write_text(text)
-    return file
+def run(program, *arguments):
+    done = subprocess.run([str(a) for a in (BIN / program, *arguments)], capture_output=True, text=True, timeout=1800,
+                          check=False)
+    return done.returncode, (json.loads(done.stdout) if done.stdout.startswith("{") else None), done.stderr.strip()
 
 
 def scenario_for(weight, model, folder):
+    """Head and mouth as in the shipped scenarios, blade and tube for the weight."""
     small = weight < 2
     tube = 2.0 if weight < 0.8 else 2.5 if small else 3.0
     file = folder / "scenario.yaml"
-    file.write_text(f"""patient:
-  model: {model}
-  head_elevation_deg: 26
-  jaw_opening_deg: {24 if small else 29}
+    file.write_text(f"""patient: {{model: {model}, head_elevation_deg: 26, jaw_opening_deg: 29}}
 laryngoscope: {{blade: {"miller_0" if small else "miller_1"}}}
 tube: {{inner_diameter_mm: {tube}, grip_from_tip_mm: {90 if small else 100}, curve_radius_mm: {60 if small else 70},
        youngs_modulus_mpa: 40}}
@@ -77,31 +77,98 @@ tube: {{inner_diameter_mm: {tube}, grip_from_tip_mm: {90 if small else 100}, cur
     return file
 
 
+def build(shape, spacing, model):
+    """Why there is no model, or the number of its particles."""
+    options = [f"--{name.replace('_', '-')}={value}" for name, value in shape.items()]
+    code, built, said = run("eti-anatomy", "build", *options, f"--spacing-mm={spacing}",
+                            f"--fine-spacing-mm={spacing / 2}", "--out", model, "--json")
+    return (said, None) if code != 0 else ("", built["particles"])
+
+
+def intubate(weight, model, folder):
+    _, attempt, said = run("eti-server", "--scenario", scenario_for(weight, model, folder), "--operator", "expert",
+                           "--threads", 1, "--fast", "--no-dds", "--json")
+    if attempt is None:
+        return {"intubated": False, "reason": said.splitlines()[-1]}
+    parameters = attempt["parameters"]
+    return {"intubated": attempt["success"], "reason": attempt["reason"],
+            "glottis_seen_percent": round(parameters["glottic_opening_percent"]["max"] or 0.0, 1),
+            "cormack_lehane_grade": int(parameters["cormack_lehane_grade"] or 4),
+            "time_s": round(parameters["time_s"] or 0.0, 1)}
+
+
+def why_not(shape, seen, spacing, folder):
+    """The features that, made usual, let the newborn be intubated; None where there is no such anatomical reason."""
+    if seen is None or seen >= WANTED_VIEW:
+        return None
+    own = {**{k: v for k, v in shape.items() if k != "variant"}, **VARIANTS.get(shape.get("variant"), {})}
+    far = {name: (own[name] - usual) / (worst - usual)
+           for name, (usual, worst) in DIFFICULT.items() if name in own and (own[name] - usual) / (worst - usual) > 0}
+    blamed = []
+    for name in sorted(far, key=far.get, reverse=True):
+        blamed.append(f"{name} {own[name]:g}")
+        own[name] = DIFFICULT[name][0]
+        model = folder / "easier.h5"
+        fault, _ = build(own, spacing, model)
+        if not fault and intubate(own["weight_kg"], model, folder)["intubated"]:
+            return f"view below {WANTED_VIEW} %; intubated without " + ", ".join(blamed)
+    return None
+
+
 def examine(shape, arguments, folder):
     model = folder / "model.h5"
-    options = [f"--{name.replace('_', '-')}={value}" for name, value in shape.items()]
-    options += [f"--spacing-mm={arguments.spacing_mm}", f"--fine-spacing-mm={arguments.spacing_mm / 2}"]
-    code, built, said = run(BIN / "eti-anatomy", "build", *options, "--out", model, "--json")
+    fault, particles = build(shape, arguments.spacing_mm, model)
+    if fault:
+        refused = "at gestational_age_weeks" in fault  # the age does not go with the weight
+        return {"sound": False, "because": (NO_SUCH if refused else FAULT + "not built: ") + fault}
+    code, checked, said = run("eti-anatomy", "check", model, "--json")
+    faults = [said] if checked is None else [f"{i['name']}: {i['found']}" for i in checked["invariants"]
+                                             if not i["holds"]]
+    result = {"sound": code == 0, "particles": particles}
     if code != 0:
-        return {"sound": False, "faults": ["not built: " + said.strip()]}
-    code, checked, said = run(BIN / "eti-anatomy", "check", model, "--json")
-    if checked is None:
-        return {"sound": False, "faults": ["not checked: " + said.strip()]}
-    result = {"sound": code == 0, "particles": built["particles"],
-              "faults": [f"{i['name']}: {i['found']}" for i in checked["invariants"] if not i["holds"]]}
-    if arguments.intubate and code == 0:
-        weight = shape["weight_kg"]
-        reasons = []
-        for operator in operators_for(weight, folder):  # who fails one way tries another
-            _, attempt, said = run(BIN / "eti-server", "--scenario", scenario_for(weight, model, folder), "--operator",
-                                   operator, "--fast", "--no-dds", "--json")
-            reasons.append(attempt["reason"] if attempt else said.strip().splitlines()[-1])
-            result["intubated"] = bool(attempt and attempt["success"])
-            if result["intubated"]:
-                break
-        result["reason"] = reasons[-1] if result["intubated"] else "; then: ".join(reasons)
-    model.unlink()
+        return {**result, "because": FAULT + "; ".join(faults)}
+    if arguments.intubate:
+        result.update(intubate(shape["weight_kg"], model, folder))
+        if not result["intubated"]:
+            anatomical = why_not(shape, result.get("glottis_seen_percent"), arguments.spacing_mm, folder)
+            result["because"] = anatomical or FAULT + "the expert fails with no anatomical reason"
     return result
+
+
+def write_row(file, row):
+    new = not file.exists()
+    with file.open("a", newline="") as text:
+        writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+        if new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def shapes_of(arguments):
+    if arguments.grid:
+        return [{"weight_kg": weight, "gestational_age_weeks": age} for weight in GRID_WEIGHTS for age in GRID_AGES]
+    if arguments.weights:
+        return [{"weight_kg": weight} for weight in arguments.weights]
+    return list(random_shapes(arguments.count, arguments.seed))
+
+
+def rows_of(file):
+    if file is None or not file.exists():
+        return {}
+    with file.open(newline="") as text:
+        return {int(row["number"]): row for row in csv.DictReader(text)}
+
+
+def words(row):
+    said = [str(row["because"])] if row.get("because") else ["sound"]
+    if row.get("intubated") not in (None, ""):
+        seen = f"{row['glottis_seen_percent']} % seen" if "glottis_seen_percent" in row else "not run"
+        said.append(f"{'' if str(row['intubated']) == 'True' else 'not '}intubated, {seen}: {row['reason']}")
+    return "; ".join(said)
+
+
+def count(rows, column):
+    return sum(str(row.get(column)) == "True" for row in rows)
 
 
 def main():
@@ -111,26 +178,27 @@ def main():
     parser.add_argument("--spacing-mm", type=float, default=3.0, help="particles of the bulk; half of it where fine")
     parser.add_argument("--intubate", action="store_true", help="also let the expert try; slow")
     parser.add_argument("--weights", type=float, nargs="+", help="usual newborns of these weights, none at random")
-    parser.add_argument("--out", type=Path, help="write every newborn's result to this JSON file")
+    parser.add_argument("--grid", action="store_true", help="usual newborns of every weight and age, none at random")
+    parser.add_argument("--out", type=Path, help="CSV file of all newborns; goes on where it ends")
     arguments = parser.parse_args()
-    newborns = [{"weight_kg": w} for w in arguments.weights] if arguments.weights else list(
-        shapes(arguments.count, arguments.seed))
-    results = []
+    shapes = shapes_of(arguments)
+    rows = rows_of(arguments.out)
     with tempfile.TemporaryDirectory() as folder:
-        for number, shape in enumerate(newborns):
-            result = examine(shape, arguments, Path(folder))
-            results.append({"shape": shape, **result})
-            words = ["sound" if result["sound"] else "FAULT"]
-            if "intubated" in result:
-                words.append(("intubated: " if result["intubated"] else "not intubated: ") + result["reason"])
-            print(f"{number + 1}/{len(newborns)} {json.dumps(shape)} {'; '.join(words + result['faults'])}", flush=True)
-    summary = {"newborns": len(results), "sound": sum(r["sound"] for r in results)}
+        for number, shape in enumerate(shapes, 1):
+            if number not in rows:
+                rows[number] = {"number": number, **shape, **examine(shape, arguments, Path(folder))}
+                if arguments.out:
+                    write_row(arguments.out, rows[number])
+            print(f"{number}/{len(shapes)} {json.dumps(shape)} {words(rows[number])}", flush=True)
+    kept = [rows[number] for number in range(1, len(shapes) + 1)]
+    born = [row for row in kept if not str(row.get("because")).startswith(NO_SUCH)]
+    faults = [row for row in born if str(row.get("because")).startswith(FAULT)]
+    summary = {"newborns": len(born), "sound": count(born, "sound"), "faults": len(faults)}
     if arguments.intubate:
-        summary["intubated"] = sum(r.get("intubated", False) for r in results)
-    if arguments.out:
-        arguments.out.write_text(json.dumps({"summary": summary, "newborns": results}, indent=1))
+        summary["intubated"] = count(born, "intubated")
+        summary["anatomical_reason"] = len(born) - len(faults) - summary["intubated"]
     print(json.dumps(summary))
-    return 0 if summary["sound"] == summary["newborns"] else 1
+    return 1 if faults else 0
 
 
 if __name__ == "__main__":

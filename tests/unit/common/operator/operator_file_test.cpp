@@ -35,11 +35,12 @@ description: tries every key
 tremor_mm: 0.25
 reaction_s: 0.3
 seed: 18446744073709551615
+patient_weight_kg: 1.25
 laryngoscope:
   - stage: everything
     follow: on
-    tip: {at: epiglottis_tip, offset_mm: [1, -2, 3.5]}
-    axis: {from: lower_gum, from_offset_mm: [-1, 2, 0], to: glottis}
+    tip: {at: epiglottis_tip, offset_mm: [1, -2, 3.5], fixed_offset_mm: [0, 6, -1]}
+    axis: {from: lower_gum, from_offset_mm: [-1, 2, 0], from_fixed_offset_mm: [0, -5, 2], to: glottis}
     lift_mm: 8
     advance_mm: -4
     pitch_deg: 10
@@ -71,6 +72,9 @@ tube:
     EXPECT_TRUE(s.tip_offset.isApprox(Vec3f(1e-3f, -2e-3f, 3.5e-3f)));
     EXPECT_EQ(s.axis_from, Landmark::lower_gum);
     EXPECT_TRUE(s.axis_from_offset.isApprox(Vec3f(-1e-3f, 2e-3f, 0)));
+    EXPECT_TRUE(s.tip_fixed_offset.isApprox(Vec3f(0, 6e-3f, -1e-3f)));
+    EXPECT_TRUE(s.axis_from_offset.isApprox(Vec3f(-1e-3f, 2e-3f, 0)));
+    EXPECT_TRUE(s.axis_from_fixed_offset.isApprox(Vec3f(0, -5e-3f, 2e-3f)));
     EXPECT_FALSE(s.axis_to_tip);
     EXPECT_EQ(s.axis_to, Landmark::glottis);
     EXPECT_FLOAT_EQ(s.lift, 8e-3f);
@@ -91,6 +95,8 @@ tube:
     EXPECT_TRUE(script.laryngoscope.stages[1].pivot_at_tip);
     EXPECT_FLOAT_EQ(script.tube.stages[0].depth_at_lip, 0.095f);
     EXPECT_TRUE(script.tube.stages[1].depth_by_rule);
+    EXPECT_FLOAT_EQ(script.laryngoscope.weight, 1.25f);
+    EXPECT_FLOAT_EQ(script.tube.weight, 1.25f);
 }
 
 TEST(OperatorFile, NameComesFromTheFileWhereItHasNone) {

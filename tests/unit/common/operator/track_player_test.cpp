@@ -8,8 +8,10 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/model/tools.hpp"
 #include "tests/unit/common/operator/newborn_landmarks.hpp"
 
 namespace eti {
@@ -358,6 +360,66 @@ TEST_F(Playing, SlightCurveHardlyMatters) {
     play(10);
     // A radius of 1 km: 100 mm bend off by L^2 / 2R = 5e-6 m and turn by 1e-4 rad.
     EXPECT_LT((pose_.translation - straight.translation).norm(), 2e-5f);
+}
+
+// Lengths go with the cube root of weight: a newborn of 3.5 kg / 8 is half as long as one of 3.5 kg.
+TEST_F(Playing, LengthsAreThoseOfANewbornOfTheScriptsWeight) {
+    Stage stage = stage_at(Landmark::vallecula);
+    stage.tip_offset = Vec3f(0.001f, 0.002f, 0.003f);
+    stage.tip_fixed_offset = Vec3f(0, 0.006f, 0);
+    stage.axis_from_offset = Vec3f(0, -0.004f, -0.005f);
+    stage.axis_from_fixed_offset = Vec3f(0, 0, -0.002f);
+    Stage move = kept("move");
+    move.lift = 0.008f;
+    move.advance = 0.005f;
+    move.until_tube_depth = 0.02f;
+    move.timeout = 100;
+    for (const auto& [weight, size] :
+         {std::pair(3.5, 1.0f), std::pair(3.5 / 8, 0.5f), std::pair(0.0, 1.0f)}) {
+        const Track track{{stage, move}, 3.5f};
+        player_.emplace(track, length, 0.0f, reaction, 1);
+        seen_ = {};
+        seen_.landmarks = newborn_landmarks();
+        seen_.tube_depth_rule = weight > 0.0 ? static_cast<float>(tube_depth_by_weight(weight)) : 0.0f;
+        ASSERT_TRUE(play_until("move"));
+        // 437.5 g are taken as 438 g: 1 part in 2600 of the size.
+        const float rounded = 4e-4f * 0.009f + 2 * rounding;
+        const Vec3f target = landmark(Landmark::vallecula) + size * stage.tip_offset + stage.tip_fixed_offset;
+        EXPECT_LT((tip() - target).norm(), rounded) << weight << " kg";
+        const Vec3f line = target - landmark(Landmark::upper_gum) - size * stage.axis_from_offset -
+                           stage.axis_from_fixed_offset;
+        EXPECT_LT((along() - line.normalized()).norm(), 1e-4f) << weight << " kg";
+        const Vec3f start = tip();
+        play(5);
+        EXPECT_LT((tip() - start - size * (0.008f * handle() + 0.005f * along())).norm(), rounded)
+            << weight << " kg";
+        seen_.tube_depth_past_glottis = 0.0199f * size;
+        play(1);
+        EXPECT_FALSE(player_->finished()) << weight << " kg";
+        seen_.tube_depth_past_glottis = 0.0201f * size;
+        play(1);
+        EXPECT_TRUE(player_->finished()) << weight << " kg";
+    }
+}
+
+TEST_F(Playing, StopsAtTheDepthThatItSees) {
+    Stage push = kept("push");
+    push.advance = 0.04f;
+    push.until_tube_depth = 0.02f;
+    begin({stage_at(Landmark::glottis), push, kept("hold")});
+    ASSERT_TRUE(play_until("push"));
+    const Vec3f start = tip();
+    const auto depth = [&] { return (tip() - start).norm(); };
+    for (int i = 0; i < 60'000 && player_->stage_name() != "hold"; ++i) {
+        seen_.tube_depth_past_glottis = depth();
+        step();
+    }
+    // Reached on the way and kept for the time of reaction, at no more than 0.03 m/s.
+    EXPECT_GE(depth(), 0.02f);
+    EXPECT_LE(depth(), 0.02f + 0.03f * reaction + 1e-4f);
+    const Vec3f stopped = tip();
+    play(5);
+    EXPECT_LT((tip() - stopped).norm(), 1e-4f) << "it goes on";
 }
 
 TEST_F(Playing, StaysFiniteBeforeLandmarksAreKnown) {
