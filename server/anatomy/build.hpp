@@ -24,14 +24,21 @@ struct BuildSettings {
     std::size_t shell_triangles = 12000;
 };
 
-/// Builds a whole model: particles, clusters, links, surfaces, shell, landmarks. Some seconds on two cores.
-[[nodiscard]] Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings);
+/// Builds a whole model: particles, clusters, links, surfaces, shell, landmarks. Some ten seconds on two
+/// cores, of which surfaces and shell take all but one: `formed`, a model of the same anatomy and form_of()
+/// the same settings, lends them.
+[[nodiscard]] Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings,
+                                    const Patient* formed = nullptr);
 /// The same of the parametric newborn.
-[[nodiscard]] Patient build_patient(const NewbornShape& shape, const BuildSettings& settings);
+[[nodiscard]] Patient build_patient(const NewbornShape& shape, const BuildSettings& settings,
+                                    const Patient* formed = nullptr);
 
 /// What a model depends on: the program that built it and how, and of the newborn its shape.
 [[nodiscard]] Provenance provenance_of(const NewbornShape& shape, const BuildSettings& settings);
 [[nodiscard]] Provenance provenance_of(const BuildSettings& settings);
+/// Of these, what surfaces and shell depend on: not how the tissue is cut into particles, nor how stiff it
+/// is.
+[[nodiscard]] Provenance form_of(Provenance provenance);
 
 // The steps of build_patient, each adding its part of the model; set_tissue_stiffness() makes them as stiff
 // as they shall be.
@@ -39,7 +46,9 @@ void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Pati
 void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_tetrahedra(const Anatomy& anatomy, Patient& patient);
 void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void build_frames(Patient& patient);
 void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 

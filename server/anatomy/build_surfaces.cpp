@@ -167,8 +167,9 @@ class Skinner {
     std::vector<PointGrid> grids_;
 };
 
-Surface surface_from(const Anatomy& anatomy, const Skinner& skinner, const DistanceGrid& field,
-                     std::string name, Tissue tissue, std::size_t budget) {
+/// Without skin weights.
+Surface surface_from(const Anatomy& anatomy, const DistanceGrid& field, std::string name, Tissue tissue,
+                     std::size_t budget) {
     Surface surface;
     surface.name = std::move(name);
     surface.tissue = tissue;
@@ -191,10 +192,6 @@ Surface surface_from(const Anatomy& anatomy, const Skinner& skinner, const Dista
             (surface.mesh.vertices[t[0]] + surface.mesh.vertices[t[1]] + surface.mesh.vertices[t[2]]) / 3.0f;
         surface.triangle_tissue.push_back(tissue == Tissue::soft ? lining_tissue(anatomy, middle) : tissue);
     }
-    surface.skin.reserve(surface.mesh.vertices.size());
-    for (const Vec3f& v : surface.mesh.vertices) {
-        surface.skin.push_back(skinner(v, tissue == Tissue::soft ? lining_tissue(anatomy, v) : tissue));
-    }
     return surface;
 }
 
@@ -209,12 +206,25 @@ Vec3f cluster_centre(const Patient& patient, std::size_t c) {
 
 }  // namespace
 
-void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+void build_frames(Patient& patient) {
     patient.frame_rest_centre.assign(bone_count, Vec3f::Zero());
     for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
         patient.frame_rest_centre.push_back(cluster_centre(patient, c));
     }
+}
+
+void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     const Skinner skinner(anatomy, settings, patient);
+    for (Surface& surface : patient.surfaces) {
+        surface.skin.clear();
+        for (const Vec3f& v : surface.mesh.vertices) {
+            const bool soft = surface.tissue == Tissue::soft;
+            surface.skin.push_back(skinner(v, soft ? lining_tissue(anatomy, v) : surface.tissue));
+        }
+    }
+}
+
+void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     const float size = anatomy.scale() / millimetre;
     const auto [low, high] = anatomy.bounds();
     const auto [inner_low, inner_high] = anatomy.airway_bounds();
@@ -244,16 +254,14 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     sample(anatomy, epiglottis,
            [&](std::size_t i, const Fields& f, const Vec3f&) { epiglottis.value[i] = f.epiglottis; });
 
-    patient.surfaces.push_back(
-        surface_from(anatomy, skinner, body, "body", Tissue::soft, settings.body_triangles));
-    patient.surfaces.push_back(surface_from(anatomy, skinner, tongue, "tongue", Tissue::tongue, 6000));
-    patient.surfaces.push_back(
-        surface_from(anatomy, skinner, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
-    patient.surfaces.push_back(surface_from(anatomy, skinner, skull, "skull", Tissue::skull, 16000));
-    patient.surfaces.push_back(surface_from(anatomy, skinner, mandible, "mandible", Tissue::mandible, 4000));
-    patient.surfaces.push_back(surface_from(anatomy, skinner, spine, "spine", Tissue::spine, 8000));
+    patient.surfaces.push_back(surface_from(anatomy, body, "body", Tissue::soft, settings.body_triangles));
+    patient.surfaces.push_back(surface_from(anatomy, tongue, "tongue", Tissue::tongue, 6000));
+    patient.surfaces.push_back(surface_from(anatomy, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
+    patient.surfaces.push_back(surface_from(anatomy, skull, "skull", Tissue::skull, 16000));
+    patient.surfaces.push_back(surface_from(anatomy, mandible, "mandible", Tissue::mandible, 4000));
+    patient.surfaces.push_back(surface_from(anatomy, spine, "spine", Tissue::spine, 8000));
     // Hangs in the soft tissue and goes with it.
-    patient.surfaces.push_back(surface_from(anatomy, skinner, hyoid, "hyoid", Tissue::hyoid, 1500));
+    patient.surfaces.push_back(surface_from(anatomy, hyoid, "hyoid", Tissue::hyoid, 1500));
 }
 
 void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
@@ -314,7 +322,7 @@ void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Pati
     }
 }
 
-Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings) {
+Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings, const Patient* formed) {
     Patient patient;
     patient.weight = anatomy.weight();
     patient.skeleton = anatomy.skeleton();
@@ -323,14 +331,21 @@ Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings) {
     build_tetrahedra(anatomy, patient);
     build_links(anatomy, settings, patient);
     set_tissue_stiffness(patient, settings.tissue_stiffness);
-    build_surfaces(anatomy, settings, patient);
-    build_shell(anatomy, settings, patient);
+    build_frames(patient);
+    if (formed != nullptr) {
+        patient.surfaces = formed->surfaces;
+        patient.shell = formed->shell;
+    } else {
+        build_surfaces(anatomy, settings, patient);
+        build_shell(anatomy, settings, patient);
+    }
+    skin_surfaces(anatomy, settings, patient);
     build_landmarks(anatomy, settings, patient);
     return patient;
 }
 
-Patient build_patient(const NewbornShape& shape, const BuildSettings& settings) {
-    return build_patient(Newborn(shape), settings);
+Patient build_patient(const NewbornShape& shape, const BuildSettings& settings, const Patient* formed) {
+    return build_patient(Newborn(shape), settings, formed);
 }
 
 }  // namespace eti::anatomy

@@ -29,4 +29,12 @@ Provenance provenance_of(const BuildSettings& settings) {
             {"shell_triangles", fmt::format("{}", settings.shell_triangles)}};
 }
 
+Provenance form_of(Provenance provenance) {
+    for (const char* const of_particles :
+         {"spacing_m", "fine_spacing_m", "region_m", "tissue_stiffness_pa"}) {
+        provenance.erase(of_particles);
+    }
+    return provenance;
+}
+
 }  // namespace eti::anatomy

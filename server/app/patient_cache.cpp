@@ -5,6 +5,8 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "server/anatomy/model_file.hpp"
@@ -39,11 +41,29 @@ std::filesystem::path cache_folder() {
 
 namespace {
 
+/// A model in the cache whose surfaces and shell are those of `provenance`, however it is cut into particles.
+std::optional<anatomy::Patient> of_same_form(const anatomy::Provenance& provenance, const std::string& name) {
+    std::error_code error;
+    for (std::filesystem::directory_iterator i(cache_folder(), error), end; !error && i != end;
+         i.increment(error)) {
+        try {
+            if (i->path().filename().string().starts_with(name) &&
+                anatomy::form_of(anatomy::load_provenance(i->path())) == anatomy::form_of(provenance)) {
+                return anatomy::load_patient(i->path());
+            }
+        } catch (const std::exception&) {
+            continue;  // another may be whole; if not, all is built
+        }
+    }
+    return std::nullopt;
+}
+
 /// As stiff as `settings` say.
 anatomy::Patient patient_in_cache(const NewbornShape& shape, const anatomy::BuildSettings& settings) {
     const anatomy::Provenance provenance = anatomy::provenance_of(shape, settings);
+    const std::string form = fmt::format("newborn-{:016x}-", hash_of(anatomy::form_of(provenance)));
     const std::filesystem::path file =
-        cache_folder() / fmt::format("newborn-{:016x}.h5", hash_of(provenance));
+        cache_folder() / fmt::format("{}{:016x}.h5", form, hash_of(provenance));
     std::error_code error;
     if (std::filesystem::exists(file, error)) {
         try {
@@ -54,8 +74,11 @@ anatomy::Patient patient_in_cache(const NewbornShape& shape, const anatomy::Buil
             spdlog::warn("cached model not usable, building it anew: {}", e.what());
         }
     }
-    spdlog::info("building the patient model; it is cached as {}", file.string());
-    anatomy::Patient patient = anatomy::build_patient(shape, settings);
+    const std::optional<anatomy::Patient> formed = of_same_form(provenance, form);
+    spdlog::info("building {}; it is cached as {}",
+                 formed ? "particles for a patient whose surfaces are cached" : "the patient model",
+                 file.string());
+    anatomy::Patient patient = anatomy::build_patient(shape, settings, formed ? &*formed : nullptr);
     try {
         std::filesystem::create_directories(file.parent_path());
         anatomy::save_patient(patient, file, provenance);

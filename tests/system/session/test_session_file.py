@@ -75,7 +75,7 @@ class SessionFile(support.Case):
             steps = file["inputs/step"][:]
             self.assertGreaterEqual(len(steps), at_least)
             numpy.testing.assert_array_equal(steps, numpy.arange(len(steps)))
-            for group in ("inputs", "tools", "skeleton", "metrics"):
+            for group in ("inputs", "tools", "skeleton", "tissue", "metrics"):
                 for name, item in file[group].items():
                     if isinstance(item, h5py.Dataset):
                         self.assertEqual(len(item), len(steps), item.name)

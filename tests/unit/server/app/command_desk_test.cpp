@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -101,7 +102,7 @@ TEST(CommandDesk, SecretionsNeedLiquid) {
 }
 
 TEST(CommandDesk, EveryKindHasAName) {
-    for (int kind = msg::COMMAND_START; kind <= msg::COMMAND_SECRETION; ++kind) {
+    for (std::uint32_t kind = msg::COMMAND_START; kind <= msg::COMMAND_SECRETION; ++kind) {
         EXPECT_NE(name_of(static_cast<msg::CommandKind>(kind)), "unknown") << kind;
     }
 }

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace eti::render {
+namespace {
+
+// In the patient frame the world's vertical turns against the table: head-up by an angle, it leans towards
+// the head
+// (+z) by as much.
+TEST(OverviewCamera, KeepsTheWorldsVerticalOnATiltedTable) {
+    const Landmarks rest{};
+    const Orbit orbit;
+    const Camera level = overview_camera(rest, orbit);
+    const float angle = 15.0f * degree;
+    const Camera tilted = overview_camera(rest, orbit, angle);
+    const Vec3f vertical(0.0f, -std::cos(angle), std::sin(angle));
+    EXPECT_LT((level.up - Vec3f(0.0f, -1.0f, 0.0f)).norm(), 1e-6f);
+    EXPECT_LT((tilted.up - vertical).norm(), 1e-6f);
+    // The onlooker stands as high and as far as before.
+    EXPECT_NEAR((tilted.eye - tilted.target).dot(vertical), (level.eye - level.target).dot(level.up), 1e-6f);
+    EXPECT_NEAR((tilted.eye - tilted.target).norm(), (level.eye - level.target).norm(), 1e-6f);
+    EXPECT_EQ(tilted.target, level.target);
+}
+
+}  // namespace
+}  // namespace eti::render
