@@ -9,8 +9,9 @@ set -u
 usage() {
     cat <<USAGE
 Usage: deploy/demo.sh [OPTION...]
-Runs one intubation by a scripted operator with five processes over the bus: server, haptic device,
-tube tracker, the trainee's client and an observer's client. Prints the performance table and names the
+Calibrates a simulated haptic device and a simulated tracker, then runs one intubation by a scripted operator
+with six processes over the bus: server, haptic device, tube tracker, the assistant's controller, the
+trainee's client and an observer's client. Prints the performance table and names the
 session file, the pictures and the video. Exit 0 only if the trachea was intubated.
   --scenario NAME   scenario under deploy/scenarios, or a file (default: term)
   --operator NAME   operator under deploy/operators, or a file (default: expert)

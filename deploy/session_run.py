@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Runs the five processes of a session, watches them, and shows what came of it.
+"""Runs the processes of a session, watches them, and shows what came of it.
 
 demo.sh calls this after building; the system tests use its classes to do unkind things to a session.
 """
@@ -14,6 +14,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -25,6 +26,7 @@ STALL_LIMIT = 180.0      # [s] without any simulation time passing before a serv
 END_BY_ITSELF = 20.0     # [s] that processes have to notice the session's end; a lease on the bus lasts 1.5 s
 END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
 LONGEST_SESSION = 120    # [s] of simulation time; an attempt should take 30 s
+SUCTION = (1.0, 2.0)     # [s] of simulation time, between which the assistant holds the pad's suction button
 PR_SET_PDEATHSIG = 1
 
 
@@ -83,8 +85,32 @@ class Program:
         return f"was killed by {signal.Signals(-code).name}"
 
 
+class Pad:
+    """A game pad that is not there: a pipe with a name, out of which the kernel's joystick events come."""
+
+    BUTTON = 1
+
+    def __init__(self, file):
+        self.file = file
+        self.pipe = None
+
+    def plug_in(self):
+        os.mkfifo(self.file)
+        # Both ways, so that opening does not wait for the reader.
+        self.pipe = os.open(self.file, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+
+    def press(self, button, down):
+        os.write(self.pipe, struct.pack("=IhBB", 0, int(down), self.BUTTON, button))
+
+    def unplug(self):
+        if self.pipe is not None:
+            os.close(self.pipe)
+            self.pipe = None
+            self.file.unlink(missing_ok=True)
+
+
 class Session:
-    """The five processes: server, haptics, tracker, trainee, observer."""
+    """Its processes: server, haptics, tracker, controller, trainee, observer."""
 
     def __init__(self, bin_folder, folder, scenario="term", operator="expert", domain=0, name=None, extra=None,
                  say=lambda text: print(text, file=sys.stderr, flush=True)):
@@ -98,9 +124,11 @@ class Session:
         commands = {
             "server": ["eti-server", "--scenario", scenario, "--record", self.record, "--finish-after-attempt",
                        "--duration", LONGEST_SESSION, "--json"],
-            # No person holds this device, and the machine may be slower than the clock: bridge the gaps.
-            "haptics": ["eti-haptics", "--device", "simulated", "--operator", operator, "--silence-ms", "60"],
-            "tracker": ["eti-tracker", "--device", "scripted", "--operator", operator],
+            "haptics": ["eti-haptics", "--device", "simulated", "--operator", operator,
+                        "--calibration", self.folder / "simulated.yaml", "--json"],
+            "tracker": ["eti-tracker", "--device", "scripted", "--operator", operator,
+                        "--calibration", self.folder / "scripted.yaml"],
+            "controller": ["eti-controller", "--device", "gamepad", "--source", self.folder / "pad", "--json"],
             "trainee": ["eti-client", "--offscreen", self.folder / "trainee"],
             "observer": ["eti-client", "--observe", "--offscreen", self.folder / "observer"],
         }
@@ -109,8 +137,19 @@ class Session:
             for role, command in commands.items()
         }
         self.server = self.programs["server"]
+        self.pad = Pad(self.folder / "pad")
+        self.suction = False
+
+    def calibrate(self):
+        """Registers both devices as a person would who touches the board's points, and keeps the files."""
+        for device in ("simulated", "scripted"):
+            subprocess.run([self.bin / "eti-calibrate", "simulate", "--device", device, "--out",
+                            self.folder / f"{device}.yaml"], stderr=subprocess.DEVNULL, check=True)
 
     def start(self):
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.calibrate()
+        self.pad.plug_in()
         for program in self.programs.values():
             program.start()
 
@@ -123,6 +162,13 @@ class Session:
             tail = log.read().decode(errors="replace")
         found = re.findall(r"simulation time ([\d.]+) s.*?([\d.]+) s behind", tail)
         return (float(found[-1][0]), float(found[-1][1])) if found else None
+
+    def assist(self, time_s):
+        """What the assistant's thumb does at this simulation time."""
+        wanted = SUCTION[0] <= time_s < SUCTION[1]
+        if wanted != self.suction:
+            self.suction = wanted
+            self.pad.press(0, wanted)
 
     def stop(self, why):
         """Asks the server to finish the session; the others end when it has."""
@@ -158,6 +204,8 @@ class Session:
             now, progress = time.monotonic(), self.progress()
             if progress != last:
                 moved, last = now, progress
+            if progress:
+                self.assist(progress[0])
             if now - moved > STALL_LIMIT:
                 self.stop(f"no simulation time has passed for {STALL_LIMIT:.0f} s")
             if self.stopping:
@@ -185,6 +233,7 @@ class Session:
                 self.say(f"{name} did not answer SIGTERM; killing it.")
                 self.programs[name].send(signal.SIGKILL)
                 self.programs[name].wait(END_ON_REQUEST)
+        self.pad.unplug()
         self.report_ended()
         return late
 
@@ -194,6 +243,13 @@ class Session:
         as_json = subprocess.run([*review, "--json"], stdout=subprocess.PIPE, text=True, check=True)
         table = subprocess.run(review, stdout=subprocess.PIPE, text=True, check=True)
         return json.loads(as_json.stdout), table.stdout
+
+    def said(self, role):
+        """The JSON object that a process printed, or an empty one."""
+        try:
+            return json.loads(self.programs[role].output.read_text())
+        except (OSError, json.JSONDecodeError):
+            return {}
 
     def products(self, suffix):
         """Files of a kind that the clients made, oldest first."""
@@ -227,7 +283,14 @@ def show(session):
     print(table)
     intubated = "The trachea was intubated" if summary.get("success") else "The trachea was not intubated"
     print(f"{intubated}: {summary.get('reason')}.\n")
+    haptics, controller = session.said("haptics"), session.said("controller")
+    if haptics:
+        print(f"The hand felt at most {haptics['force_n']['max']:.1f} N; forces were less than whole for "
+              f"{100 * haptics['stale_share']:.0f} % of the time for want of messages.")
+    if controller:
+        print(f"The assistant gave {controller['commands']} commands, {controller['accepted']} were accepted.\n")
     print(f"Session file  {session.record}")
+    print(f"Calibrations  {session.folder / 'simulated.yaml'}, {session.folder / 'scripted.yaml'}")
     pictures, videos = session.products(".png"), session.products(".mp4")
     for folder in sorted({picture.parent for picture in pictures}):
         print(f"Pictures      {folder} ({sum(picture.parent == folder for picture in pictures)})")
@@ -252,7 +315,8 @@ def main():
 
     name = f"demo-{os.getpid()}"
     folder = (options.out / name).absolute()
-    missing = [p for p in ("eti-server", "eti-haptics", "eti-tracker", "eti-client", "eti-review")
+    missing = [p for p in ("eti-server", "eti-haptics", "eti-tracker", "eti-controller", "eti-calibrate", "eti-client",
+                             "eti-review")
                if not (options.bin / p).exists()]
     if missing:
         sys.exit(f"demo: {options.bin} lacks {', '.join(missing)}. Remedy: run deploy/demo.sh without --no-build.")

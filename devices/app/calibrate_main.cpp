@@ -207,8 +207,7 @@ int register_device(const CalibrateOptions& options) {
 
 /// What a simulated device's registration gives: its frame is the patient's, so what is left is the error.
 int register_simulated(const CalibrateOptions& options) {
-    const SensorNoise& noise =
-        options.device.device == "scripted" ? sensor_noises().back() : sensor_noises().front();
+    const SensorNoise& noise = sensor_noises().front();
     Random random(options.seed);
     const auto board = load_points(options.points, false);
     spdlog::info("points touched with the noise of a {}: {}", noise.device, noise.source);

@@ -37,11 +37,11 @@ class SimulationTime {
 /// What a cycle did; kept by the loop's thread, read when it has ended.
 struct HapticRecord {
     CycleStatistics intervals;
-    CycleStatistics computing;       // time that a cycle took, without the exchange with the device
-    CycleStatistics messages;        // between arrivals of successive messages, as cycles saw them
-    double force_sum = 0.0;          // [N], over cycles
-    float force_max = 0.0f;          // [N]
-    std::uint64_t stale_cycles = 0;  // with less than all force for want of messages
+    CycleStatistics computing;         // time that a cycle took, without the exchange with the device
+    CycleStatistics messages{50'000};  // between arrivals of successive messages, as cycles saw them
+    double force_sum = 0.0;            // [N], over cycles
+    float force_max = 0.0f;            // [N]
+    std::uint64_t stale_cycles = 0;    // with less than all force for want of messages
     std::uint64_t engaged_cycles = 0;
     std::uint64_t absent_cycles = 0;   // without a device to go by
     std::uint64_t stopped_cycles = 0;  // by the panic key

@@ -14,7 +14,6 @@ namespace eti::devices {
 
 namespace {
 
-constexpr std::int64_t bin_ns = 1'000;
 constexpr std::int64_t second_ns = 1'000'000'000;
 
 }  // namespace
@@ -44,7 +43,7 @@ std::string become_real_time(int priority) {
 
 void CycleStatistics::record(std::int64_t interval_ns) {
     const auto last = static_cast<std::int64_t>(bins_.size()) - 1;
-    ++bins_[static_cast<std::size_t>(std::clamp(interval_ns / bin_ns, std::int64_t{0}, last))];
+    ++bins_[static_cast<std::size_t>(std::clamp(interval_ns / bin_ns_, std::int64_t{0}, last))];
     ++count_;
     longest_ = std::max(longest_, interval_ns);
 }
@@ -58,7 +57,7 @@ double CycleStatistics::percentile(double p) const {
     for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) {
         seen += bins_[bin];
         if (seen >= wanted) {
-            return std::min(static_cast<double>(bin + 1) * 1e-9 * bin_ns, longest());
+            return std::min(static_cast<double>(bin + 1) * 1e-9 * static_cast<double>(bin_ns_), longest());
         }
     }
     return longest();
@@ -68,8 +67,8 @@ double CycleStatistics::share_over(double limit) const {
     if (count_ == 0) {
         return 0.0;
     }
-    const auto from =
-        static_cast<std::ptrdiff_t>(std::min(limit * 1e9 / bin_ns, static_cast<double>(bins_.size() - 1)));
+    const auto from = static_cast<std::ptrdiff_t>(
+        std::min(limit * 1e9 / static_cast<double>(bin_ns_), static_cast<double>(bins_.size() - 1)));
     const auto over = std::accumulate(bins_.begin() + from, bins_.end(), std::uint64_t{0});
     return static_cast<double>(over) / static_cast<double>(count_);
 }

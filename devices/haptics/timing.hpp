@@ -17,20 +17,23 @@ void sleep_until_ns(std::int64_t when);
 /// what to do.
 [[nodiscard]] std::string become_real_time(int priority);
 
-/// Times between the starts of successive cycles, in bins of 1 us; recording allocates nothing.
+/// Times between successive events, as the starts of cycles, in 20,000 bins; recording allocates nothing.
 class CycleStatistics {
   public:
+    explicit CycleStatistics(std::int64_t bin_ns = 1'000) : bin_ns_(bin_ns) {}
+
     void record(std::int64_t interval_ns);
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
     /// [s], that a share `p` of the intervals does not exceed, to the bin but at most the longest; the
-    /// largest bin counts all beyond 20 ms, of which the maximum tells.
+    /// largest bin counts all beyond, of which the maximum tells.
     [[nodiscard]] double percentile(double p) const;
     [[nodiscard]] double longest() const { return static_cast<double>(longest_) * 1e-9; }
     /// Of the intervals, longer than `limit` [s].
     [[nodiscard]] double share_over(double limit) const;
 
   private:
+    std::int64_t bin_ns_;
     std::array<std::uint32_t, 20'000> bins_{};
     std::uint64_t count_ = 0;
     std::int64_t longest_ = 0;

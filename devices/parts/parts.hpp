@@ -20,13 +20,15 @@ inline constexpr float tip_ball_radius = 1e-3f;
 
 /// What the makers of devices and printers decide; measure with a caliper. All in m.
 struct PartSettings {
-    float stylus_diameter = 6.5e-3f;  ///< of what the handle is pushed onto: a quarter-inch plug
-    float stylus_depth = 30e-3f;      ///< that it goes in
-    float sensor_diameter = 2.0e-3f;  ///< of the magnetic sensor
-    float sensor_length = 12e-3f;     ///< that it goes in
-    float clearance = 0.15e-3f;       ///< of every bore, all round; printers differ
-    float wall = 2.0e-3f;             ///< about bores
-    float spacing = 0.4e-3f;          ///< of the grid that the surface is taken from
+    /// Of what the handle is pushed onto: a quarter-inch plug (6.35 mm). Not verified for Touch and Touch X.
+    float stylus_diameter = 6.5e-3f;
+    float stylus_depth = 30e-3f;  ///< that it goes in; not verified
+    /// Of the magnetic sensor: Ascension's type 180 is "1.8mm" in its ATC3DG.h; its sleeve is not verified.
+    float sensor_diameter = 2.0e-3f;
+    float sensor_length = 12e-3f;  ///< that it goes in
+    float clearance = 0.15e-3f;    ///< of every bore, all round; printers differ
+    float wall = 2.0e-3f;          ///< about bores
+    float spacing = 0.4e-3f;       ///< of the grid that the surface is taken from
 };
 
 /// Laryngoscope, in its tool frame: the model's three capsules, the blade drawn out to a ball of

@@ -7,7 +7,9 @@
 namespace eti::devices::openhaptics {
 
 // The part of the HD API that we use, declared by ourselves after the OpenHaptics programmer's guide and
-// API reference. Lengths are millimetres, forces newtons, torques newton millimetres.
+// API reference. Numbers and types agree with hdDefines.h of OpenHaptics 3.0 (SensAble Technologies 2004,
+// build 66) as found in public repositories. Lengths are millimetres, forces newtons, torques newton
+// millimetres.
 
 using Handle = unsigned int;
 using Schedule = unsigned long;
@@ -32,6 +34,8 @@ inline constexpr unsigned int output_dof = 0x2554;
 inline constexpr unsigned int nominal_max_force = 0x2603;
 inline constexpr unsigned int nominal_max_torque = 0x2622;
 inline constexpr unsigned int current_force = 0x2700;
+// Deprecated in that header in favour of joint and gimbal torques. Touch and Touch X have three motors and
+// are never sent it.
 inline constexpr unsigned int current_torque = 0x2701;
 inline constexpr unsigned int force_output = 0x4000;
 

@@ -7,7 +7,8 @@
 namespace eti::devices::trakstar {
 
 // The part of the 3D Guidance API that we use, declared by ourselves after the vendor's installation and
-// operation guide.
+// operation guide. Numbers, types and the record agree with ATC3DG.h (Ascension Technology, revision 1.6) as
+// found in public repositories. The name of the library on Linux is not verified; --library names another.
 
 inline constexpr int select_transmitter = 0;  // system parameters
 inline constexpr int measurement_rate = 3;

@@ -272,10 +272,39 @@ def rows_of(file):
         return list(csv.DictReader(table))
 
 
+def stable_over_the_bus(rows):
+    """Of the cells pressed over the bus, by controller, loss and delay: the largest stiffness that was stable (or
+    None), and the smallest that was not (or None where the search ended). Cells that were not measured say nothing."""
+    found = {}
+    for row in rows:
+        if row["stable"]:
+            stable, unstable = found.setdefault((row["passivity"], row["loss_percent"], float(row["delay_ms"])), ([], []))
+            (stable if row["stable"] == "1" else unstable).append(float(row["stiffness_n_per_m"]))
+    return {key: (max(stable, default=None), min(unstable, default=None)) for key, (stable, unstable) in found.items()}
+
+
+def draw_over_the_bus(axes, found, losses):
+    """Filled: the largest stiffness that held still over the bus; cross above it: the next, which did not."""
+    for (passivity, loss, delay), (stable, unstable) in found.items():
+        number = losses.index(loss)
+        # Apart by loss and controller, so that they can be told from each other.
+        x = delay + 0.55 * (number - 1.5) + (0.25 if passivity == "1" else -0.25)
+        colour = dict(color=f"C{number}", mec="black", mew=0.6, ms=6, ls="none", zorder=5)
+        if stable:
+            axes.plot(x, stable, marker="^" if passivity == "1" else "s", **colour)
+        if unstable:
+            axes.plot(x, unstable, marker="x", ms=6, mew=1.4, color=f"C{number}", ls="none", zorder=5)
+        if stable and unstable:
+            axes.plot([x, x], [stable, unstable], color=f"C{number}", lw=0.7, alpha=0.6)
+
+
 def draw_haptics_stability(file, to):
-    """Largest stable stiffness over delay, one panel per surface and grip, against the bounds."""
+    """Largest stable stiffness over delay, one panel per surface and grip, against the bounds; where there is a table
+    of the real loop and server over the bus, its cells too."""
     plt = pyplot()
     rows = rows_of(file)
+    grid = file.with_name("haptics-grid.csv")
+    over_the_bus = stable_over_the_bus(rows_of(grid)) if grid.exists() else {}
     surfaces = list(dict.fromkeys(row["surface"] for row in rows))
     grips = list(dict.fromkeys(row["grip"] for row in rows))
     losses = sorted({row["loss_percent"] for row in rows}, key=float)
@@ -297,6 +326,8 @@ def draw_haptics_stability(file, to):
             axes.axhline(float(cells[0]["passive_bound_n_per_m"]), color="black", ls=":", lw=1.5,
                          label="passive without delay (Colgate & Schenkel 1997)")
             axes.axhline(shipped.get(surface, 160.0), color="gold", lw=4, zorder=0, label="as shipped")
+            if (surface, grip) == ("wall", "light grip"):
+                draw_over_the_bus(axes, over_the_bus, losses)
             axes.set_title(f"{surface}, {grip}", fontsize=9)
             axes.set(yscale="log", ylim=(60, 60000))
     for axes in panels[-1]:
@@ -304,8 +335,14 @@ def draw_haptics_stability(file, to):
     for line in panels:
         line[0].set_ylabel("largest stable stiffness [N/m]")
     handles, labels = panels[0][0].get_legend_handles_labels()
+    if over_the_bus:
+        for marker, text in (("^", "real server over DDS, still: controller on"), ("s", "the same, controller off"),
+                             ("x", "real server over DDS, not still")):
+            handles += panels[0][0].plot([], [], marker=marker, color="grey", mec="black" if marker != "x" else "grey",
+                                         ls="none")
+            labels.append(text)
     figure.legend(handles, labels, loc="lower center", ncol=4, fontsize=8)
-    figure.tight_layout(rect=(0, 0.8 / figure.get_figheight(), 1, 1))
+    figure.tight_layout(rect=(0, 0.85 / figure.get_figheight(), 1, 1))
     figure.savefig(to, metadata={"Date": None})
     plt.close(figure)
 

@@ -77,6 +77,14 @@ class Charts(unittest.TestCase):
             self.assertGreater(float(row["stable_n_per_m"]), 2 * shipped, row)
             self.assertGreater(float(row["stable_n_per_m"]), float(row["delayed_bound_n_per_m"]), row)
 
+    def test_shipped_stiffness_holds_still_over_the_bus(self):
+        """The real loop against the real server over DDS, wherever that could be measured."""
+        cells = [row for row in plot.rows_of(CHARTS / "haptics-grid.csv") if row["stiffness_n_per_m"] == "800"]
+        measured = [row for row in cells if row["passivity"] == "1" and row["stable"]]
+        self.assertIn(("10", "1"), {(row["delay_ms"], row["loss_percent"]) for row in measured})
+        for row in measured:
+            self.assertEqual(row["stable"], "1", row)
+
     def test_force_law_shipped_is_nearer_to_finite_elements(self):
         errors = {}
         for row in plot.rows_of(CHARTS / "haptics-laws.csv"):

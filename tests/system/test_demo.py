@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The whole path of deploy/demo.sh: five processes over the bus, and what they leave behind."""
+"""The whole path of deploy/demo.sh: six processes over the bus, and what they leave behind."""
 
 import json
 import os
@@ -34,8 +34,13 @@ class Demo(support.Case):
         self.assertIn("The trachea was intubated:", done.stdout)
         for kind in ("Pictures", "Video"):
             self.assertIn(kind, done.stdout)
-        for role in ("server", "haptics", "tracker", "trainee", "observer"):
+        for role in ("server", "haptics", "tracker", "controller", "trainee", "observer"):
             self.assertIn(f"{role} ended.", done.stderr)
+        self.assertIn("The assistant gave 2 commands, 2 were accepted.", done.stdout)
+        for device in ("simulated", "scripted"):
+            self.assertIn(f"device: {device}\n", (folder.parent / f"{device}.yaml").read_text())
+        for role in ("haptics", "tracker"):
+            self.assertIn("calibration of", (folder.parent / "logs" / f"{role}.log").read_text())
 
     def test_demo_summary_fills_every_parameter(self):
         done = support.run("eti-review", "summary", demo_folder() / "session.eti.h5", "--json")
@@ -82,7 +87,7 @@ class Demo(support.Case):
         self.assertEqual(process.returncode, 1)
         self.assertIn("Stopping: interrupted.", said)
         self.assertNotIn("killing it", said)
-        for role in ("server", "haptics", "tracker", "trainee", "observer"):
+        for role in ("server", "haptics", "tracker", "controller", "trainee", "observer"):
             self.assertIn(f"{role} ended.", said)
         file = next(self.folder.glob("*/session.eti.h5"))
         self.assertEqual(support.run("eti-review", "check", file).returncode, 0)

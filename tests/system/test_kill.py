@@ -72,6 +72,9 @@ class Kill(support.Case):
     def test_without_tracker(self):
         self.others_go_on_without("tracker")
 
+    def test_without_controller(self):
+        self.others_go_on_without("controller")
+
     def test_without_trainee(self):
         self.others_go_on_without("trainee")
 

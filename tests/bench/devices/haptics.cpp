@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/devices/grid.hpp"
 #include "tests/bench/devices/live.hpp"
 #include "tests/bench/server/table.hpp"
 #include "tests/bench/server/tongue_laws.hpp"
@@ -136,7 +137,10 @@ void run_beside_a_server(const HapticsOptions& options) {
         row("round_trip_p99", 1e3 * o.round_trip_p99, "ms");
         row("force_mean", o.force_mean, "N");
         row("force_max", o.force_max, "N");
+        row("message_p99", 1e3 * o.message_p99, "ms");
+        row("message_max", 1e3 * o.message_max, "ms");
         row("held_excursion", 1e3 * o.excursion, "mm");
+        row("held_stillest", 1e3 * o.stillest, "mm");
         row("held_force", o.held_force, "N");
         row("stale_share", 1e2 * o.stale_share, "%");
         row("energy_lowest", 1e3 * o.energy_lowest, "mJ");
@@ -145,6 +149,37 @@ void run_beside_a_server(const HapticsOptions& options) {
         row("server_behind", o.server_behind, "s");
         row("real_time", o.real_time ? 1.0 : 0.0, "1");
     }
+    spdlog::info("wrote {}", table.path().string());
+}
+
+void press_over_the_bus(const HapticsOptions& options) {
+    Table table(
+        options.out, "haptics-grid.csv",
+        "passivity,delay_ms,jitter_ms,loss_percent,stiffness_n_per_m,not_measured,stable,excursion_mm,"
+        "force_n,faded_percent,server_lag_percent,message_p99_ms,message_max_ms,relay_late_ms,"
+        "virtual_stable,virtual_excursion_mm");
+    int measured = 0, agreed = 0, cells = 0;
+    run_grid({.whole = options.whole_grid, .minutes = options.grid_minutes}, [&](const GridCell& cell,
+                                                                                 const GridOutcome& o) {
+        LoopCase loop;
+        loop.stiffness = cell.stiffness;
+        loop.passivity = cell.passivity;
+        loop.grip = light;
+        loop.channel = cell.channel;
+        const double virtually = run_loop(loop).excursion;
+        const bool counts = o.not_measured.empty();
+        ++cells;
+        measured += counts ? 1 : 0;
+        agreed += counts && o.stable() == (virtually <= most_excursion) ? 1 : 0;
+        table.row(fmt::format(
+            "{},{:g},{:g},{:g},{:g},{},{},{:.4f},{:.3f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{},{:.4f}",
+            cell.passivity ? 1 : 0, 1e3 * cell.channel.delay, 1e3 * cell.channel.jitter,
+            1e2 * cell.channel.loss, cell.stiffness, o.not_measured, counts ? (o.stable() ? "1" : "0") : "",
+            1e3 * o.excursion, o.force, 1e2 * o.faded, 1e2 * o.server_lag, 1e3 * o.message_p99,
+            1e3 * o.message_max, 1e3 * o.relay_late, virtually <= most_excursion ? 1 : 0, 1e3 * virtually));
+    });
+    spdlog::info("{} cells over the bus, {} measured, {} of these as by the virtual clock", cells, measured,
+                 agreed);
     spdlog::info("wrote {}", table.path().string());
 }
 
@@ -159,7 +194,7 @@ void compare_laws(const HapticsOptions& options) {
 }  // namespace
 
 std::vector<std::string> haptics_table_names() {
-    return {"stability", "rendered", "laws", "live"};
+    return {"stability", "rendered", "laws", "grid", "live"};
 }
 
 int haptics(const HapticsOptions& options) {
@@ -172,6 +207,9 @@ int haptics(const HapticsOptions& options) {
     }
     if (wanted("laws")) {
         compare_laws(options);
+    }
+    if (wanted("grid") && !options.quick) {
+        press_over_the_bus(options);
     }
     if (wanted("live") && !options.quick && options.live_seconds > 0.0) {
         run_beside_a_server(options);

@@ -2,16 +2,9 @@
 // Copyright the NeoETI authors
 #include "tests/bench/devices/live.hpp"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <spdlog/spdlog.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <filesystem>
+#include <deque>
 #include <memory>
-#include <stdexcept>
 #include <tuple>
 #include <vector>
 
@@ -20,6 +13,7 @@
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/hand_sensor.hpp"
 #include "tests/bench/devices/relay.hpp"
+#include "tests/bench/devices/server_process.hpp"
 
 namespace eti::bench {
 
@@ -28,8 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds patience{120};  // until the server has built its model
-constexpr double held_for = 2.0;               // [s], at the end, over which the held device is watched
+constexpr double held_for = 2.0;  // [s], at the end, over which the held device is watched
 
 // Goes in, levers on the gum until the force is felt, and stays.
 constexpr const char* lever = R"(
@@ -66,46 +59,6 @@ laryngoscope:
     hold_s: 119
 )";
 
-/// eti-server as a child, in a session of its own; ended when this goes.
-class ServerProcess {
-  public:
-    ServerProcess(const std::string& session, int domain) {
-        const std::string program =
-            (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "eti-server").string();
-        const std::string number = std::to_string(domain);
-        process_ = ::fork();
-        if (process_ == 0) {
-            const int silence = ::open("/dev/null", O_WRONLY);
-            ::dup2(silence, STDERR_FILENO);
-            ::dup2(silence, STDOUT_FILENO);
-            ::execl(program.c_str(), "eti-server", "--scenario", "term", "--session", session.c_str(),
-                    "--domain", number.c_str(), nullptr);
-            ::_exit(127);
-        }
-    }
-    ~ServerProcess() {
-        ::kill(process_, SIGINT);
-        for (int tenths = 0; ::waitpid(process_, nullptr, WNOHANG) == 0; ++tenths) {
-            std::this_thread::sleep_for(100ms);
-            if (tenths == 100) {
-                ::kill(process_, SIGKILL);
-            }
-        }
-    }
-    ServerProcess(const ServerProcess&) = delete;
-    ServerProcess& operator=(const ServerProcess&) = delete;
-
-    void check() const {
-        if (::waitpid(process_, nullptr, WNOHANG) != 0) {
-            throw std::runtime_error(
-                "eti-server ended by itself; is it beside this program and does it run?");
-        }
-    }
-
-  private:
-    pid_t process_ = -1;
-};
-
 /// Remembers what the hand did, for the end.
 class Watched final : public devices::Sensor {
   public:
@@ -123,15 +76,24 @@ class Watched final : public devices::Sensor {
         Vec3f position = Vec3f::Zero();
         float force = 0.0f;
     };
-    [[nodiscard]] std::pair<double, double> held() const {
-        Eigen::AlignedBox3f box;
-        double force = 0.0;
+    /// Peak to peak [m] over all of the watched time, the same in its stillest fifth of a second (what a
+    /// limit cycle exceeds), and the mean force [N].
+    [[nodiscard]] std::tuple<double, double, double> held() const {
+        constexpr std::size_t window = 200;  // cycles
+        Eigen::AlignedBox3f whole, part;
+        double force = 0.0, stillest = 1.0;
         const std::size_t count = std::min(at_, places_.size());
         for (std::size_t i = 0; i < count; ++i) {
-            box.extend(places_[i].position);
-            force += static_cast<double>(places_[i].force) / static_cast<double>(count);
+            const Place& place = places_[(at_ - count + i) % places_.size()];
+            whole.extend(place.position);
+            part.extend(place.position);
+            force += static_cast<double>(place.force) / static_cast<double>(count);
+            if (i % window == window - 1) {
+                stillest = std::min(stillest, static_cast<double>(part.diagonal().norm()));
+                part.setEmpty();
+            }
         }
-        return {count > 0 ? static_cast<double>(box.diagonal().norm()) : 0.0, force};
+        return {count > 0 ? static_cast<double>(whole.diagonal().norm()) : 0.0, stillest, force};
     }
 
   private:
@@ -182,21 +144,13 @@ class RoundTrips {
     std::vector<double> trips_;
 };
 
-bus::Options place(const std::string& session, int domain, const char* name) {
-    bus::Options options;
-    options.session = session;
-    options.domain = domain;
-    options.name = name;
-    return options;
-}
-
 }  // namespace
 
 LiveOutcome run_live(const LiveCase& live) {
-    const int domain = 101 + ::getpid() % 100;
+    const int domain = bench_domain();
     const std::string there = "bench-" + std::to_string(::getpid());
     const std::string here = live.channel ? there + "-far" : there;
-    const ServerProcess server(there, domain);
+    const ServerProcess server("term", there, domain);
     std::unique_ptr<Relay> relay;
     if (live.channel) {
         relay = std::make_unique<Relay>(place(there, domain, "relay"), place(here, domain, "relay"),
@@ -204,18 +158,11 @@ LiveOutcome run_live(const LiveCase& live) {
     }
     bus::Node node(place(here, domain, "eti-haptics"));
     devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
-    std::optional<devices::Surroundings> around;
-    for (const auto end = Clock::now() + patience; !(around = link.surroundings());) {
-        server.check();
-        if (Clock::now() > end) {
-            throw std::runtime_error("eti-server showed no scene within 120 s");
-        }
-        std::this_thread::sleep_for(20ms);
-    }
+    const devices::Surroundings around = server.scene(link);
     devices::SensorSetup setup;
     setup.script = parse_operator(lever, "lever");
-    setup.start = around->seen;
-    setup.tool_length = around->blade_length;
+    setup.start = around.seen;
+    setup.tool_length = around.blade_length;
     Watched sensor(setup);
     devices::HapticLoop loop(node, sensor, link.newest(), {});
     bus::Node listener(place(here, domain, "listener"));
@@ -244,7 +191,9 @@ LiveOutcome run_live(const LiveCase& live) {
     out.round_trip_p99 = trips.percentile(0.99);
     out.force_mean = record.force_sum / count;
     out.force_max = static_cast<double>(record.force_max);
-    std::tie(out.excursion, out.held_force) = sensor.held();
+    std::tie(out.excursion, out.stillest, out.held_force) = sensor.held();
+    out.message_p99 = record.messages.percentile(0.99);
+    out.message_max = record.messages.longest();
     out.stale_share = static_cast<double>(record.stale_cycles) / count;
     const devices::PassivityController& passivity = loop.cycle().renderer().passivity();
     out.energy_lowest = passivity.lowest();

@@ -23,7 +23,9 @@ struct LiveOutcome {
     double compute_p99 = 0.0;                           ///< [s]
     double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  ///< [s], pose out to the proxy that answers it
     double force_mean = 0.0, force_max = 0.0;           ///< [N]
+    double message_p99 = 0.0, message_max = 0.0;        ///< [s], from one message to the next
     double excursion = 0.0;                             ///< [m], peak to peak of the held device, last 2 s
+    double stillest = 0.0;                              ///< [m], the same of the stillest fifth of a second
     double held_force = 0.0;                            ///< [N], mean over the same time
     double stale_share = 0.0;
     double energy_lowest = 0.0, dissipated = 0.0;  ///< [J]

@@ -22,6 +22,11 @@ int main(int argc, char** argv) {
     haptics->add_option("--live-seconds", options.live_seconds, "Of the run beside a server; 0: none")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 3600.0));
+    haptics->add_flag("--whole-grid", options.whole_grid,
+                      "Over the bus to a real server: all delays, losses and stiffnesses, not a corner");
+    haptics->add_option("--grid-minutes", options.grid_minutes, "Begin no cell over the bus after this time")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 600.0));
     haptics->add_option("--only", options.only, "One table")
         ->check(CLI::IsMember(eti::bench::haptics_table_names()));
     haptics->add_flag("--quick", options.quick, "A corner of the maps, no run beside a server");

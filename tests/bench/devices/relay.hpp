@@ -2,8 +2,10 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
+#include <mutex>
 #include <thread>
 
 #include "common/bus/bus.hpp"
@@ -23,8 +25,10 @@ class Wire {
     Wire(bus::Node& from, bus::Node& to, const bus::Topic<Message>& topic)
         : in_(from, topic), out_(to, topic) {}
 
-    void run(const Channel& channel, Random& random) {
+    /// Returns how late [ns] the latest message of this turn was passed on, beyond its delay.
+    std::int64_t run(const Channel& channel, Random& random) {
         const std::int64_t now = devices::monotonic_ns();
+        std::int64_t late_by = 0;
         Message message;
         while (in_.take(message)) {
             if (static_cast<double>(random.uniform()) >= channel.loss) {
@@ -34,9 +38,11 @@ class Wire {
             }
         }
         while (!waiting_.empty() && waiting_.front().first <= now) {
+            late_by = std::max(late_by, now - waiting_.front().first);
             out_.publish(waiting_.front().second);
             waiting_.pop_front();
         }
+        return late_by;
     }
 
   private:
@@ -55,9 +61,24 @@ class Relay {
         ending_ = true;
         thread_.join();
     }
+    Relay(const Relay&) = delete;
+    Relay& operator=(const Relay&) = delete;
+
+    /// From now on; messages on their way keep their delay. Forgets the lateness so far.
+    void set(const Channel& channel) {
+        const std::lock_guard lock(mutex_);
+        channel_ = channel;
+        lateness_ = 0;
+    }
+    /// [s], most that a message was passed on later than its delay says: a busy machine's own jitter.
+    [[nodiscard]] double lateness() const {
+        const std::lock_guard lock(mutex_);
+        return 1e-9 * static_cast<double>(lateness_);
+    }
 
   private:
     void run() {
+        (void)devices::become_real_time(priority);
         Random random(1);
         Wire<msg::ToolPose> pose(device_, server_, bus::topics::laryngoscope_pose);
         Wire<msg::ProxyState> proxy(server_, device_, bus::topics::proxy);
@@ -67,15 +88,24 @@ class Relay {
         const Channel whole;
         while (!ending_) {
             std::this_thread::sleep_for(std::chrono::microseconds(250));
-            pose.run(channel_, random);
-            proxy.run(channel_, random);
-            tissue.run(channel_, random);
-            live.run(channel_, random);
-            scene.run(whole, random);
+            Channel channel;
+            {
+                const std::lock_guard lock(mutex_);
+                channel = channel_;
+            }
+            const std::int64_t late = std::max(
+                {pose.run(channel, random), proxy.run(channel, random), tissue.run(channel, random)});
+            (void)live.run(channel, random);
+            (void)scene.run(whole, random);
+            const std::lock_guard lock(mutex_);
+            lateness_ = std::max(lateness_, late);
         }
     }
 
-    Channel channel_;
+    static constexpr int priority = 60;  // below the haptic loop's threads
+    mutable std::mutex mutex_;
+    Channel channel_;            // guarded by mutex_
+    std::int64_t lateness_ = 0;  // [ns], guarded by mutex_
     bus::Node server_, device_;
     std::atomic<bool> ending_{false};
     std::thread thread_;
