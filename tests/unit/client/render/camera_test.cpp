@@ -10,10 +10,10 @@ namespace eti::render {
 namespace {
 
 // In the patient frame the world's vertical turns against the table: head-up by an angle, it leans towards
-// the head
-// (+z) by as much.
+// the head (+z) by as much.
 TEST(OverviewCamera, KeepsTheWorldsVerticalOnATiltedTable) {
-    const Landmarks rest{};
+    Landmarks rest;
+    rest.fill(Vec3f::Zero());
     const Orbit orbit;
     const Camera level = overview_camera(rest, orbit);
     const float angle = 15.0f * degree;
