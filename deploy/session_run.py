@@ -143,8 +143,11 @@ class Session:
     def calibrate(self):
         """Registers both devices as a person would who touches the board's points, and keeps the files."""
         for device in ("simulated", "scripted"):
-            subprocess.run([self.bin / "eti-calibrate", "simulate", "--device", device, "--out",
-                            self.folder / f"{device}.yaml"], stderr=subprocess.DEVNULL, check=True)
+            done = subprocess.run([self.bin / "eti-calibrate", "simulate", "--device", device, "--out",
+                                   self.folder / f"{device}.yaml"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                  text=True)
+            if done.returncode != 0:
+                raise SystemExit(f"eti-calibrate failed with exit status {done.returncode}:\n{done.stderr}")
 
     def start(self):
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -24,7 +24,7 @@ SOON_DONE = "sleep 0.5"
 SOON_FAILED = "sleep 0.2; echo 'device unplugged' >&2; exit 3"
 WITH_SERVER = 'while [ -e "$SERVER_LIVES" ]; do sleep 0.05; done'
 SERVER = "touch \"$SERVER_LIVES\"; trap 'rm -f \"$SERVER_LIVES\"; exit 0' INT TERM; "
-OTHERS_DONE = {role: "true" for role in ("haptics", "tracker", "observer")}
+OTHERS_DONE = {role: "true" for role in ("haptics", "tracker", "controller", "observer")}
 
 
 class Watching(unittest.TestCase):
@@ -43,7 +43,10 @@ class Watching(unittest.TestCase):
 
     def session(self, **bodies):
         """A session in which the named roles run these shell scripts, the others last as long as the server."""
-        session = session_run.Session("/nowhere", self.folder, say=self.said.append)
+        calibrate = self.folder / "eti-calibrate"
+        calibrate.write_text("#!/bin/sh\n")
+        calibrate.chmod(0o755)
+        session = session_run.Session(self.folder, self.folder, say=self.said.append)
         for role, program in session.programs.items():
             program.command = ["/bin/bash", "-c", bodies.get(role, WITH_SERVER)]
         session.start()
