@@ -92,7 +92,7 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
     const float left = static_cast<float>(tile.x) + 8.0f;
     float y = static_cast<float>(tile.y) + 8.0f;
     constexpr float column = 168.0f;
-    list.AddRectFilled(ImVec2(left - 4.0f, y - 4.0f), ImVec2(left + column + 4.0f, y + 150.0f), shade, 4.0f);
+    list.AddRectFilled(ImVec2(left - 4.0f, y - 4.0f), ImVec2(left + column + 4.0f, y + 166.0f), shade, 4.0f);
     const std::string clock = clock_text(readout.time_s);
     list.AddText(large_, 26.0f, ImVec2(left, y), white, clock.c_str());
     const std::string attempt = readout.attempt == 0 ? std::string("no attempt yet")
