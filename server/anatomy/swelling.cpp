@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/anatomy/made_of.hpp"
 #include "server/anatomy/stiffness.hpp"
 
 namespace eti::anatomy {
@@ -100,7 +101,7 @@ std::vector<Vec3f> tongue_swelling(const Patient& patient) {
     std::vector<std::array<std::uint32_t, 4>> tongue;
     std::vector<bool> held(set.size(), false);
     for (const auto& corners : patient.tetrahedra.corners) {
-        if (std::ranges::all_of(corners, [&](std::uint32_t i) { return set.tissue[i] == Tissue::tongue; })) {
+        if (made_of(Tissue::tongue, corners, set)) {
             tongue.push_back(corners);
             for (const std::uint32_t i : corners) {
                 held[i] = true;

@@ -140,9 +140,8 @@ std::string CommandDesk::stiffen(float modulus, scene::Inputs& inputs) const {
     const float scale = inputs.tongue_scale.value_or(limits_.tongue_scale);
     if (modulus > limits_.stiffest_at(scale)) {
         return fmt::format(
-            "tissue stiffness {:.3g} kPa, but {} bear at most {:.3g} in a tongue of scale {:.3g}; restart "
-            "with more "
-            "physics.substeps",
+            "tissue stiffness {:.3g} kPa, but {} bear at most {:.3g} in a tongue of scale {:.3g}; "
+            "restart with more physics.substeps",
             1e-3f * modulus, limits_.bearer, 1e-3f * limits_.stiffest_at(scale), scale);
     }
     inputs.tissue_stiffness = modulus;
@@ -151,9 +150,8 @@ std::string CommandDesk::stiffen(float modulus, scene::Inputs& inputs) const {
 
 std::string CommandDesk::secrete(float flow, scene::Inputs& inputs) const {
     if (!limits_.saliva) {
-        return "there is no liquid in this scenario; restart it with 'saliva: standby', which has none until "
-               "it is "
-               "asked for";
+        return "there is no liquid in this scenario; restart it with 'saliva: standby', "
+               "which has none until it is asked for";
     }
     return take(flow, {0.0f, most_secretion, "secretion"}, inputs.secretion);
 }

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
 
-/// Substeps short enough for a tongue of tetrahedra.
-int checked_substeps(const Scenario& scenario, const anatomy::Patient& patient) {
+/// Refuses substeps too long for a tongue of tetrahedra.
+scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient& patient) {
     const int substeps = scenario.physics.substeps;
     const PatientLimits limits = limits_of(scenario, patient);
     if (const float wanted = patient.tissue_stiffness; wanted > limits.stiffest) {
@@ -28,7 +28,15 @@ int checked_substeps(const Scenario& scenario, const anatomy::Patient& patient) 
             scenario.name, 1e-3f * wanted, limits.bearer, 1e-3f * limits.stiffest, substeps,
             static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / limits.stiffest)))));
     }
-    return substeps;
+    return {.substeps = substeps,
+            .tissue_model = scenario.physics.tissue_model,
+            .tongue_scale = limits.tongue_scale,
+            .stiffest = limits.stiffest,
+            .rigid = {},
+            .self_contact = scenario.physics.self_contact,
+            .saliva = scenario.saliva,
+            .dry_start = scenario.saliva_standby,
+            .seed = scenario.seed};
 }
 
 }  // namespace
@@ -70,16 +78,7 @@ anatomy::Patient patient_of(const Scenario& scenario) {
 
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
-      scene_(patient, scope_, scenario.tube, start,
-             scene::Settings{.substeps = checked_substeps(scenario, patient),
-                             .tissue_model = scenario.physics.tissue_model,
-                             .tongue_scale = limits_of(scenario, patient).tongue_scale,
-                             .stiffest = limits_of(scenario, patient).stiffest,
-                             .rigid = {},
-                             .self_contact = scenario.physics.self_contact,
-                             .saliva = scenario.saliva,
-                             .dry_start = scenario.saliva_standby,
-                             .seed = scenario.seed}),
+      scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
       viewer_(patient, scope_),
       tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {
     metrics_.begin(patient, scope_, static_cast<double>(scenario.time_limit));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/anatomy/made_of.hpp"
 #include "server/anatomy/stiffness.hpp"
 #include "server/pbd/cluster_calibration.hpp"
 
@@ -57,8 +58,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
     if (model == TissueModel::tetrahedra) {
         for (std::size_t t = 0; t < patient.tetrahedra.corners.size(); ++t) {
             const auto& corners = patient.tetrahedra.corners[t];
-            if (std::ranges::all_of(corners,
-                                    [&](std::uint32_t i) { return set.tissue[i] == Tissue::tongue; })) {
+            if (anatomy::made_of(Tissue::tongue, corners, set)) {
                 mesh.tetrahedra.push_back(corners);
                 mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
                 meshed_.push_back(static_cast<std::uint32_t>(t));

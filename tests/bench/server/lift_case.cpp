@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "server/anatomy/made_of.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
 #include "tests/bench/server/accuracy_table.hpp"
@@ -92,7 +93,7 @@ std::vector<bool> free_of(const scene::Scene& scene, const anatomy::Patient& pat
     const auto of_tongue = [&](std::uint32_t i) { return scene.tissue().tissue_of(i) == Tissue::tongue; };
     std::vector<bool> free(p.size(), false);
     for (const auto& corners : patient.tetrahedra.corners) {
-        if (std::ranges::all_of(corners, of_tongue)) {
+        if (anatomy::made_of(Tissue::tongue, corners, patient.particles)) {
             for (const std::uint32_t i : corners) {
                 free[i] = p.inverse_mass[i] > 0.0f && scene.shell().distance(p.position[i]) > touching;
             }
@@ -131,9 +132,7 @@ class Reference {
         std::vector<std::uint32_t> number(p.size(), ~0u);
         std::vector<Vec3d> start;
         for (const auto& corners : patient.tetrahedra.corners) {
-            if (!std::ranges::all_of(corners, [&](std::uint32_t i) {
-                    return scene.tissue().tissue_of(i) == Tissue::tongue;
-                })) {
+            if (!anatomy::made_of(Tissue::tongue, corners, patient.particles)) {
                 continue;
             }
             std::array<std::uint32_t, 4> ends{};
