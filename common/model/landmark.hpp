@@ -19,7 +19,7 @@ enum class Landmark : std::uint8_t {
     lower_lip,      ///< upper edge of the lower lip, midline
     mouth_opening,  ///< centre of the opening between the lips
     tongue_tip,
-    tongue_dorsum,  ///< highest point of the tongue's back, midline
+    tongue_dorsum,  ///< on the tongue's back, midline, above the middle of its body
     vallecula,      ///< deepest point between tongue root and epiglottis
     epiglottis_tip,
     epiglottis_base,    ///< where the epiglottis leaves the tongue root

@@ -16,7 +16,7 @@ Landmark landmark(YamlMap& map, const std::string& key, Landmark fallback) {
     return static_cast<Landmark>(map.choice(key, static_cast<std::size_t>(fallback), landmark_names));
 }
 
-Stage read_stage(YamlMap& map, bool first) {
+Stage read_stage(YamlMap& map, bool first, Tool tool) {
     Stage s;
     s.name = map.name("stage", "");
     if (s.name.empty()) {
@@ -24,11 +24,15 @@ Stage read_stage(YamlMap& map, bool first) {
     }
     s.keep = map.flag("keep", s.keep);
     s.follow = map.flag("follow", s.follow);
+    s.steer = map.flag("steer", s.steer);
+    if (s.steer && tool != Tool::tube) {
+        map.refuse("steer", "'on' for the laryngoscope", "it under 'tube' alone; a tube's tip is steered");
+    }
     if (s.keep && first) {
         map.refuse("keep", "'on' in a track's first stage",
                    "a stage before it to keep to; give 'tip' and 'axis'");
     }
-    for (const char* key : {"tip", "axis", "follow"}) {
+    for (const char* key : {"tip", "axis", "follow", "steer"}) {
         if (s.keep && map.has(key)) {
             map.refuse(key, "a value beside 'keep: on'",
                        "one of the two; a kept pose has its tip and axis already");
@@ -67,8 +71,12 @@ Stage read_stage(YamlMap& map, bool first) {
     if (auto until = map.map("until")) {
         s.until_view_percent = until->number("view_percent", s.until_view_percent, {0, 100});
         s.until_tube_depth = until->number("tube_depth_mm", s.until_tube_depth, {0, 200, millimetre});
+        s.until_tube_aside = until->number("tube_aside_mm", s.until_tube_aside, {0, 50, millimetre});
         s.until_time = until->number("time_s", s.until_time, {0, 3600});
         until->finish();
+    }
+    if (s.until_tube_aside >= 0.0f && !s.steer) {
+        map.refuse("until", "'tube_aside_mm' in a stage that does not steer", "'steer: on' beside it");
     }
     s.timeout = map.number("timeout_s", s.timeout, {0, 600});
     s.abort_on_timeout = map.flag("abort_on_timeout", s.abort_on_timeout);
@@ -76,10 +84,10 @@ Stage read_stage(YamlMap& map, bool first) {
     return s;
 }
 
-Track read_track(YamlMap& root, const std::string& key) {
+Track read_track(YamlMap& root, Tool tool) {
     Track track;
-    for (YamlMap& stage : root.list(key)) {
-        track.stages.push_back(read_stage(stage, track.stages.empty()));
+    for (YamlMap& stage : root.list(tool == Tool::tube ? "tube" : "laryngoscope")) {
+        track.stages.push_back(read_stage(stage, track.stages.empty(), tool));
     }
     return track;
 }
@@ -98,8 +106,8 @@ OperatorScript parse_operator(const std::string& text, const std::filesystem::pa
     script.tremor = root.number("tremor_mm", script.tremor, {0, 5, millimetre});
     script.reaction = root.number("reaction_s", script.reaction, {0, 5});
     script.seed = root.seed("seed", script.seed);
-    script.laryngoscope = read_track(root, "laryngoscope");
-    script.tube = read_track(root, "tube");
+    script.laryngoscope = read_track(root, Tool::laryngoscope);
+    script.tube = read_track(root, Tool::tube);
     script.laryngoscope.weight = script.tube.weight = root.number("patient_weight_kg", 0.0f, {0.5f, 4.5f});
     root.finish();
     if (script.laryngoscope.stages.empty() && script.tube.stages.empty()) {

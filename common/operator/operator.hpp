@@ -38,9 +38,10 @@ struct Stage {
     Vec3f axis_from_fixed_offset = Vec3f::Zero();  ///< [m], as tip_fixed_offset
     bool axis_to_tip = true;  ///< the axis runs from axis_from to the tip's target, else to axis_to
     Landmark axis_to = Landmark::vallecula;
-    bool follow = false;   ///< track the landmarks live instead of aiming once
-    bool keep = false;     ///< start from the previous stage's target and only add the below
-    float lift = 0.0f;     ///< [m], along the handle
+    bool follow = false;  ///< track the landmarks live instead of aiming once
+    bool steer = false;   ///< turn the tube until its tip is seen on the line through tip_at into the trachea
+    bool keep = false;    ///< start from the previous stage's target and only add the below
+    float lift = 0.0f;    ///< [m], along the handle
     float advance = 0.0f;  ///< [m], along the tool's axis; a tube may so be pushed past its landmark
     float depth_at_lip =
         -1.0f;  ///< [m], slides the tool along its axis until so much lies past the mouth opening
@@ -55,6 +56,7 @@ struct Stage {
     // Go on when these hold (all of those set); `timeout` ends waiting in any case.
     float until_view_percent = -1.0f;
     float until_tube_depth = -1.0f;  ///< [m] past the glottis
+    float until_tube_aside = -1.0f;  ///< [m], of the tip from the line it is steered along
     float until_time = -1.0f;        ///< [s] since the start of the run
     float timeout = 10.0f;           ///< [s]
     bool abort_on_timeout = false;   ///< give up: the rest of the track is skipped up to the last stage

@@ -14,7 +14,11 @@ constexpr float way_in = 0.04f;        // [m], from the first resting pose to th
 constexpr float angular_speed = 2.0f;  // [rad/s], of a careful wrist
 // A minimum-jerk move (Flash & Hogan 1985) peaks at 15/8 of its mean speed.
 constexpr float peak_over_mean = 1.875f;
-constexpr double follow_time = 0.1;  // [s], low pass on landmarks that a stage follows
+constexpr double follow_time = 0.1;       // [s], low pass on landmarks that a stage follows
+constexpr double steer_time = 0.3;        // [s], in which a hand makes up for what it sees
+constexpr float most_steering = 8e-3f;    // [m], of the tip
+constexpr float steered_within = 20e-3f;  // [m], of the tip from its aim
+constexpr float least_swing = 3e-3f;      // [m]; rolling a straighter tube would not steer it
 // A hand without a track holds its tool here, clear of the patient [m].
 const Vec3f parked(0.0f, -0.3f, 0.2f);
 
@@ -83,6 +87,19 @@ RigidTransform TrackPlayer::along_tool(float length) const {
             Vec3f(0, (1.0f - std::cos(angle)) / curvature_, std::sin(angle) / curvature_)};
 }
 
+float TrackPlayer::length_until(const RigidTransform& pose, const Vec3f& point) const {
+    const Vec3f p = pose.inverse() * point;
+    return std::fabs(curvature_) < 1e-3f
+               ? p.z()
+               : std::atan2(curvature_ * p.z(), 1.0f - curvature_ * p.y()) / curvature_;
+}
+
+Vec3f TrackPlayer::tip_target(const Stage& stage, const Observation& observation,
+                              const Landmarks& points) const {
+    return at(points, stage.tip_at) + size_of(observation, track_.weight) * stage.tip_offset +
+           stage.tip_fixed_offset;
+}
+
 RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& observation,
                                       const Landmarks& points, const RigidTransform& previous) const {
     RigidTransform pose = previous;
@@ -90,7 +107,7 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
     if (!stage.keep) {
         const Vec3f from =
             at(points, stage.axis_from) + size * stage.axis_from_offset + stage.axis_from_fixed_offset;
-        const Vec3f tip = at(points, stage.tip_at) + size * stage.tip_offset + stage.tip_fixed_offset;
+        const Vec3f tip = tip_target(stage, observation, points);
         const Vec3f line = (stage.axis_to_tip ? tip : at(points, stage.axis_to)) - from;
         // A curved tool passes through `from` and ends at the tip: from the chord to the tangent at its end
         // it is half the arc's angle. A point farther back than the tool reaches counts as its origin.
@@ -109,11 +126,7 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
     pose = pose * along_tool(size * stage.advance);
     const float depth = stage.depth_by_rule ? observation.tube_depth_rule : size * stage.depth_at_lip;
     if (depth > 0.0f) {
-        const Vec3f mouth = pose.inverse() * at(points, Landmark::mouth_opening);
-        const float outside =
-            std::fabs(curvature_) < 1e-3f
-                ? mouth.z()
-                : std::atan2(curvature_ * mouth.z(), 1.0f - curvature_ * mouth.y()) / curvature_;
+        const float outside = length_until(pose, at(points, Landmark::mouth_opening));
         pose = pose * along_tool(outside - (tool_length_ - depth));
     }
     return pose;
@@ -148,6 +161,7 @@ bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observat
                       observation.glottic_opening_percent >= stage.until_view_percent) &&
                      (stage.until_tube_depth < 0.0f ||
                       observation.tube_depth_past_glottis >= size * stage.until_tube_depth) &&
+                     (stage.until_tube_aside < 0.0f || aside_.norm() <= stage.until_tube_aside) &&
                      (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
     if (!now) {
         met_since_ = -1.0;
@@ -168,6 +182,39 @@ void TrackPlayer::follow(const Stage& stage, const Observation& observation) {
     target_ = target_of(stage, observation, seen_, target_);
 }
 
+// Makes up, bit by bit, for what is seen of the tip aside of the line through the stage's aim into the
+// trachea.
+void TrackPlayer::steer(const Stage& stage, const Observation& observation) {
+    const Landmarks& points = observation.landmarks;
+    const Vec3f into_trachea =
+        (at(points, Landmark::trachea_mid) - at(points, Landmark::glottis)).normalized();
+    const Vec3f to_aim = tip_target(stage, observation, points) - observation.tube_tip;
+    aside_ = to_aim - into_trachea * into_trachea.dot(to_aim);
+    // From farther off it is the path that brings the tip near; past the cords the trachea guides it.
+    if (to_aim.norm() > steered_within || observation.tube_depth_past_glottis > 0.0f) {
+        return;
+    }
+    const double passed = std::clamp(observation.time - last_time_, 0.0, 0.1 * steer_time);
+    steered_ += static_cast<float>(passed / steer_time) * aside_;
+    steered_ *= std::min(1.0f, most_steering / std::max(steered_.norm(), 1e-9f));
+}
+
+// Turns the tool so that its tip moves by steered_. All turns are about where it passes the lips: whatever it
+// lies on farther down, the tip then goes where the hand turns it. Rolled between the fingers, a curved tube
+// swings its tip to the side and hardly moves where it lies on the blade, so as much as possible is done by
+// rolling.
+RigidTransform TrackPlayer::steered(const RigidTransform& pose, const Observation& observation) const {
+    const Vec3f& mouth = at(observation.landmarks, Landmark::mouth_opening);
+    const RigidTransform lips = pose * along_tool(length_until(pose, mouth));
+    const Vec3f arm = pose * tip_.translation - lips.translation;
+    const Vec3f axis = lips.rotation * Vec3f::UnitZ();
+    const Vec3f swing = axis.cross(arm);
+    const float roll = swing.norm() > least_swing ? swing.dot(steered_) / swing.squaredNorm() : 0.0f;
+    const Vec3f rest = steered_ - roll * swing;
+    const Quatf turn = quaternion_from(roll * axis + arm.cross(rest) / std::max(arm.squaredNorm(), 1e-6f));
+    return RigidTransform{turn, lips.translation - turn * lips.translation} * pose;
+}
+
 RigidTransform TrackPlayer::wanted(const Observation& observation) {
     if (track_.stages.empty()) {
         return nominal_;
@@ -185,11 +232,20 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         if (stage.follow && !stage.keep) {
             follow(stage, observation);
         }
+        if (stage.steer) {
+            steer(stage, observation);
+        } else if (!stage.keep) {
+            const double passed = std::clamp(observation.time - last_time_, 0.0, steer_time);
+            steered_ *= static_cast<float>(1.0 - passed / steer_time);
+        }
         const double since = observation.time - started_;
         nominal_ = between(minimum_jerk(since / duration_));
         const double waited = since - duration_;
-        // Who watches the tube go in stops where it is deep enough, short of where the path leads.
-        if (waited >= 0.0 || stage.until_tube_depth >= 0.0f) {
+        // Who watches the tube go in, or lifts for a view, stops where that is reached, short of where the
+        // path leads.
+        const bool watches =
+            stage.until_tube_depth >= 0.0f || (stage.keep && stage.until_view_percent >= 0.0f);
+        if (waited >= 0.0 || watches) {
             const bool met = conditions_met(stage, observation);
             if (waited < 0.0 && met) {
                 target_ = nominal_;
@@ -206,7 +262,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         }
     }
     last_time_ = observation.time;
-    RigidTransform pose = nominal_;
+    RigidTransform pose = steered_.isZero(0.0f) ? nominal_ : steered(nominal_, observation);
     for (int k = 0; k < 3; ++k) {
         for (const Line& line : tremor_[static_cast<std::size_t>(k)]) {
             pose.translation[k] +=

@@ -36,12 +36,18 @@ class TrackPlayer {
     static constexpr std::size_t tremor_lines = 6;
 
     [[nodiscard]] RigidTransform along_tool(float length) const;
+    /// [m], along the tool at `pose` to where it is next to `point`.
+    [[nodiscard]] float length_until(const RigidTransform& pose, const Vec3f& point) const;
+    [[nodiscard]] Vec3f tip_target(const Stage& stage, const Observation& observation,
+                                   const Landmarks& points) const;
     [[nodiscard]] RigidTransform target_of(const Stage& stage, const Observation& observation,
                                            const Landmarks& points, const RigidTransform& previous) const;
     [[nodiscard]] RigidTransform between(float share) const;
     [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
     void begin_stage(const Observation& observation);
     void follow(const Stage& stage, const Observation& observation);
+    void steer(const Stage& stage, const Observation& observation);
+    [[nodiscard]] RigidTransform steered(const RigidTransform& pose, const Observation& observation) const;
     void next_stage();
 
     Track track_;
@@ -56,7 +62,9 @@ class TrackPlayer {
     bool gave_up_ = false;
     Landmarks seen_{};  // as the stage aims at them
     RigidTransform from_, target_, nominal_;
-    Vec3f led_ = Vec3f::Zero();  // [m], tool frame; the point that moves straight from from_ to target_
+    Vec3f led_ = Vec3f::Zero();      // [m], tool frame; the point that moves straight from from_ to target_
+    Vec3f aside_ = Vec3f::Zero();    // [m], from the tip that is seen to the line it is steered along
+    Vec3f steered_ = Vec3f::Zero();  // [m], by which the hand means to have turned the tip
     double started_ = 0.0, duration_ = 0.0;  // [s], of the current stage's motion
     double met_since_ = -1.0;                // [s], when the until conditions began to hold
     double last_time_ = 0.0;

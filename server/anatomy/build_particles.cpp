@@ -46,7 +46,8 @@ Voxel classify(const Anatomy& anatomy, const Fields& f, const Vec3f& point, floa
         return {true, true, false, Tissue::epiglottis};
     }
     if (f.tongue < 0.0f) {
-        return {bone > 0.0f, false, bone < 0.7f * spacing, Tissue::tongue};
+        // It grows from the mandible; a large one touches the palate, and slides on it.
+        return {bone > 0.0f, false, f.mandible < 0.7f * spacing, Tissue::tongue};
     }
     // Blade and tube do not reach above the soft palate, and below the cricoid the tube meets the shell.
     const bool in_reach = model.z() > -46.0f && !(model.z() > 3.0f && model.y() < 24.0f);

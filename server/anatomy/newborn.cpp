@@ -132,9 +132,11 @@ float soft_palate(const Vec3f& p) {
     return smooth_union(velum, round_cone(p, {0, 8.4f, -6.5f}, {0, 8.6f, -10.5f}, 1.9f, 1.5f), 1.5f);
 }
 
+// From here the tongue grows, and shrinks, to all sides.
+const Vec3f tongue_centre(0, 18, -18);
+
 float tongue_shape(const Vec3f& in_jaw, float scale) {
-    const Vec3f centre(0, 18, -18);
-    const Vec3f t = centre + (in_jaw - centre) / scale;
+    const Vec3f t = tongue_centre + (in_jaw - tongue_centre) / scale;
     float shape = smooth_union(
         ellipsoid(t, {0, 23.5f, -12.5f}, {13.5f, 19, 13}),
         round_cone({t.x() * 0.55f, t.y(), t.z()}, {0, 28, -8.5f}, {0, 39.5f, -8.2f}, 7.0f, 3.6f), 6);
@@ -386,6 +388,17 @@ float Newborn::tongue_field(const Vec3f& model) const {
     return tongue_shape(in_jaw, shape_.tongue_scale);
 }
 
+// On the surface above the middle of the tongue's body.
+Vec3f Newborn::tongue_dorsum() const {
+    Vec3f inside(0, tongue_centre.y() + shape_.tongue_scale * (24.0f - tongue_centre.y()), tongue_centre.z());
+    Vec3f outside(0, inside.y(), 25.0f);
+    for (int halvings = 0; halvings < 20; ++halvings) {
+        const Vec3f middle = 0.5f * (inside + outside);
+        (tongue_field(middle) < 0.0f ? inside : outside) = middle;
+    }
+    return outside;
+}
+
 Vec3f Newborn::to_model(const Vec3f& point) const {
     return Vec3f(point.x(), -point.y(), point.z()) / scale_ + gum_crest;
 }
@@ -501,8 +514,9 @@ std::array<Vec3f, landmark_count> Newborn::landmarks() const {
     const float wider_deg = rest_jaw_deg_ - parted_lips_deg;
     set(Landmark::mouth_opening,
         wider_deg > 0.0f ? turn_back_about_jaw(between_lips, 0.5f * wider_deg) : between_lips);
-    set(Landmark::tongue_tip, opened({0, 43.0f, -8.5f}));
-    set(Landmark::tongue_dorsum, {0, 24.0f, 0.2f});
+    const Vec3f usual_tip(0, 43.0f, -8.5f);
+    set(Landmark::tongue_tip, opened(tongue_centre + shape_.tongue_scale * (usual_tip - tongue_centre)));
+    set(Landmark::tongue_dorsum, tongue_dorsum());
     set(Landmark::vallecula, {0, 8.4f, -27.0f});
     set(Landmark::epiglottis_tip, {0, 3.2f, -20.0f});
     set(Landmark::epiglottis_base, {0, 9.4f, -31.0f});

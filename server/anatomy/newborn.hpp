@@ -34,6 +34,7 @@ class Newborn final : public Anatomy {
     [[nodiscard]] Vec3f to_jaw(const Vec3f& model) const;
     [[nodiscard]] Vec3f from_jaw(const Vec3f& closed) const;
     [[nodiscard]] float tongue_field(const Vec3f& model) const;
+    [[nodiscard]] Vec3f tongue_dorsum() const;
 
     NewbornShape shape_;
     float scale_;

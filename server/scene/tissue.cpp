@@ -36,6 +36,7 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
 SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float substep)
     : patient_(patient), substep_(substep), soft_(patient.tissue_stiffness) {
     const anatomy::ParticleSet& set = patient.particles;
+    body_.settings.damping = anatomy::tissue_damping;
     pbd::Particles& p = body_.particles;
     p.resize(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) {

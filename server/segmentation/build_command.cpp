@@ -23,7 +23,7 @@ struct BuildRequest {
     std::filesystem::path volume;
     std::string scenario;
     std::filesystem::path out;
-    std::optional<float> spacing_mm, fine_spacing_mm, region_mm, stiffness_kpa;
+    std::optional<float> spacing_mm, fine_spacing_mm, surface_mm, region_mm, stiffness_kpa;
 };
 
 std::string stem_of_model(const std::filesystem::path& file) {
@@ -44,6 +44,12 @@ anatomy::BuildSettings settings_of(const BuildRequest& request, anatomy::BuildSe
     };
     take(request.spacing_mm, millimetre, settings.spacing);
     take(request.fine_spacing_mm, millimetre, settings.fine_spacing);
+    take(request.surface_mm, millimetre, settings.surface_spacing);
+    if (request.surface_mm) {
+        // As many triangles as the surface has room for.
+        settings.body_triangles = static_cast<std::size_t>(static_cast<float>(settings.body_triangles) /
+                                                           (*request.surface_mm * *request.surface_mm));
+    }
     take(request.region_mm, millimetre, settings.region);
     take(request.stiffness_kpa, 1e3f, settings.tissue_stiffness);
     if (settings.fine_spacing > settings.spacing) {
@@ -197,6 +203,10 @@ void add_build(CLI::App& app, Run& run) {
         ->add_option("--fine-spacing-mm", request->fine_spacing_mm,
                      "Distance of particles at epiglottis and larynx [1]")
         ->check(CLI::Range(0.5, 2.0));
+    build
+        ->add_option("--surface-mm", request->surface_mm,
+                     "Grid that the visible surfaces are drawn on [1]; the build's time goes mostly there")
+        ->check(CLI::Range(0.7, 2.0));
     build
         ->add_option("--region-mm", request->region_mm,
                      "Tissue farther than this from the airway only moves with the bones [10]")

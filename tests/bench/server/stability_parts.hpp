@@ -29,7 +29,9 @@ struct Sweep {
     return fmt::format("1/{:g} s", rate);
 }
 
-inline constexpr double tissue_damping = 12.0;  ///< [1/s], as of the patient's tissue
+/// [1/s], of velocity: a sixteenth of what the patient's tissue has, so that nothing is stable by damping
+/// alone.
+inline constexpr double light_damping = 12.0;
 
 /// A block's setting with one pass per step of 1 / `rate` [s].
 [[nodiscard]] inline Setting with_rate(Method method, double rate,
@@ -40,7 +42,7 @@ inline constexpr double tissue_damping = 12.0;  ///< [1/s], as of the patient's 
             .iterations = 1,
             .step = 1.0 / rate,
             .youngs_modulus = youngs_modulus,
-            .damping = tissue_damping};
+            .damping = light_damping};
 }
 
 // Each part adds its maps.

@@ -39,7 +39,7 @@ std::vector<Shape> shapes() {
 pbd::SoftBody body_of(const Shape& shape, Method method) {
     constexpr float mass = 4e3f * 8e-9f;
     pbd::SoftBody body;
-    body.settings.damping = static_cast<float>(tissue_damping);
+    body.settings.damping = static_cast<float>(light_damping);
     const std::size_t count = shape.rest.size();
     body.particles.resize(count);
     body.particles.rest = shape.rest;
@@ -108,7 +108,7 @@ Course two_links(float stiffness_ratio, double rate) {
     const float balance =
         (stiffness[0] * length[0] + stiffness[1] * length[1]) / (stiffness[0] + stiffness[1]);
     const auto dt = static_cast<float>(1.0 / rate);
-    const float keep = std::exp(-static_cast<float>(tissue_damping) * dt);
+    const float keep = std::exp(-static_cast<float>(light_damping) * dt);
     constexpr float inverse_mass = 1.0f / (4e3f * 8e-9f);
     Vec3f anchor = Vec3f::Zero(), x(0.0f, 0.0f, 3.0f * length[0]), velocity = Vec3f::Zero();
     Follower follower(side, watched);

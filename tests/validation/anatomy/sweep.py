@@ -2,17 +2,18 @@
 # Copyright the NeoETI authors
 """Builds newborns of random shape, checks each model and, if asked, lets the scripted expert intubate it.
 
-Usage: ETI_BIN=build/release/bin sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--out FILE.csv]
+Usage: ETI_BIN=build/release/bin sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--jobs N]
+                                                      [--out FILE.csv]
 
 Shapes are drawn evenly from the ranges of common/model/newborn_shape.cpp, every fourth with one of the named
 variants; the age follows the weight. --grid takes usual newborns of every weight and age that go together instead.
 Prints one line per newborn and a JSON summary. Rows that the CSV file already holds are not computed again, so an
 interrupted sweep goes on where it was.
 
-Who is not intubated needs a reason. One is anatomical when two measurements say so: the expert saw less of the
-glottis than it wants before it takes the tube, and the same newborn is intubated once its most difficult features,
-taken one after the other by how far they are from usual, are usual. Anything else is a fault, as is a model that
-does not hold what eti-anatomy check tests; the sweep fails with a fault.
+Whoever sees enough of the glottis and does not get the tube in may try again, up to three times, each with another
+tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
+intubated once its most difficult features, taken one after the other by how far they are from usual, are usual.
+Anything else is a fault, as is a model that does not hold what eti-anatomy check tests; the sweep fails with a fault.
 """
 
 import argparse
@@ -23,6 +24,8 @@ import random
 import subprocess
 import sys
 import tempfile
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -39,12 +42,13 @@ DIFFICULT = {"tongue_scale": (1, 1.4), "mandible_scale": (1, 0.7), "mouth_scale"
              "larynx_anterior_mm": (0, 3), "larynx_superior_mm": (0, 3)}
 # [%], the view at which the shipped expert takes the tube (deploy/operators/expert.yaml).
 WANTED_VIEW = 25
+ATTEMPTS = 3
 GRID_WEIGHTS = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5)
 GRID_AGES = (22, 25, 28, 31, 34, 37, 40, 42)
 FAULT = "fault: "
 NO_SUCH = "no such newborn: "
 COLUMNS = ("number", "weight_kg", "gestational_age_weeks", "variant", "tongue_scale", "mandible_scale", "mouth_scale",
-           "head_scale", "larynx_anterior_mm", "larynx_superior_mm", "particles", "sound", "intubated",
+           "head_scale", "larynx_anterior_mm", "larynx_superior_mm", "particles", "sound", "intubated", "attempts",
            "glottis_seen_percent", "cormack_lehane_grade", "time_s", "reason", "because")
 
 
@@ -81,26 +85,35 @@ def build(shape, spacing, model):
     """Why there is no model, or the number of its particles."""
     options = [f"--{name.replace('_', '-')}={value}" for name, value in shape.items()]
     code, built, said = run("eti-anatomy", "build", *options, f"--spacing-mm={spacing}",
-                            f"--fine-spacing-mm={spacing / 2}", "--out", model, "--json")
+                            f"--fine-spacing-mm={spacing / 2}", f"--surface-mm={max(1, spacing - 1)}", "--out", model,
+                            "--json")
     return (said, None) if code != 0 else ("", built["particles"])
 
 
-def intubate(weight, model, folder):
-    _, attempt, said = run("eti-server", "--scenario", scenario_for(weight, model, folder), "--operator", "expert",
-                           "--threads", 1, "--fast", "--no-dds", "--json")
-    if attempt is None:
+def attempt(weight, model, folder, seed):
+    _, result, said = run("eti-server", "--scenario", scenario_for(weight, model, folder), "--operator", "expert",
+                          "--threads", 1, "--fast", "--no-dds", "--finish-after-attempt", "--json", "--seed", seed)
+    if result is None:
         return {"intubated": False, "reason": said.splitlines()[-1]}
-    parameters = attempt["parameters"]
-    return {"intubated": attempt["success"], "reason": attempt["reason"],
+    parameters = result["parameters"]
+    return {"intubated": result["success"], "reason": result["reason"],
             "glottis_seen_percent": round(parameters["glottic_opening_percent"]["max"] or 0.0, 1),
             "cormack_lehane_grade": int(parameters["cormack_lehane_grade"] or 4),
             "time_s": round(parameters["time_s"] or 0.0, 1)}
 
 
-def why_not(shape, seen, spacing, folder):
+def intubate(weight, model, folder):
+    """The attempt that succeeded, or the last."""
+    result = {}
+    for number in range(1, ATTEMPTS + 1):
+        result = {**attempt(weight, model, folder, number), "attempts": number}
+        if result["intubated"] or result.get("glottis_seen_percent", 0) < WANTED_VIEW:
+            break
+    return result
+
+
+def why_not(shape, spacing, folder):
     """The features that, made usual, let the newborn be intubated; None where there is no such anatomical reason."""
-    if seen is None or seen >= WANTED_VIEW:
-        return None
     own = {**{k: v for k, v in shape.items() if k != "variant"}, **VARIANTS.get(shape.get("variant"), {})}
     far = {name: (own[name] - usual) / (worst - usual)
            for name, (usual, worst) in DIFFICULT.items() if name in own and (own[name] - usual) / (worst - usual) > 0}
@@ -111,7 +124,7 @@ def why_not(shape, seen, spacing, folder):
         model = folder / "easier.h5"
         fault, _ = build(own, spacing, model)
         if not fault and intubate(own["weight_kg"], model, folder)["intubated"]:
-            return f"view below {WANTED_VIEW} %; intubated without " + ", ".join(blamed)
+            return "intubated without " + ", ".join(blamed)
     return None
 
 
@@ -130,7 +143,7 @@ def examine(shape, arguments, folder):
     if arguments.intubate:
         result.update(intubate(shape["weight_kg"], model, folder))
         if not result["intubated"]:
-            anatomical = why_not(shape, result.get("glottis_seen_percent"), arguments.spacing_mm, folder)
+            anatomical = why_not(shape, arguments.spacing_mm, folder)
             result["because"] = anatomical or FAULT + "the expert fails with no anatomical reason"
     return result
 
@@ -179,23 +192,33 @@ def main():
     parser.add_argument("--intubate", action="store_true", help="also let the expert try; slow")
     parser.add_argument("--weights", type=float, nargs="+", help="usual newborns of these weights, none at random")
     parser.add_argument("--grid", action="store_true", help="usual newborns of every weight and age, none at random")
+    parser.add_argument("--jobs", type=int, default=1, help="newborns at a time")
     parser.add_argument("--out", type=Path, help="CSV file of all newborns; goes on where it ends")
     arguments = parser.parse_args()
     shapes = shapes_of(arguments)
     rows = rows_of(arguments.out)
-    with tempfile.TemporaryDirectory() as folder:
-        for number, shape in enumerate(shapes, 1):
-            if number not in rows:
-                rows[number] = {"number": number, **shape, **examine(shape, arguments, Path(folder))}
+    def one(number):
+        shape = shapes[number - 1]
+        if number not in rows:
+            with tempfile.TemporaryDirectory() as folder:
+                row = {"number": number, **shape, **examine(shape, arguments, Path(folder))}
+            with told:
+                rows[number] = row
                 if arguments.out:
-                    write_row(arguments.out, rows[number])
+                    write_row(arguments.out, row)
+        with told:
             print(f"{number}/{len(shapes)} {json.dumps(shape)} {words(rows[number])}", flush=True)
+
+    told = threading.Lock()
+    with ThreadPoolExecutor(arguments.jobs) as workers:
+        list(workers.map(one, range(1, len(shapes) + 1)))
     kept = [rows[number] for number in range(1, len(shapes) + 1)]
     born = [row for row in kept if not str(row.get("because")).startswith(NO_SUCH)]
     faults = [row for row in born if str(row.get("because")).startswith(FAULT)]
     summary = {"newborns": len(born), "sound": count(born, "sound"), "faults": len(faults)}
     if arguments.intubate:
         summary["intubated"] = count(born, "intubated")
+        summary["at_once"] = sum(str(row.get("intubated")) == "True" and str(row.get("attempts")) == "1" for row in born)
         summary["anatomical_reason"] = len(born) - len(faults) - summary["intubated"]
     print(json.dumps(summary))
     return 1 if faults else 0

@@ -54,7 +54,7 @@ laryngoscope:
     abort_on_timeout: true
   - {stage: kept, keep: on}
 tube:
-  - {stage: in, depth_at_lip_mm: 95}
+  - {stage: in, depth_at_lip_mm: 95, steer: on, until: {tube_aside_mm: 1.5}}
   - {stage: by weight, keep: on, depth_by_rule: on}
 )",
                                                  "hand.yaml");
@@ -94,6 +94,9 @@ tube:
     EXPECT_TRUE(script.laryngoscope.stages[1].keep);
     EXPECT_TRUE(script.laryngoscope.stages[1].pivot_at_tip);
     EXPECT_FLOAT_EQ(script.tube.stages[0].depth_at_lip, 0.095f);
+    EXPECT_TRUE(script.tube.stages[0].steer);
+    EXPECT_FLOAT_EQ(script.tube.stages[0].until_tube_aside, 1.5e-3f);
+    EXPECT_FALSE(script.tube.stages[1].steer);
     EXPECT_TRUE(script.tube.stages[1].depth_by_rule);
     EXPECT_FLOAT_EQ(script.laryngoscope.weight, 1.25f);
     EXPECT_FLOAT_EQ(script.tube.weight, 1.25f);
@@ -121,6 +124,11 @@ TEST(OperatorFile, ContradictionsAreRefused) {
     EXPECT_TRUE(says(refusal(kept + "    axis: {from: glottis}\n"), {"axis", "keep"}));
     EXPECT_TRUE(says(refusal(kept + "    follow: on\n"), {"follow", "keep"}));
     EXPECT_TRUE(says(refusal(stage + "    depth_at_lip_mm: 90\n    depth_by_rule: on\n"), {"depth_by_rule"}));
+    EXPECT_TRUE(says(refusal(stage + "    steer: on\n"), {"hand.yaml:3", "steer", "laryngoscope", "tube"}));
+    const std::string tube = "tube:\n  - stage: first\n";
+    EXPECT_EQ(refusal(tube + "    steer: on\n    until: {tube_aside_mm: 1}\n"), "");
+    EXPECT_TRUE(says(refusal(tube + "    until: {tube_aside_mm: 1}\n"), {"tube_aside_mm", "steer"}));
+    EXPECT_TRUE(says(refusal(tube + "  - {stage: second, keep: on, steer: on}\n"), {"steer", "keep"}));
 }
 
 TEST(OperatorFile, ScriptWithoutStagesIsRefused) {

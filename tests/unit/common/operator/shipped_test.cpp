@@ -145,14 +145,15 @@ TEST(ShippedOperators, NoLiftIsTheExpertWithoutTheLift) {
                         a.axis_from_offset == b.axis_from_offset &&
                         a.axis_from_fixed_offset == b.axis_from_fixed_offset &&
                         a.axis_to_tip == b.axis_to_tip && a.axis_to == b.axis_to && a.keep == b.keep &&
-                        a.follow == b.follow)
+                        a.follow == b.follow && a.steer == b.steer)
                 << "another pose in '" << a.name << "'";
             EXPECT_TRUE(a.lift == b.lift && a.advance == b.advance && a.pitch == b.pitch && a.yaw == b.yaw &&
                         a.roll == b.roll && a.depth_at_lip == b.depth_at_lip &&
                         a.depth_by_rule == b.depth_by_rule)
                 << "another move in '" << a.name << "'";
             EXPECT_TRUE(a.until_view_percent == b.until_view_percent &&
-                        a.until_tube_depth == b.until_tube_depth && a.until_time == b.until_time &&
+                        a.until_tube_depth == b.until_tube_depth &&
+                        a.until_tube_aside == b.until_tube_aside && a.until_time == b.until_time &&
                         a.abort_on_timeout == b.abort_on_timeout)
                 << "another condition in '" << a.name << "'";
         }

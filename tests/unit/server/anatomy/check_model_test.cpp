@@ -9,6 +9,7 @@
 #include "common/math/units.hpp"
 #include "server/anatomy/build.hpp"
 #include "server/anatomy/dimensions.hpp"
+#include "server/anatomy/newborn.hpp"
 
 namespace eti::anatomy {
 namespace {
@@ -57,6 +58,28 @@ TEST(CheckModel, NewbornsOfAllSizesAndVariantsAreSound) {
         apply(static_cast<AirwayVariant>(k), shape);
         EXPECT_EQ(faults(build_patient(shape, coarse)), "") << airway_variant_names[k];
     }
+}
+
+// A large tongue lies against the palate; in life it does not grow from there.
+TEST(BuildPatient, ATongueIsFixedToTheMandibleAlone) {
+    const NewbornShape shape{.tongue_scale = 1.3f};
+    const Patient patient = build_patient(shape, coarse);
+    const Newborn form(shape);
+    const ParticleSet& set = patient.particles;
+    int at_the_palate = 0;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        if (set.tissue[i] != Tissue::tongue) {
+            continue;
+        }
+        const Fields f = form.fields(set.rest[i]);
+        const float near = 1.4f * set.radius[i];
+        if (set.mass[i] == 0.0f) {
+            EXPECT_LT(f.mandible, near);
+        } else if (f.skull < near) {
+            ++at_the_palate;
+        }
+    }
+    EXPECT_GT(at_the_palate, 20);
 }
 
 TEST(CheckModel, FindsHolesAndCrossings) {

@@ -75,6 +75,23 @@ TEST(Newborn, AShortMandibleDrawsChinLipAndTongueBack) {
     EXPECT_LT(small.fields(place_of(small, Landmark::lower_gum) - Vec3f(0, 0, 2e-3f)).lower_gum, 0.0f);
 }
 
+TEST(Newborn, TheTonguesLandmarksLieOnItWhateverItsSize) {
+    for (const float scale : {0.8f, 1.0f, 1.25f, 1.4f}) {
+        for (const float jaw : {5.0f * degree, 20.0f * degree}) {
+            NewbornShape shape = shape_with(&NewbornShape::tongue_scale, scale);
+            shape.jaw_opening = jaw;
+            const Newborn newborn(shape);
+            const Vec3f dorsum = place_of(newborn, Landmark::tongue_dorsum);
+            EXPECT_NEAR(newborn.fields(dorsum).tongue, 0.0f, 1e-5f) << scale;
+            EXPECT_LT(newborn.fields(dorsum - Vec3f(0, 0, 1e-3f)).tongue, 0.0f) << scale;
+            if (scale < 1.3f) {  // a larger one hangs out of the mouth and is cut 2 mm before the face
+                const float off = newborn.fields(place_of(newborn, Landmark::tongue_tip)).tongue;
+                EXPECT_NEAR(off, 0.0f, 1.5e-3f) << scale;
+            }
+        }
+    }
+}
+
 TEST(Newborn, AnOpenMouthIsOpenByItsAngleAboutTheJoints) {
     const Newborn closed{NewbornShape()};
     const Newborn open(shape_with(&NewbornShape::jaw_opening, 20.0f * degree));
