@@ -67,6 +67,24 @@ class Anatomy(support.Case):
             hashes.add(json.loads(done.stdout)["state_hash"])
         self.assertEqual(len(hashes), 1, "the same steps of the same patient end in different states")
 
+    def test_a_newborn_cut_from_a_noisy_ct_is_intubated(self):
+        ct = self.phantom(spacing=0.6)
+        done = self.anatomy("segment", ct, "--out", self.folder / "labels.nrrd")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.anatomy("build", self.folder / "labels.nrrd", "--volume", ct, "--surface-mm", 1.5,
+                            "--out", self.folder / "newborn.h5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        scenario = self.folder / "from_ct.yaml"
+        scenario.write_text("""patient: {model: newborn.h5, head_elevation_deg: 26, jaw_opening_deg: 29}
+laryngoscope: {blade: miller_1}
+tube: {inner_diameter_mm: 3.0, grip_from_tip_mm: 100, curve_radius_mm: 70, youngs_modulus_mpa: 40}
+""")
+        done = support.run("eti-server", "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds",
+                           "--finish-after-attempt", "--json", timeout=200)
+        result = json.loads(done.stdout)
+        self.assertTrue(result["success"], result["reason"])
+        self.assertGreater(result["parameters"]["glottic_opening_percent"]["max"], 25)
+
     def test_what_makes_no_model_is_said_and_nothing_is_left(self):
         (self.folder / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         before = sorted(self.folder.iterdir())
