@@ -46,9 +46,9 @@ using BoneWeights = std::array<float, bone_count>;
 /// matter, while a contact force comes out right only where the substep resolves sqrt(mass / stiffness)
 /// (docs/decisions/0020-quasi-static-mass.md).
 inline constexpr float tissue_density = 4000.0f;
-/// [1/s], rate at which the particles' velocity decays: what is slower than a term newborn's tongue then
-/// comes to rest within 30 ms, as with the viscosity that Buchaillard et al. 2009 (J Acoust Soc Am 126:2033)
-/// give a tongue (see docs/decisions/0027-tissue-is-overdamped.md).
+/// [1/s], rate at which the particles' velocity decays: the slowest wave of a term newborn's tongue then dies
+/// with 36 ms, about as in models of speech (Stavness et al. 2011, Int J Numer Meth Biomed Eng 27:367; see
+/// docs/decisions/0027-tissue-is-overdamped.md).
 inline constexpr float tissue_damping = 200.0f;
 
 /// Particles of the soft tissue, structure of arrays; all arrays have the same length.
