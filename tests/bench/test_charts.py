@@ -45,7 +45,7 @@ class Charts(unittest.TestCase):
         """At the best view: force, displacements and view. The bounds are what docs/solver.md says of them."""
         error = {(row["case"], row["method"]): row["error"] for row in plot.read(CHARTS / "accuracy.csv")
                  if plot.setting(row) == plot.SHIPPED_TONGUE[SHIPPED]}
-        for case, bound in (("lift-force", 0.27), ("lift-shape", 0.21), ("lift-view", 0.04)):
+        for case, bound in (("lift-force", 0.31), ("lift-shape", 0.14), ("lift-view", 0.05)):
             self.assertLess(error[case, SHIPPED], bound, case)
             self.assertLess(error[case, SHIPPED], error[case, CLUSTERS], case)
 
@@ -166,12 +166,6 @@ class Charts(unittest.TestCase):
             self.assertEqual(rows["default"]["success"], "1", file.name)
             self.assertIn("richest", rows)
 
-    def test_view_has_converged_in_substeps(self):
-        """From the shipped substeps to twice as many, within 2 points. The forces have not, see docs/solver.md."""
-        rows = self.sufficiency("term")
-        self.assertAlmostEqual(float(rows["default"]["glottic_opening_max_percent"]),
-                               float(rows["substeps 16"]["glottic_opening_max_percent"]), delta=2.0)
-
     def test_shipped_tongue_pushes_back_more_as_the_richest_does_than_clusters_do(self):
         force = {name: float(row["blade_force_max_n"]) for name, row in self.sufficiency("term").items()}
         self.assertLess(abs(force["default"] - force["richest"]),
@@ -185,7 +179,9 @@ class Charts(unittest.TestCase):
     # (map, method): rows that no scene has. Stiffer tetrahedra are refused (Tetrahedra::stiffest), and all particles of a
     # tongue weigh the same.
     ABSENT = {("stiffness", SHIPPED): ("80 kPa", "800 kPa", "8000 kPa", "80000 kPa"),
-              ("mass ratio", SHIPPED): ("1:10", "1:100", "1:1000", "1:10000")}
+              ("mass ratio", SHIPPED): ("1:10", "1:100", "1:1000", "1:10000"),
+              # A scene turns head and jaw at 10 deg/s; that row is beside it.
+              ("head in one step", "shipped patient"): ("head and jaw, there",)}
 
     def shipped_cells(self, rows):
         return [row for row in rows if plot.is_shipped(row) and (row["map"], row["column"]) not in self.BEYOND and
