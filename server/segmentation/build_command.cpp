@@ -206,7 +206,7 @@ void add_build(CLI::App& app, Run& run) {
     build
         ->add_option("--surface-mm", request->surface_mm,
                      "Grid that the visible surfaces are drawn on [1]; the build's time goes mostly there")
-        ->check(CLI::Range(0.7, 2.0));
+        ->check(CLI::Range(0.7, 1.5));
     build
         ->add_option("--region-mm", request->region_mm,
                      "Tissue farther than this from the airway only moves with the bones [10]")

@@ -85,7 +85,7 @@ def build(shape, spacing, model):
     """Why there is no model, or the number of its particles."""
     options = [f"--{name.replace('_', '-')}={value}" for name, value in shape.items()]
     code, built, said = run("eti-anatomy", "build", *options, f"--spacing-mm={spacing}",
-                            f"--fine-spacing-mm={spacing / 2}", f"--surface-mm={min(max(1, spacing - 1), 2)}", "--out", model,
+                            f"--fine-spacing-mm={spacing / 2}", f"--surface-mm={min(max(1, spacing - 1), 1.5)}", "--out", model,
                             "--json")
     return (said, None) if code != 0 else ("", built["particles"])
 
