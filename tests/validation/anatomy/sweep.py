@@ -12,8 +12,9 @@ interrupted sweep goes on where it was.
 
 Whoever sees enough of the glottis and does not get the tube in may try again, up to three times, each with another
 tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
-intubated once its most difficult features, taken one after the other by how far they are from usual, are usual.
-Anything else is a fault, as is a model that does not hold what eti-anatomy check tests; the sweep fails with a fault.
+intubated once its most difficult features, taken one after the other by how far they are from usual, are usual. It is
+also when the tube is thicker than the windpipe is wide. Anything else is a fault, as is a model that does not hold what
+eti-anatomy check tests; the sweep fails with a fault.
 """
 
 import argparse
@@ -43,6 +44,8 @@ DIFFICULT = {"tongue_scale": (1, 1.4), "mandible_scale": (1, 0.7), "mouth_scale"
 # [%], the view at which the shipped expert takes the tube (deploy/operators/expert.yaml).
 WANTED_VIEW = 25
 ATTEMPTS = 3
+# By inner diameter; see outer_diameter_of() in common/model/tools.cpp.
+OUTER_DIAMETER_MM = {2.0: 3.0, 2.5: 3.6, 3.0: 4.2}
 GRID_WEIGHTS = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5)
 GRID_AGES = (22, 25, 28, 31, 34, 37, 40, 42)
 FAULT = "fault: "
@@ -68,10 +71,15 @@ def run(program, *arguments):
     return done.returncode, (json.loads(done.stdout) if done.stdout.startswith("{") else None), done.stderr.strip()
 
 
+def tube_for(weight):
+    """Inner diameter [mm]."""
+    return 2.0 if weight < 0.8 else 2.5 if weight < 2 else 3.0
+
+
 def scenario_for(weight, model, folder):
     """Head and mouth as in the shipped scenarios, blade and tube for the weight."""
     small = weight < 2
-    tube = 2.0 if weight < 0.8 else 2.5 if small else 3.0
+    tube = tube_for(weight)
     file = folder / "scenario.yaml"
     file.write_text(f"""patient: {{model: {model}, head_elevation_deg: 26, jaw_opening_deg: 29}}
 laryngoscope: {{blade: {"miller_0" if small else "miller_1"}}}
@@ -112,6 +120,16 @@ def intubate(weight, model, folder):
     return result
 
 
+def too_thick(weight, dimensions):
+    """Said where the tube is wider than the airway that it has to pass."""
+    outer = OUTER_DIAMETER_MM[tube_for(weight)]
+    narrowest = min((d for d in dimensions if d["name"] in ("subglottis, diameter", "trachea, diameter")),
+                    key=lambda d: d["value"])
+    if narrowest["value"] >= outer:
+        return None
+    return f"the tube is {outer} mm thick, the {narrowest['name'].split(',')[0]} {narrowest['value']:.1f} mm wide"
+
+
 def why_not(shape, spacing, folder):
     """The features that, made usual, let the newborn be intubated; None where there is no such anatomical reason."""
     own = {**{k: v for k, v in shape.items() if k != "variant"}, **VARIANTS.get(shape.get("variant"), {})}
@@ -143,7 +161,8 @@ def examine(shape, arguments, folder):
     if arguments.intubate:
         result.update(intubate(shape["weight_kg"], model, folder))
         if not result["intubated"]:
-            anatomical = why_not(shape, arguments.spacing_mm, folder)
+            anatomical = why_not(shape, arguments.spacing_mm, folder) or too_thick(shape["weight_kg"],
+                                                                                   checked["dimensions"])
             result["because"] = anatomical or FAULT + "the expert fails with no anatomical reason"
     return result
 
