@@ -174,10 +174,14 @@ bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observat
     return !waits || observation.time - met_since_ >= static_cast<double>(reaction_);
 }
 
+float TrackPlayer::share_passed(const Observation& observation, double time) const {
+    return static_cast<float>(std::clamp((observation.time - last_time_) / time, 0.0, 1.0));
+}
+
 void TrackPlayer::follow(const Stage& stage, const Observation& observation) {
-    const double share = std::clamp((observation.time - last_time_) / follow_time, 0.0, 1.0);
+    const float share = share_passed(observation, follow_time);
     for (std::size_t i = 0; i < landmark_count; ++i) {
-        seen_[i] += static_cast<float>(share) * (observation.landmarks[i] - seen_[i]);
+        seen_[i] += share * (observation.landmarks[i] - seen_[i]);
     }
     target_ = target_of(stage, observation, seen_, target_);
 }
@@ -194,8 +198,7 @@ void TrackPlayer::steer(const Stage& stage, const Observation& observation) {
     if (to_aim.norm() > steered_within || observation.tube_depth_past_glottis > 0.0f) {
         return;
     }
-    const double passed = std::clamp(observation.time - last_time_, 0.0, 0.1 * steer_time);
-    steered_ += static_cast<float>(passed / steer_time) * aside_;
+    steered_ += std::min(share_passed(observation, steer_time), 0.1f) * aside_;
     steered_ *= std::min(1.0f, most_steering / std::max(steered_.norm(), 1e-9f));
 }
 
@@ -235,8 +238,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         if (stage.steer) {
             steer(stage, observation);
         } else if (!stage.keep) {
-            const double passed = std::clamp(observation.time - last_time_, 0.0, steer_time);
-            steered_ *= static_cast<float>(1.0 - passed / steer_time);
+            steered_ *= 1.0f - share_passed(observation, steer_time);
         }
         const double since = observation.time - started_;
         nominal_ = between(minimum_jerk(since / duration_));

@@ -44,6 +44,8 @@ class TrackPlayer {
                                            const Landmarks& points, const RigidTransform& previous) const;
     [[nodiscard]] RigidTransform between(float share) const;
     [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
+    /// How much of `time` [s] has passed since the last call, at most all of it.
+    [[nodiscard]] float share_passed(const Observation& observation, double time) const;
     void begin_stage(const Observation& observation);
     void follow(const Stage& stage, const Observation& observation);
     void steer(const Stage& stage, const Observation& observation);

@@ -93,8 +93,8 @@ def build(shape, spacing, model):
     """Why there is no model, or the number of its particles."""
     options = [f"--{name.replace('_', '-')}={value}" for name, value in shape.items()]
     code, built, said = run("eti-anatomy", "build", *options, f"--spacing-mm={spacing}",
-                            f"--fine-spacing-mm={spacing / 2}", f"--surface-mm={min(max(1, spacing - 1), 1.5)}", "--out", model,
-                            "--json")
+                            f"--fine-spacing-mm={spacing / 2}", f"--surface-mm={min(max(1, spacing - 1), 1.5)}",
+                            "--out", model, "--json")
     return (said, None) if code != 0 else ("", built["particles"])
 
 
@@ -216,6 +216,8 @@ def main():
     arguments = parser.parse_args()
     shapes = shapes_of(arguments)
     rows = rows_of(arguments.out)
+    told = threading.Lock()
+
     def one(number):
         shape = shapes[number - 1]
         if number not in rows:
@@ -228,7 +230,6 @@ def main():
         with told:
             print(f"{number}/{len(shapes)} {json.dumps(shape)} {words(rows[number])}", flush=True)
 
-    told = threading.Lock()
     with ThreadPoolExecutor(arguments.jobs) as workers:
         list(workers.map(one, range(1, len(shapes) + 1)))
     kept = [rows[number] for number in range(1, len(shapes) + 1)]
@@ -237,7 +238,7 @@ def main():
     summary = {"newborns": len(born), "sound": count(born, "sound"), "faults": len(faults)}
     if arguments.intubate:
         summary["intubated"] = count(born, "intubated")
-        summary["at_once"] = sum(str(row.get("intubated")) == "True" and str(row.get("attempts")) == "1" for row in born)
+        summary["at_once"] = count([row for row in born if str(row.get("attempts")) == "1"], "intubated")
         summary["anatomical_reason"] = len(born) - len(faults) - summary["intubated"]
     print(json.dumps(summary))
     return 1 if faults else 0

@@ -206,9 +206,6 @@ TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
 // A larger one would meet the palate, whose friction holds it a tenth of a millimetre here or there.
 TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
     Scene scene = make();
-    for (int k = 0; k < 2 * steps_per_second; ++k) {  // until it is at rest in its posture
-        scene.step(away_);
-    }
     const float before = tongue_height(scene);
     const std::vector<FramePose> frames = scene.snapshot().frames;
     const auto grow = [&](float scale, int steps) {
@@ -226,7 +223,7 @@ TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
     const float fastest = grow(1.1f, 4 * steps_per_second);
     EXPECT_FLOAT_EQ(scene.snapshot().tongue_scale, 1.1f);
     const float grown = tongue_height(scene) - before;
-    EXPECT_GT(grown, 0.5e-3f);
+    EXPECT_GT(grown, 1e-3f);
     // A tenth a second of 20 mm at most, in one step; twice that where it eases into place.
     EXPECT_LT(fastest, 2.0f * 0.1f * 20e-3f / steps_per_second);
     EXPECT_EQ(scene.snapshot().tissue_force, Vec3f(Vec3f::Zero()));
@@ -247,7 +244,7 @@ TEST_F(SceneTest, ResetPutsALargerTongueInPlaceAtOnce) {
     Scene reset = make();
     reset.reset(large);
     EXPECT_FLOAT_EQ(reset.snapshot().tongue_scale, 1.1f);
-    for (int k = 0; k < 5 * steps_per_second; ++k) {
+    for (int k = 0; k < 2 * steps_per_second; ++k) {
         reset.step(large);
     }
     EXPECT_NEAR(tongue_height(reset), tongue_height(swollen), 1e-4f);
