@@ -64,7 +64,8 @@ CommandLink::CommandLink(const bus::Options& options)
     : node_(options),
       commands_(node_, bus::topics::command),
       answers_(node_, bus::topics::command_result),
-      status_(node_, bus::topics::session_status) {}
+      status_(node_, bus::topics::session_status),
+      live_(node_, bus::topics::live_metrics) {}
 
 void CommandLink::send(const PadCommand& command) {
     msg::Command message;
@@ -92,6 +93,9 @@ void CommandLink::hear() {
     msg::SessionStatus status;
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
+    }
+    if (live_.take_latest(newest_)) {
+        patient_ = newest_.patient();
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
@@ -27,7 +28,7 @@ class CommandLink {
 
     [[nodiscard]] bool served() const { return commands_.matched() > 0; }
     void send(const PadCommand& command);
-    /// Reads the answers that have come and logs refusals.
+    /// Reads what has come, and logs refusals.
     void hear();
     /// Waits for all answers, at most `patience`; true if they have come.
     [[nodiscard]] bool hear_all(std::chrono::milliseconds patience);
@@ -36,6 +37,8 @@ class CommandLink {
     [[nodiscard]] std::uint32_t accepted() const { return accepted_; }
     [[nodiscard]] std::uint32_t refused() const { return refused_; }
     [[nodiscard]] bool session_finished() const { return session_finished_; }
+    /// What the server last said of the patient.
+    [[nodiscard]] const std::optional<msg::PatientState>& patient() const { return patient_; }
 
   private:
     std::string sender_ = "eti-controller:" + std::to_string(::getpid());
@@ -43,6 +46,9 @@ class CommandLink {
     bus::Publisher<msg::Command> commands_;
     bus::Subscriber<msg::CommandResult> answers_;
     bus::Subscriber<msg::SessionStatus> status_;
+    bus::Subscriber<msg::LiveMetrics> live_;
+    msg::LiveMetrics newest_;
+    std::optional<msg::PatientState> patient_;
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
     bool session_finished_ = false;
 };

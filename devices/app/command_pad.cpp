@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/math/units.hpp"
-
 namespace eti::devices {
 
 namespace {
@@ -16,32 +14,39 @@ constexpr float dead_zone = 0.15f;           // of a stick that rests
 constexpr float sent_every = 0.5f * degree;  // [rad]
 constexpr float suction_step = 0.1f;
 constexpr std::size_t trigger = 5;  // right trigger of common pads: -1 released, 1 pressed
-// The server's bounds; it refuses what lies beyond, so that these only keep a stick from winding up.
-constexpr float most_head_elevation = 30.0f * degree, most_jaw_opening = 35.0f * degree,
-                most_table_angle = 20.0f * degree;
+constexpr float settled_after = 1.0f;  // [s]
 
 }  // namespace
 
-CommandPad::CommandPad(const PadCommands& start)
-    : head_{msg::COMMAND_HEAD_ELEVATION, start.head_elevation_deg * degree, 0.0f, most_head_elevation,
-            start.head_elevation_deg * degree},
-      jaw_{msg::COMMAND_JAW_OPENING, start.jaw_opening_deg * degree, 0.0f, most_jaw_opening,
-           start.jaw_opening_deg * degree},
-      table_{msg::COMMAND_TABLE_ANGLE, start.table_angle_deg * degree, -most_table_angle, most_table_angle,
-             start.table_angle_deg * degree} {}
+void CommandPad::follow(Posture& posture, float told) {
+    if (posture.rested >= settled_after && std::isfinite(told)) {
+        posture.value = posture.sent = std::clamp(told, posture.least, posture.most);
+    }
+}
+
+void CommandPad::follow(const msg::PatientState& patient) {
+    follow(head_, patient.head_elevation());
+    follow(jaw_, patient.jaw_opening());
+    follow(table_, patient.table_angle());
+}
 
 bool CommandPad::move(Posture& posture, float stick, float elapsed) {
-    if (std::abs(stick) < dead_zone) {
-        // What is left of the last move, when the stick comes to rest.
-        const bool unsent = posture.value != posture.sent;
-        posture.sent = posture.value;
-        return unsent;
-    }
-    posture.value = std::clamp(posture.value + rate * elapsed * stick, posture.least, posture.most);
-    if (std::abs(posture.value - posture.sent) < sent_every) {
+    if (!posture.value) {
         return false;
     }
-    posture.sent = posture.value;
+    if (std::abs(stick) < dead_zone) {
+        posture.rested += elapsed;
+        // What is left of the last move, when the stick comes to rest.
+        const bool unsent = posture.value != posture.sent;
+        posture.sent = *posture.value;
+        return unsent;
+    }
+    posture.rested = 0.0f;
+    posture.value = std::clamp(*posture.value + rate * elapsed * stick, posture.least, posture.most);
+    if (std::abs(*posture.value - posture.sent) < sent_every) {
+        return false;
+    }
+    posture.sent = *posture.value;
     return true;
 }
 
@@ -58,7 +63,7 @@ std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed
     for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]},
                                   std::pair{&table_, -reading.axes[4]}}) {
         if (move(*posture, stick, elapsed)) {
-            out.push_back({posture->kind, posture->value});
+            out.push_back({posture->kind, *posture->value});
         }
     }
     trigger_seen_ = trigger_seen_ || reading.axes[trigger] < -0.5f;

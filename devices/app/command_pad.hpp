@@ -2,21 +2,16 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/bus/topics.hpp"
+#include "common/math/units.hpp"
 #include "devices/sensor/sensor.hpp"
 
 namespace eti::devices {
 
 namespace msg = bus::msg;
-
-/// Where the patient is when the pad begins; the scenario's, which the bus does not tell.
-struct PadCommands {
-    float head_elevation_deg = 10.0f;
-    float jaw_opening_deg = 20.0f;
-    float table_angle_deg = 0.0f;
-};
 
 struct PadCommand {
     msg::CommandKind kind = msg::COMMAND_SUCTION;
@@ -26,10 +21,12 @@ struct PadCommand {
 /// Turns sticks and buttons into commands: axis 1 raises (up) and lowers the head and axis 0 opens (right)
 /// and closes the jaw, at up to 10 deg/s, the rate of a nurse's hands; axis 4, a pad's right stick, tilts the
 /// table (up: head-up); button 0 or a trigger on axis 5 is suction. A stick that rests sends nothing; a
-/// posture is sent when it has moved by half a degree.
+/// posture is sent when it has moved by half a degree. Sticks move nothing until follow() has told from where.
 class CommandPad {
   public:
-    explicit CommandPad(const PadCommands& start);
+    /// Where the patient is, as the server says. Taken for a posture whose stick has rested for a second, which is
+    /// longer than the patient follows a stick, so that scenario and instructor are gone on from, not undone.
+    void follow(const msg::PatientState& patient);
 
     [[nodiscard]] std::vector<PadCommand> update(const Reading& reading, float elapsed);
 
@@ -37,12 +34,18 @@ class CommandPad {
     /// A posture that a stick moves.
     struct Posture {
         msg::CommandKind kind;
-        float value, least, most;  // [rad]
-        float sent;                // [rad]
+        float least, most;             // [rad]
+        std::optional<float> value{};  // [rad]
+        float sent = 0.0f;             // [rad]
+        float rested = 1e3f;           // [s]
     };
+    static void follow(Posture& posture, float told);
     [[nodiscard]] static bool move(Posture& posture, float stick, float elapsed);
 
-    Posture head_, jaw_, table_;
+    // The server's bounds; it refuses what lies beyond, so that these only keep a stick from winding up.
+    Posture head_{msg::COMMAND_HEAD_ELEVATION, 0.0f, 30.0f * degree};
+    Posture jaw_{msg::COMMAND_JAW_OPENING, 0.0f, 35.0f * degree};
+    Posture table_{msg::COMMAND_TABLE_ANGLE, -20.0f * degree, 20.0f * degree};
     float suction_ = 0.0f;
     bool trigger_seen_ = false;  // pads without one report its axis as 0, which would be half pressed
 };

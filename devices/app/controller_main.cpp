@@ -21,11 +21,10 @@ constexpr std::chrono::milliseconds period{20};  // 50 commands a second at most
 /// Turns what a thumb does into commands and says how the server answers.
 class Controller {
   public:
-    Controller(const ProgramOptions& options, const PadCommands& start)
+    explicit Controller(const ProgramOptions& options)
         : options_(options),
           sensor_(driver_named(options.device, Use::commands).open(setup_of(options))),
           watch_(*sensor_),
-          pad_(start),
           link_(options.bus) {}
 
     void run(const volatile std::sig_atomic_t& stop) {
@@ -39,9 +38,13 @@ class Controller {
             last = now;
             watch_.tend();
             const Reading reading = watch_.exchange({}, elapsed);
+            link_.hear();
             // A command that nobody takes would be lost without a word: what is held now is sent when
             // a server is there.
             if (link_.served()) {
+                if (link_.patient()) {
+                    pad_.follow(*link_.patient());
+                }
                 for (const PadCommand& command : pad_.update(reading, elapsed)) {
                     link_.send(command);
                 }
@@ -51,7 +54,6 @@ class Controller {
                 served_ ? spdlog::info("a server takes commands")
                         : spdlog::warn("no server takes commands any more");
             }
-            link_.hear();
             if (link_.session_finished()) {
                 ended_ = "session finished";
             }
@@ -115,15 +117,39 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
             {"refused", link.refused()}};
 }
 
+int run(const ProgramOptions& options, const std::vector<std::string>& typed) {
+    if (options.device.empty() && typed.empty()) {
+        throw InputError("neither --device nor --set is given; see --help");
+    }
+    nlohmann::ordered_json result;
+    bool well = true;
+    if (options.device.empty()) {
+        std::vector<PadCommand> wanted;
+        std::ranges::transform(typed, std::back_inserter(wanted), command_from);
+        result = set_once(options, wanted);
+        well = result["accepted"] == wanted.size();
+    } else {
+        Controller controller(options);
+        spdlog::info("commands from '{}' to session '{}'", options.device, options.bus.session);
+        controller.run(stop_flag());
+        result = controller.result();
+        spdlog::info("ended: {}; {} commands, {} accepted, {} refused", result["ended"].get<std::string>(),
+                     result["commands"].get<int>(), result["accepted"].get<int>(),
+                     result["refused"].get<int>());
+    }
+    if (options.json) {
+        std::cout << result.dump(2) << std::endl;
+    }
+    return well ? 0 : 1;
+}
+
 }  // namespace
 }  // namespace eti::devices
 
 int main(int argc, char** argv) {
     using namespace eti::devices;
-    set_up_process("eti-controller");
     ProgramOptions options;
     options.bus.name = "eti-controller";
-    PadCommands start;
     CLI::App app("Commands to a session: from a pad or the keyboard while it runs, or those of --set once.",
                  "eti-controller");
     app.footer(
@@ -132,48 +158,12 @@ int main(int argc, char** argv) {
         "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table.\n"
         "Keys of --set: " +
         command_keys() + ". Exit status 0 only if the server accepted all.");
-    app.set_version_flag("--version", ETI_VERSION);
     add_device_options(app, options, Use::commands);
     std::vector<std::string> typed;
     auto* const device = app.get_option("--device")->required(false);
     app.add_option("--set", typed,
                    "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
         ->excludes(device);
-    app.add_option("--head-elevation-deg", start.head_elevation_deg, "Where the head begins")
-        ->capture_default_str();
-    app.add_option("--jaw-opening-deg", start.jaw_opening_deg, "Where the jaw begins")->capture_default_str();
-    app.add_option("--table-angle-deg", start.table_angle_deg, "Where the table begins")
-        ->capture_default_str();
     add_bus_options(app, options);
-    if (const auto code = parse(app, argc, argv)) {
-        return *code;
-    }
-    try {
-        if (options.device.empty()) {
-            if (typed.empty()) {
-                throw eti::InputError("neither --device nor --set is given; see --help");
-            }
-            std::vector<PadCommand> wanted;
-            std::ranges::transform(typed, std::back_inserter(wanted), command_from);
-            const auto result = set_once(options, wanted);
-            if (options.json) {
-                std::cout << result.dump(2) << std::endl;
-            }
-            return result["accepted"] == wanted.size() ? 0 : 1;
-        }
-        Controller controller(options, start);
-        spdlog::info("commands from '{}' to session '{}'", options.device, options.bus.session);
-        controller.run(stop_flag());
-        const auto result = controller.result();
-        spdlog::info("ended: {}; {} commands, {} accepted, {} refused", result["ended"].get<std::string>(),
-                     result["commands"].get<int>(), result["accepted"].get<int>(),
-                     result["refused"].get<int>());
-        if (options.json) {
-            std::cout << result.dump(2) << std::endl;
-        }
-        return 0;
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    return run_program(app, argc, argv, [&] { return run(options, typed); });
 }

@@ -112,7 +112,7 @@ void RigidLayer::World::build_shell() {
         static_cast<int>(sizeof(Triangle)), static_cast<int>(vertices.size()), vertices[0].data(),
         static_cast<int>(sizeof(Vec3f)));
     const auto [low, high] = bounds();
-    shell_shape = std::make_unique<btBvhTriangleMeshShape>(shell_mesh.get(), true, low, high);
+    shell_shape = std::make_unique<ShellShape>(shell_mesh.get(), true, low, high);
     // Widens the box that the broad phase sees, so that contacts still ahead are found there too.
     shell_shape->setMargin(smallest_radius);
     shell = std::make_unique<btRigidBody>(

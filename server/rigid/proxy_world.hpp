@@ -28,6 +28,20 @@ inline constexpr float depth_share = 0.5f;
 [[nodiscard]] btTransform bullet_pose(const RigidTransform& pose);
 [[nodiscard]] RigidTransform pose_of(const btTransform& pose);
 
+/// The shell's triangles under a tree of boxes.
+class ShellShape : public btBvhTriangleMeshShape {
+  public:
+    using btBvhTriangleMeshShape::btBvhTriangleMeshShape;
+
+    /// After the vertices moved; `low` and `high` bound them, margin included. Bullet's refitTree would look for that box
+    /// in six walks over all triangles, which take several times as long as fitting the tree.
+    void refit(const btVector3& low, const btVector3& high) {
+        getOptimizedBvh()->refit(getMeshInterface(), low, high);
+        m_localAabbMin = low;
+        m_localAabbMax = high;
+    }
+};
+
 /// Bullet's world behind the rigid layer: shell, kinematic blade, proxy.
 struct RigidLayer::World {
     World(const Laryngoscope& scope, const TriangleMesh& mesh, std::span<const Tissue> triangle_tissue,
@@ -76,7 +90,7 @@ struct RigidLayer::World {
     std::unique_ptr<btRigidBody> proxy;
     std::unique_ptr<btRigidBody> blade;  // kinematic, at the device's pose; collides with nothing
     std::unique_ptr<btTriangleIndexVertexArray> shell_mesh;
-    std::unique_ptr<btBvhTriangleMeshShape> shell_shape;
+    std::unique_ptr<ShellShape> shell_shape;
     std::unique_ptr<btRigidBody> shell;
 
     RigidTransform device;

@@ -94,7 +94,7 @@ void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
     }
     w.bound_triangles();
     const auto [low, high] = w.bounds();
-    w.shell_shape->refitTree(low, high);
+    w.shell_shape->refit(low, high);
     w.world.updateSingleAabb(w.shell.get());
 }
 

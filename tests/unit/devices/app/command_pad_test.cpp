@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "common/math/units.hpp"
 
 namespace eti::devices {
@@ -11,8 +13,23 @@ namespace {
 
 constexpr float dt = 0.02f;
 
+msg::PatientState posture(float head_deg, float jaw_deg, float table_deg) {
+    msg::PatientState patient;
+    patient.head_elevation(head_deg * degree);
+    patient.jaw_opening(jaw_deg * degree);
+    patient.table_angle(table_deg * degree);
+    return patient;
+}
+
+/// That knows of a patient.
+CommandPad pad_at(float head_deg, float jaw_deg, float table_deg) {
+    CommandPad pad;
+    pad.follow(posture(head_deg, jaw_deg, table_deg));
+    return pad;
+}
+
 TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
-    CommandPad pad({.head_elevation_deg = 10.0f, .jaw_opening_deg = 20.0f});
+    CommandPad pad = pad_at(10.0f, 20.0f, 0.0f);
     Reading reading;
     EXPECT_TRUE(pad.update(reading, dt).empty()) << "a stick that rests sends nothing";
     reading.axes[1] = -1.0f;  // away from the body
@@ -35,8 +52,44 @@ TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
     EXPECT_TRUE(pad.update(reading, dt).empty());
 }
 
+TEST(CommandPad, MovesNothingUntilItKnowsWhereThePatientIs) {
+    CommandPad pad;
+    Reading reading;
+    reading.axes[1] = -1.0f;
+    for (int i = 0; i < 50; ++i) {
+        EXPECT_TRUE(pad.update(reading, dt).empty());
+    }
+    pad.follow(posture(std::numeric_limits<float>::quiet_NaN(), 20.0f, 0.0f));
+    EXPECT_TRUE(pad.update(reading, 0.1f).empty()) << "a posture that is no number is none";
+}
+
+TEST(CommandPad, GoesOnFromWhereTheServerSaysThePatientIs) {
+    CommandPad pad = pad_at(26.0f, 29.0f, 0.0f);
+    pad.follow(posture(5.0f, 29.0f, 0.0f));  // the instructor laid the head down meanwhile
+    Reading reading;
+    reading.axes[1] = -1.0f;
+    std::vector<PadCommand> sent = pad.update(reading, 0.1f);
+    ASSERT_EQ(sent.size(), 1u);
+    EXPECT_NEAR(sent[0].value, 6.0f * degree, 1e-5f);
+    // The patient lags behind the stick; what it tells then is not gone back to.
+    pad.follow(posture(5.2f, 29.0f, 0.0f));
+    sent = pad.update(reading, 0.1f);
+    ASSERT_EQ(sent.size(), 1u);
+    EXPECT_NEAR(sent[0].value, 7.0f * degree, 1e-5f);
+    reading.axes = {};
+    for (int i = 0; i < 51; ++i) {
+        EXPECT_TRUE(pad.update(reading, dt).empty());
+    }
+    pad.follow(posture(20.0f, 29.0f, 0.0f));
+    EXPECT_TRUE(pad.update(reading, dt).empty()) << "what the server tells is not sent back";
+    reading.axes[1] = 1.0f;
+    sent = pad.update(reading, 0.1f);
+    ASSERT_EQ(sent.size(), 1u);
+    EXPECT_NEAR(sent[0].value, 19.0f * degree, 1e-5f);
+}
+
 TEST(CommandPad, PosturesStayWithinTheServersBounds) {
-    CommandPad pad({});
+    CommandPad pad = pad_at(10.0f, 20.0f, 0.0f);
     Reading reading;
     reading.axes[0] = 1.0f;
     reading.axes[1] = 1.0f;
@@ -55,7 +108,7 @@ TEST(CommandPad, PosturesStayWithinTheServersBounds) {
 }
 
 TEST(CommandPad, TheRightStickTiltsTheTableEitherWay) {
-    CommandPad pad({.table_angle_deg = 15.0f});
+    CommandPad pad = pad_at(0.0f, 0.0f, 15.0f);
     Reading reading;
     for (const float stick : {-1.0f, 1.0f}) {
         reading.axes[4] = stick;
@@ -75,7 +128,7 @@ TEST(CommandPad, TheRightStickTiltsTheTableEitherWay) {
 }
 
 TEST(CommandPad, ButtonAndTriggerAreSuction) {
-    CommandPad pad({});
+    CommandPad pad;
     Reading reading;
     reading.buttons = 1;
     auto sent = pad.update(reading, dt);
@@ -95,7 +148,7 @@ TEST(CommandPad, ButtonAndTriggerAreSuction) {
 }
 
 TEST(CommandPad, APadThatIsLostLeavesNoSuctionOn) {
-    CommandPad pad({});
+    CommandPad pad;
     Reading reading;
     reading.buttons = 1;
     ASSERT_EQ(pad.update(reading, dt).size(), 1u);
