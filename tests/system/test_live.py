@@ -3,7 +3,10 @@
 """An instructor changes the patient of a running session by commands: answered, carried out smoothly, recorded."""
 
 import json
+import os
+import re
 import signal
+import struct
 import subprocess
 import time
 import unittest
@@ -14,6 +17,7 @@ import numpy
 import support
 
 SECONDS_TO_START = 120
+JOYSTICK_AXIS = 2  # JS_EVENT_AXIS of linux/joystick.h
 STEP = 1 / 180  # [s]
 DEGREE = numpy.pi / 180
 
@@ -42,6 +46,11 @@ class Live(support.Case):
             self.assertIsNone(self.server.poll(), self.log.read_text())
             self.assertLess(time.monotonic(), deadline, self.log.read_text())
             time.sleep(0.1)
+
+    def wait_seconds(self, seconds):
+        """Of simulation time."""
+        told = re.findall(r"simulation time (\d+) s", self.log.read_text())
+        self.wait_for(f"simulation time {int((told or [0])[-1]) + seconds} s")
 
     def set(self, *wishes):
         arguments = [part for wish in wishes for part in ("--set", wish)]
@@ -72,10 +81,7 @@ class Live(support.Case):
         self.assertEqual(json.loads(refused.stdout)["refused"], 2)
         self.assertIn("tetrahedra of 2 mm bear at most", refused.stderr)
         self.assertIn("saliva: standby", refused.stderr)
-        # Two tenths of tongue take two seconds, and half a second before they begin.
-        second = int(self.log.read_text().rsplit("simulation time ", 1)[-1].split(" s")[0]) \
-            if "simulation time" in self.log.read_text() else 0
-        self.wait_for(f"simulation time {second + 4} s")
+        self.wait_seconds(4)  # two tenths of tongue take two seconds, and half a second before they begin
         self.stop_server()
         with h5py.File(self.record, "r") as file:
             kinds = [kind.decode() for kind in file["inputs/commands/kind"]]
@@ -90,6 +96,36 @@ class Live(support.Case):
             first = file["inputs/commands/step"][0]
             before = file["skeleton/table_angle"][:][file["inputs/step"][:] < first]
             self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
+
+    def test_a_pad_goes_on_from_where_the_instructor_left_the_patient(self):
+        self.start_server("term")
+        self.assertEqual(self.set("head_elevation_deg=20").returncode, 0)
+        self.wait_seconds(3)
+        pad = self.folder / "pad"
+        os.mkfifo(pad)
+        pipe = os.open(pad, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+        self.addCleanup(os.close, pipe)
+        controller = subprocess.Popen(
+            [support.BIN / "eti-controller", "--device", "gamepad", "--source", pad, "--session", support.SESSION,
+             "--domain", str(support.DOMAIN), "--json"],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(controller.kill)
+        self.wait_seconds(2)  # till it has heard of the patient
+        for stick in (-32767, 0):  # away from the body: up
+            os.write(pipe, struct.pack("=IhBB", 0, stick, JOYSTICK_AXIS, 1))
+            time.sleep(0.5)
+        self.wait_seconds(2)
+        controller.send_signal(signal.SIGINT)
+        said, log = controller.communicate(timeout=30)
+        self.assertEqual(controller.returncode, 0, log)
+        self.assertGreater(json.loads(said)["accepted"], 0, log)
+        self.stop_server()
+        with h5py.File(self.record, "r") as file:
+            head = file["skeleton/head_elevation"][:] / DEGREE
+            moved = head[file["inputs/step"][:] >= file["inputs/commands/step"][1]]
+            self.assertTrue((numpy.diff(moved) >= -1e-4).all(), "it was let down first")
+            self.assertAlmostEqual(moved[0], 20, delta=0.2)
+            self.assertGreater(moved[-1], 21)
 
     def test_what_cannot_be_sent_is_said(self):
         for wish, words in (("tongue_size=1.2", "tongue_scale"), ("tongue_scale=1.2x", "plain number"),
