@@ -109,6 +109,7 @@ OperatorScript parse_operator(const std::string& text, const std::filesystem::pa
     script.laryngoscope = read_track(root, Tool::laryngoscope);
     script.tube = read_track(root, Tool::tube);
     script.laryngoscope.weight = script.tube.weight = root.number("patient_weight_kg", 0.0f, {0.5f, 4.5f});
+    script.laryngoscope.lean = root.number("lean_mm", 0.0f, {0, 20, millimetre});
     root.finish();
     if (script.laryngoscope.stages.empty() && script.tube.stages.empty()) {
         root.refuse("laryngoscope", "no stages for either hand",

@@ -66,6 +66,8 @@ struct Track {
     std::vector<Stage> stages;
     /// [kg], of the newborn whose lengths the stages give; 0: they hold for any newborn.
     float weight = 0.0f;
+    /// [m], how far a laryngoscope's hand leans sideways, at most, against what pushes the tip aside.
+    float lean = 0.0f;
 };
 
 /// A scripted operator: a track for each hand, tremor, and the hand's impedance.

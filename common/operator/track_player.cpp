@@ -18,6 +18,7 @@ constexpr double follow_time = 0.1;       // [s], low pass on landmarks that a s
 constexpr double steer_time = 0.3;        // [s], in which a hand makes up for what it sees
 constexpr float most_steering = 8e-3f;    // [m], of the tip
 constexpr float steered_within = 20e-3f;  // [m], of the tip from its aim
+constexpr float seen_within = 20e-3f;     // [m], of a blade's tip from where it is wanted
 constexpr float least_swing = 3e-3f;      // [m]; rolling a straighter tube would not steer it
 // A hand without a track holds its tool here, clear of the patient [m].
 const Vec3f parked(0.0f, -0.3f, 0.2f);
@@ -218,6 +219,18 @@ RigidTransform TrackPlayer::steered(const RigidTransform& pose, const Observatio
     return RigidTransform{turn, lips.translation - turn * lips.translation} * pose;
 }
 
+// Tissue that slides off to one side of a blade pushes it to the other, the more the farther it is: a hand that did
+// not lean against that would lose the tongue.
+void TrackPlayer::lean(const Observation& observation) {
+    const Vec3f missed = nominal_ * tip_.translation - observation.proxy * tip_.translation;
+    // Farther off, the blade is not where the hand holds it, or is not seen yet.
+    if (missed.norm() < seen_within) {
+        leaning_ += std::min(share_passed(observation, steer_time), 0.1f) *
+                    missed.dot(nominal_.rotation * Vec3f::UnitX());
+        leaning_ = std::clamp(leaning_, -track_.lean, track_.lean);
+    }
+}
+
 RigidTransform TrackPlayer::wanted(const Observation& observation) {
     if (track_.stages.empty()) {
         return nominal_;
@@ -263,8 +276,12 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
             }
         }
     }
+    if (track_.lean > 0.0f) {
+        lean(observation);
+    }
     last_time_ = observation.time;
     RigidTransform pose = steered_.isZero(0.0f) ? nominal_ : steered(nominal_, observation);
+    pose.translation += leaning_ * (pose.rotation * Vec3f::UnitX());
     for (int k = 0; k < 3; ++k) {
         for (const Line& line : tremor_[static_cast<std::size_t>(k)]) {
             pose.translation[k] +=

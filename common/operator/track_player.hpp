@@ -49,6 +49,7 @@ class TrackPlayer {
     void begin_stage(const Observation& observation);
     void follow(const Stage& stage, const Observation& observation);
     void steer(const Stage& stage, const Observation& observation);
+    void lean(const Observation& observation);
     [[nodiscard]] RigidTransform steered(const RigidTransform& pose, const Observation& observation) const;
     void next_stage();
 
@@ -67,6 +68,7 @@ class TrackPlayer {
     Vec3f led_ = Vec3f::Zero();      // [m], tool frame; the point that moves straight from from_ to target_
     Vec3f aside_ = Vec3f::Zero();    // [m], from the tip that is seen to the line it is steered along
     Vec3f steered_ = Vec3f::Zero();  // [m], by which the hand means to have turned the tip
+    float leaning_ = 0.0f;           // [m], to the tool's left, against what pushes its tip aside
     double started_ = 0.0, duration_ = 0.0;  // [s], of the current stage's motion
     double met_since_ = -1.0;                // [s], when the until conditions began to hold
     double last_time_ = 0.0;

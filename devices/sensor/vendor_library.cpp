@@ -16,7 +16,8 @@ VendorLibrary::VendorLibrary(const std::string& chosen, std::initializer_list<co
     : remedy_(std::move(remedy)) {
     std::string said;
     const auto load = [&](const char* name) {
-        handle_ = ::dlopen(name, RTLD_NOW | RTLD_LOCAL);
+        // Never unloaded: a vendor's thread may still run in it.
+        handle_ = ::dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
         if (handle_ == nullptr) {
             const char* why = ::dlerror();
             said += (said.empty() ? "" : "; ") + std::string(why == nullptr ? name : why);

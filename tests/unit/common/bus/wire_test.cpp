@@ -29,7 +29,7 @@ bool reads(const std::vector<std::uint8_t>& bytes) {
     Type type;
     typename Type::Message message;
     SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size()));
-    std::memcpy(payload.data, bytes.data(), bytes.size());
+    std::ranges::copy(bytes, payload.data);
     payload.length = static_cast<std::uint32_t>(bytes.size());
     return type.deserialize(&payload, &message);
 }

@@ -34,6 +34,7 @@ name: steady
 description: tries every key
 tremor_mm: 0.25
 reaction_s: 0.3
+lean_mm: 6
 seed: 18446744073709551615
 patient_weight_kg: 1.25
 laryngoscope:
@@ -62,6 +63,8 @@ tube:
     EXPECT_EQ(script.description, "tries every key");
     EXPECT_FLOAT_EQ(script.tremor, 0.25e-3f);
     EXPECT_FLOAT_EQ(script.reaction, 0.3f);
+    EXPECT_FLOAT_EQ(script.laryngoscope.lean, 6e-3f);
+    EXPECT_EQ(script.tube.lean, 0.0f);
     EXPECT_EQ(script.seed, 18446744073709551615ull);
     ASSERT_EQ(script.laryngoscope.stages.size(), 2u);
     const Stage& s = script.laryngoscope.stages[0];

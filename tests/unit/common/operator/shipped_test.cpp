@@ -132,6 +132,7 @@ TEST(ShippedOperators, NoLiftIsTheExpertWithoutTheLift) {
     const OperatorScript control = load_operator(find_data_file("no_lift", "operators"));
     EXPECT_EQ(control.tremor, expert.tremor);
     EXPECT_EQ(control.reaction, expert.reaction);
+    EXPECT_EQ(control.laryngoscope.lean, expert.laryngoscope.lean);
     EXPECT_EQ(control.seed, expert.seed);
     EXPECT_EQ(control.tube.weight, expert.tube.weight);
     const auto expect_alike = [](const std::vector<Stage>& left, const std::vector<Stage>& right) {

@@ -422,6 +422,53 @@ TEST_F(Playing, StopsAtTheDepthThatItSees) {
     EXPECT_LT((tip() - stopped).norm(), 1e-4f) << "it goes on";
 }
 
+// A blade that something pushes off from where the hand wants it [m].
+class Leaning : public Playing {
+  protected:
+    void press(const Vec3f& pushed_off, double seconds) {
+        Track track{{stage_at(Landmark::vallecula)}};
+        track.lean = 5e-3f;
+        track.stages[0].hold = 60;
+        player_.emplace(track, length, 0.0f, reaction, 1);
+        seen_ = {};
+        seen_.landmarks = newborn_landmarks();
+        pose_ = player_->wanted(seen_);
+        for (int i = 0; i < static_cast<int>(seconds / dt); ++i) {
+            seen_.proxy = {pose_.rotation, pose_.translation + pushed_off};
+            step();
+        }
+    }
+
+    // [m], along the tool's own left, and across it.
+    [[nodiscard]] float leaning() const { return left().dot(tip() - landmark(Landmark::vallecula)); }
+    [[nodiscard]] float elsewhere() const {
+        const Vec3f off = tip() - landmark(Landmark::vallecula);
+        return (off - left() * left().dot(off)).norm();
+    }
+    [[nodiscard]] Vec3f left() const { return pose_.rotation * Vec3f::UnitX(); }
+};
+
+TEST_F(Leaning, BringsTheTipBackToWhereItIsWanted) {
+    press({3e-3f, 0, 0}, 5);
+    EXPECT_NEAR(leaning(), -3e-3f, 1e-4f);
+    EXPECT_LT(elsewhere(), 1e-5f);
+}
+
+TEST_F(Leaning, IsBounded) {
+    press({-12e-3f, 0, 0}, 10);
+    EXPECT_NEAR(leaning(), 5e-3f, 1e-5f);
+}
+
+TEST_F(Leaning, GivesWayToTissueInAllOtherDirections) {
+    press({0, 4e-3f, 6e-3f}, 5);
+    EXPECT_LT(std::abs(leaning()) + elsewhere(), 1e-4f);
+}
+
+TEST_F(Leaning, IsNotMisledByABladeThatIsNotInTheHand) {
+    press({30e-3f, 0, 0}, 5);
+    EXPECT_LT(std::abs(leaning()), 1e-5f);
+}
+
 // A curved tube whose tip something holds off from where the hand aims it.
 class Steering : public Playing {
   protected:
