@@ -219,8 +219,8 @@ RigidTransform TrackPlayer::steered(const RigidTransform& pose, const Observatio
     return RigidTransform{turn, lips.translation - turn * lips.translation} * pose;
 }
 
-// Tissue that slides off to one side of a blade pushes it to the other, the more the farther it is: a hand that did
-// not lean against that would lose the tongue.
+// Tissue that slides off to one side of a blade pushes it to the other, the more the farther it is: a hand
+// that did not lean against that would lose the tongue.
 void TrackPlayer::lean(const Observation& observation) {
     const Vec3f missed = nominal_ * tip_.translation - observation.proxy * tip_.translation;
     // Farther off, the blade is not where the hand holds it, or is not seen yet.

@@ -13,7 +13,7 @@ constexpr float rate = 10.0f * degree;       // [rad/s] at full deflection
 constexpr float dead_zone = 0.15f;           // of a stick that rests
 constexpr float sent_every = 0.5f * degree;  // [rad]
 constexpr float suction_step = 0.1f;
-constexpr std::size_t trigger = 5;  // right trigger of common pads: -1 released, 1 pressed
+constexpr std::size_t trigger = 5;     // right trigger of common pads: -1 released, 1 pressed
 constexpr float settled_after = 1.0f;  // [s]
 
 }  // namespace

@@ -21,11 +21,13 @@ struct PadCommand {
 /// Turns sticks and buttons into commands: axis 1 raises (up) and lowers the head and axis 0 opens (right)
 /// and closes the jaw, at up to 10 deg/s, the rate of a nurse's hands; axis 4, a pad's right stick, tilts the
 /// table (up: head-up); button 0 or a trigger on axis 5 is suction. A stick that rests sends nothing; a
-/// posture is sent when it has moved by half a degree. Sticks move nothing until follow() has told from where.
+/// posture is sent when it has moved by half a degree. Sticks move nothing until follow() has told from
+/// where.
 class CommandPad {
   public:
-    /// Where the patient is, as the server says. Taken for a posture whose stick has rested for a second, which is
-    /// longer than the patient follows a stick, so that scenario and instructor are gone on from, not undone.
+    /// Where the patient is, as the server says. Taken for a posture whose stick has rested for a second,
+    /// which is longer than the patient follows a stick, so that scenario and instructor are gone on from,
+    /// not undone.
     void follow(const msg::PatientState& patient);
 
     [[nodiscard]] std::vector<PadCommand> update(const Reading& reading, float elapsed);

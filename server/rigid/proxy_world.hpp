@@ -33,8 +33,8 @@ class ShellShape : public btBvhTriangleMeshShape {
   public:
     using btBvhTriangleMeshShape::btBvhTriangleMeshShape;
 
-    /// After the vertices moved; `low` and `high` bound them, margin included. Bullet's refitTree would look for that box
-    /// in six walks over all triangles, which take several times as long as fitting the tree.
+    /// After the vertices moved; `low` and `high` bound them, margin included. Bullet's refitTree would look
+    /// for that box in six walks over all triangles, which take several times as long as fitting the tree.
     void refit(const btVector3& low, const btVector3& high) {
         getOptimizedBvh()->refit(getMeshInterface(), low, high);
         m_localAabbMin = low;
