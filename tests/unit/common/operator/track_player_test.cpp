@@ -2,78 +2,17 @@
 // Copyright the NeoETI authors
 #include "common/operator/track_player.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/model/tools.hpp"
-#include "tests/unit/common/operator/newborn_landmarks.hpp"
+#include "tests/unit/common/operator/playing.hpp"
 
 namespace eti {
 namespace {
-
-constexpr float length = 0.1f;
-constexpr float reaction = 0.2f;
-constexpr double dt = 1e-3;
-
-class Playing : public testing::Test {
-  protected:
-    // A stage that brings the tip to the vallecula along the line from the upper gum.
-    static Stage stage_at(Landmark where) {
-        Stage stage;
-        stage.name = landmark_names[static_cast<std::size_t>(where)];
-        stage.tip_at = where;
-        stage.axis_from = Landmark::upper_gum;
-        return stage;
-    }
-
-    static Stage kept(const char* name) {
-        Stage stage;
-        stage.name = name;
-        stage.keep = true;
-        return stage;
-    }
-
-    void begin(std::vector<Stage> stages) {
-        player_.emplace(Track{std::move(stages)}, length, 0.0f, reaction, 1);
-        seen_.landmarks = newborn_landmarks();
-        seen_.time = 0;
-        pose_ = player_->wanted(seen_);
-    }
-
-    void step() {
-        seen_.time += dt;
-        pose_ = player_->wanted(seen_);
-    }
-
-    void play(double seconds) {
-        for (int i = 0; i < static_cast<int>(seconds / dt); ++i) {
-            step();
-        }
-    }
-
-    // Until the stage of this name begins; false when it does not within a minute.
-    [[nodiscard]] bool play_until(const std::string& stage) {
-        for (int i = 0; i < 60'000 && player_->stage_name() != stage; ++i) {
-            step();
-        }
-        return player_->stage_name() == stage;
-    }
-
-    [[nodiscard]] Vec3f tip() const { return pose_ * Vec3f(0, 0, length); }
-    [[nodiscard]] Vec3f handle() const { return pose_.rotation * Vec3f::UnitY(); }
-    [[nodiscard]] Vec3f along() const { return pose_.rotation * Vec3f::UnitZ(); }
-    [[nodiscard]] Vec3f landmark(Landmark which) const { return at(seen_.landmarks, which); }
-
-    std::optional<TrackPlayer> player_;
-    Observation seen_;
-    RigidTransform pose_;
-};
 
 // Single precision at 0.1 m, after a handful of products of rotations.
 constexpr float rounding = 1e-6f;
@@ -420,165 +359,6 @@ TEST_F(Playing, StopsAtTheDepthThatItSees) {
     const Vec3f stopped = tip();
     play(5);
     EXPECT_LT((tip() - stopped).norm(), 1e-4f) << "it goes on";
-}
-
-// A blade that something pushes off from where the hand wants it [m].
-class Leaning : public Playing {
-  protected:
-    void press(const Vec3f& pushed_off, double seconds) {
-        Track track{{stage_at(Landmark::vallecula)}};
-        track.lean = 5e-3f;
-        track.stages[0].hold = 60;
-        player_.emplace(track, length, 0.0f, reaction, 1);
-        seen_ = {};
-        seen_.landmarks = newborn_landmarks();
-        pose_ = player_->wanted(seen_);
-        for (int i = 0; i < static_cast<int>(seconds / dt); ++i) {
-            seen_.proxy = {pose_.rotation, pose_.translation + pushed_off};
-            step();
-        }
-    }
-
-    // [m], along the tool's own left, and across it.
-    [[nodiscard]] float leaning() const { return left().dot(tip() - landmark(Landmark::vallecula)); }
-    [[nodiscard]] float elsewhere() const {
-        const Vec3f off = tip() - landmark(Landmark::vallecula);
-        return (off - left() * left().dot(off)).norm();
-    }
-    [[nodiscard]] Vec3f left() const { return pose_.rotation * Vec3f::UnitX(); }
-};
-
-TEST_F(Leaning, BringsTheTipBackToWhereItIsWanted) {
-    press({3e-3f, 0, 0}, 5);
-    EXPECT_NEAR(leaning(), -3e-3f, 1e-4f);
-    EXPECT_LT(elsewhere(), 1e-5f);
-}
-
-TEST_F(Leaning, IsBounded) {
-    press({-12e-3f, 0, 0}, 10);
-    EXPECT_NEAR(leaning(), 5e-3f, 1e-5f);
-}
-
-TEST_F(Leaning, GivesWayToTissueInAllOtherDirections) {
-    press({0, 4e-3f, 6e-3f}, 5);
-    EXPECT_LT(std::abs(leaning()) + elsewhere(), 1e-4f);
-}
-
-TEST_F(Leaning, IsNotMisledByABladeThatIsNotInTheHand) {
-    press({30e-3f, 0, 0}, 5);
-    EXPECT_LT(std::abs(leaning()), 1e-5f);
-}
-
-// A curved tube whose tip something holds off from where the hand aims it.
-class Steering : public Playing {
-  protected:
-    static constexpr float bend = 1 / 0.07f;  // [1/m]
-
-    void begin_tube(const Vec3f& held_off, float until_aside = -1.0f) {
-        Stage aim = stage_at(Landmark::glottis);
-        aim.steer = true;
-        aim.hold = 60;
-        if (until_aside > 0.0f) {
-            aim.until_tube_aside = until_aside;
-            aim.hold = 0;
-            aim.timeout = 60;
-        }
-        player_.emplace(Track{{aim, kept("hold")}}, length, 0.0f, reaction, 1, bend);
-        seen_ = {};
-        seen_.landmarks = newborn_landmarks();
-        held_off_ = held_off;
-        look();
-    }
-
-    void look() {
-        pose_ = player_->wanted(seen_);
-        seen_.tube_tip = tube_tip() + held_off_;
-    }
-
-    void play_tube(double seconds) {
-        for (int i = 0; i < static_cast<int>(seconds / dt); ++i) {
-            seen_.time += dt;
-            look();
-        }
-    }
-
-    [[nodiscard]] RigidTransform along_tube(float s) const {
-        return pose_ * RigidTransform{Quatf(Eigen::AngleAxisf(-bend * s, Vec3f::UnitX())),
-                                      Vec3f(0, (1 - std::cos(bend * s)) / bend, std::sin(bend * s) / bend)};
-    }
-    [[nodiscard]] Vec3f tube_tip() const { return along_tube(length).translation; }
-
-    // [m], of the tip that is seen from the line through the glottis into the trachea.
-    [[nodiscard]] float aside() const {
-        const Vec3f& glottis = landmark(Landmark::glottis);
-        const Vec3f line = (landmark(Landmark::trachea_mid) - glottis).normalized();
-        return (seen_.tube_tip - glottis).cross(line).norm();
-    }
-
-    // [m], of the tube from a point.
-    [[nodiscard]] float from_tube(const Vec3f& point) const {
-        float least = 1;
-        for (int i = 0; i <= 1000; ++i) {
-            least = std::min(least,
-                             (along_tube(1e-3f * static_cast<float>(i) * length).translation - point).norm());
-        }
-        return least;
-    }
-
-    Vec3f held_off_ = Vec3f::Zero();
-};
-
-TEST_F(Steering, BringsTheTipThatIsSeenOntoTheLineIntoTheTrachea) {
-    for (const Vec3f& held_off : {Vec3f(3e-3f, 0, 0), Vec3f(0, 3e-3f, 0), Vec3f(-2e-3f, -2e-3f, 1e-3f)}) {
-        begin_tube(held_off);
-        play_tube(8);
-        EXPECT_LT(aside(), 2e-4f) << held_off.transpose();
-    }
-}
-
-// By a factor of e each 0.3 s, as a hand that adds up what it sees.
-TEST_F(Steering, MakesUpForWhatItSeesAtItsRate) {
-    begin_tube(Vec3f::Zero());
-    play_tube(10);
-    held_off_ = Vec3f(3e-3f, 0, 0);
-    look();
-    const float before = aside();
-    EXPECT_NEAR(before, 3e-3f, 1e-4f);
-    play_tube(0.3);
-    EXPECT_NEAR(aside() / before, std::exp(-1.0f), 0.05f);
-}
-
-TEST_F(Steering, TurnsTheTubeWhereItPassesTheLips) {
-    begin_tube(Vec3f::Zero());
-    play_tube(8);
-    const float straight = from_tube(landmark(Landmark::mouth_opening));
-    begin_tube({3e-3f, 2e-3f, 0});
-    play_tube(8);
-    EXPECT_NEAR(from_tube(landmark(Landmark::mouth_opening)), straight, 5e-4f);
-}
-
-TEST_F(Steering, GoesOnOnlyOnceTheTipIsOnTheLine) {
-    begin_tube({30e-3f, 0, 0}, 5e-4f);  // more than steering makes up for
-    play_tube(20);
-    EXPECT_FALSE(player_->finished());
-    EXPECT_GT(aside(), 20e-3f);
-    begin_tube({3e-3f, 0, 0}, 5e-4f);
-    play_tube(20);
-    EXPECT_TRUE(player_->finished());
-    EXPECT_LT(aside(), 5e-4f);
-}
-
-TEST_F(Steering, IsBounded) {
-    begin_tube({14e-3f, 0, 0});
-    play_tube(20);
-    EXPECT_NEAR(aside(), 14e-3f - 8e-3f, 1e-3f);
-}
-
-TEST_F(Steering, LetsTheTracheaGuideWhatIsPastTheCords) {
-    begin_tube({3e-3f, 0, 0});
-    seen_.tube_depth_past_glottis = 1e-3f;
-    play_tube(8);
-    EXPECT_GT(aside(), 2.5e-3f);
 }
 
 TEST_F(Playing, LiftsOnlyAsFarAsTheViewTakes) {
