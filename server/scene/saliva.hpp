@@ -24,7 +24,7 @@ struct SalivaSurroundings {
     const DistanceGrid& shell;
     std::uint64_t shell_revision = 0;
     const pbd::Particles& tissue;
-    const anatomy::BonePoses& bones;
+    anatomy::BonePoses bones;
     const Landmarks& landmarks;
     RigidTransform blade_from, blade_to;
     std::span<const Vec3f> tube_from, tube_to;  ///< nodes [m]
