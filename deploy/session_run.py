@@ -88,7 +88,7 @@ class Program:
 class Pad:
     """A game pad that is not there: a pipe with a name, out of which the kernel's joystick events come."""
 
-    BUTTON = 1
+    BUTTON, AXIS = 1, 2  # JS_EVENT_BUTTON, JS_EVENT_AXIS of linux/joystick.h
 
     def __init__(self, file):
         self.file = file
@@ -100,7 +100,14 @@ class Pad:
         self.pipe = os.open(self.file, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
 
     def press(self, button, down):
-        os.write(self.pipe, struct.pack("=IhBB", 0, int(down), self.BUTTON, button))
+        self._write(int(down), self.BUTTON, button)
+
+    def move(self, axis, share):
+        """A stick, to -1..1 of its way."""
+        self._write(round(32767 * share), self.AXIS, axis)
+
+    def _write(self, value, kind, number):
+        os.write(self.pipe, struct.pack("=IhBB", 0, value, kind, number))
 
     def unplug(self):
         if self.pipe is not None:

@@ -14,12 +14,11 @@ constexpr float way_in = 0.04f;        // [m], from the first resting pose to th
 constexpr float angular_speed = 2.0f;  // [rad/s], of a careful wrist
 // A minimum-jerk move (Flash & Hogan 1985) peaks at 15/8 of its mean speed.
 constexpr float peak_over_mean = 1.875f;
-constexpr double follow_time = 0.1;       // [s], low pass on landmarks that a stage follows
-constexpr double steer_time = 0.3;        // [s], in which a hand makes up for what it sees
-constexpr float most_steering = 8e-3f;    // [m], of the tip
-constexpr float steered_within = 20e-3f;  // [m], of the tip from its aim
-constexpr float seen_within = 20e-3f;     // [m], of a blade's tip from where it is wanted
-constexpr float least_swing = 3e-3f;      // [m]; rolling a straighter tube would not steer it
+constexpr double follow_time = 0.1;         // [s], low pass on landmarks that a stage follows
+constexpr double correction_time = 0.3;     // [s], in which a hand makes up for what it sees
+constexpr float most_steering = 8e-3f;      // [m], of the tip
+constexpr float corrected_within = 20e-3f;  // [m], of the tip from its aim
+constexpr float least_swing = 3e-3f;        // [m]; rolling a straighter tube would not steer it
 // A hand without a track holds its tool here, clear of the patient [m].
 const Vec3f parked(0.0f, -0.3f, 0.2f);
 
@@ -179,6 +178,10 @@ float TrackPlayer::share_passed(const Observation& observation, double time) con
     return static_cast<float>(std::clamp((observation.time - last_time_) / time, 0.0, 1.0));
 }
 
+float TrackPlayer::correction(const Observation& observation) const {
+    return std::min(share_passed(observation, correction_time), 0.1f);
+}
+
 void TrackPlayer::follow(const Stage& stage, const Observation& observation) {
     const float share = share_passed(observation, follow_time);
     for (std::size_t i = 0; i < landmark_count; ++i) {
@@ -196,10 +199,10 @@ void TrackPlayer::steer(const Stage& stage, const Observation& observation) {
     const Vec3f to_aim = tip_target(stage, observation, points) - observation.tube_tip;
     aside_ = to_aim - into_trachea * into_trachea.dot(to_aim);
     // From farther off it is the path that brings the tip near; past the cords the trachea guides it.
-    if (to_aim.norm() > steered_within || observation.tube_depth_past_glottis > 0.0f) {
+    if (to_aim.norm() > corrected_within || observation.tube_depth_past_glottis > 0.0f) {
         return;
     }
-    steered_ += std::min(share_passed(observation, steer_time), 0.1f) * aside_;
+    steered_ += correction(observation) * aside_;
     steered_ *= std::min(1.0f, most_steering / std::max(steered_.norm(), 1e-9f));
 }
 
@@ -224,9 +227,8 @@ RigidTransform TrackPlayer::steered(const RigidTransform& pose, const Observatio
 void TrackPlayer::lean(const Observation& observation) {
     const Vec3f missed = nominal_ * tip_.translation - observation.proxy * tip_.translation;
     // Farther off, the blade is not where the hand holds it, or is not seen yet.
-    if (missed.norm() < seen_within) {
-        leaning_ += std::min(share_passed(observation, steer_time), 0.1f) *
-                    missed.dot(nominal_.rotation * Vec3f::UnitX());
+    if (missed.norm() < corrected_within) {
+        leaning_ += correction(observation) * missed.dot(nominal_.rotation * Vec3f::UnitX());
         leaning_ = std::clamp(leaning_, -track_.lean, track_.lean);
     }
 }
@@ -251,7 +253,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         if (stage.steer) {
             steer(stage, observation);
         } else if (!stage.keep) {
-            steered_ *= 1.0f - share_passed(observation, steer_time);
+            steered_ *= 1.0f - share_passed(observation, correction_time);
         }
         const double since = observation.time - started_;
         nominal_ = between(minimum_jerk(since / duration_));

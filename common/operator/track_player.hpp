@@ -46,6 +46,9 @@ class TrackPlayer {
     [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
     /// How much of `time` [s] has passed since the last call, at most all of it.
     [[nodiscard]] float share_passed(const Observation& observation, double time) const;
+    /// How much of what is seen to be amiss a hand makes up at once; little, however long it was
+    /// not asked.
+    [[nodiscard]] float correction(const Observation& observation) const;
     void begin_stage(const Observation& observation);
     void follow(const Stage& stage, const Observation& observation);
     void steer(const Stage& stage, const Observation& observation);

@@ -94,8 +94,9 @@ void CommandLink::hear() {
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
     }
-    if (live_.take_latest(newest_)) {
-        patient_ = newest_.patient();
+    msg::LiveMetrics live;
+    if (live_.take_latest(live)) {
+        patient_ = live.patient();
     }
 }
 

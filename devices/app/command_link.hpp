@@ -47,7 +47,6 @@ class CommandLink {
     bus::Subscriber<msg::CommandResult> answers_;
     bus::Subscriber<msg::SessionStatus> status_;
     bus::Subscriber<msg::LiveMetrics> live_;
-    msg::LiveMetrics newest_;
     std::optional<msg::PatientState> patient_;
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
     bool session_finished_ = false;

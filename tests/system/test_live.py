@@ -3,10 +3,8 @@
 """An instructor changes the patient of a running session by commands: answered, carried out smoothly, recorded."""
 
 import json
-import os
 import re
 import signal
-import struct
 import subprocess
 import time
 import unittest
@@ -15,9 +13,9 @@ import h5py
 import numpy
 
 import support
+from session_run import Pad
 
 SECONDS_TO_START = 120
-JOYSTICK_AXIS = 2  # JS_EVENT_AXIS of linux/joystick.h
 STEP = 1 / 180  # [s]
 DEGREE = numpy.pi / 180
 
@@ -101,18 +99,17 @@ class Live(support.Case):
         self.start_server("term")
         self.assertEqual(self.set("head_elevation_deg=20").returncode, 0)
         self.wait_seconds(3)
-        pad = self.folder / "pad"
-        os.mkfifo(pad)
-        pipe = os.open(pad, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
-        self.addCleanup(os.close, pipe)
+        pad = Pad(self.folder / "pad")
+        pad.plug_in()
+        self.addCleanup(pad.unplug)
         controller = subprocess.Popen(
-            [support.BIN / "eti-controller", "--device", "gamepad", "--source", pad, "--session", support.SESSION,
+            [support.BIN / "eti-controller", "--device", "gamepad", "--source", pad.file, "--session", support.SESSION,
              "--domain", str(support.DOMAIN), "--json"],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(controller.kill)
         self.wait_seconds(2)  # till it has heard of the patient
-        for stick in (-32767, 0):  # away from the body: up
-            os.write(pipe, struct.pack("=IhBB", 0, stick, JOYSTICK_AXIS, 1))
+        for stick in (-1, 0):  # away from the body: up
+            pad.move(1, stick)
             time.sleep(0.5)
         self.wait_seconds(2)
         controller.send_signal(signal.SIGINT)

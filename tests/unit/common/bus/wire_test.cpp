@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "common/bus/wire.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 
