@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +11,7 @@
 #include "server/anatomy/build.hpp"
 #include "server/anatomy/newborn.hpp"
 #include "server/anatomy/stiffness.hpp"
+#include "server/parallel/loops.hpp"
 
 namespace eti::anatomy {
 
@@ -39,7 +38,7 @@ DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
 /// Evaluates the fields on a grid once and hands them to `store(node index, fields, point)`.
 template <class Store>
 void sample(const Anatomy& anatomy, const DistanceGrid& grid, const Store& store) {
-    tbb::parallel_for(0, grid.size[2], [&](int z) {
+    parallel::for_each(grid.size[2], 1, [&](int z) {
         for (int y = 0; y < grid.size[1]; ++y) {
             for (int x = 0; x < grid.size[0]; ++x) {
                 const Vec3f point = grid.node(x, y, z);

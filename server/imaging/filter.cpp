@@ -2,11 +2,11 @@
 // Copyright the NeoETI authors
 #include "server/imaging/filter.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <queue>
+
+#include "server/parallel/loops.hpp"
 
 namespace eti::imaging {
 
@@ -53,7 +53,7 @@ void for_each_line(const Size& size, std::size_t axis, const Visit& visit) {
         static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1])};
     const std::size_t outer = axis == 2 ? 1 : 2;
     const std::size_t inner = axis == 0 ? 1 : 0;
-    tbb::parallel_for(0, size[outer], [&](int o) {
+    parallel::for_each(size[outer], 1, [&](int o) {
         for (int i = 0; i < size[inner]; ++i) {
             visit(static_cast<std::size_t>(o) * stride[outer] + static_cast<std::size_t>(i) * stride[inner],
                   stride[axis], static_cast<std::size_t>(size[axis]));

@@ -2,12 +2,11 @@
 // Copyright the NeoETI authors
 #include "server/imaging/level_set.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/mesh/distance.hpp"
+#include "server/parallel/loops.hpp"
 
 namespace eti::imaging {
 
@@ -83,11 +82,9 @@ DistanceGrid evolve(DistanceGrid start, std::span<const float> speed, const Leve
         next.resize(band.size());
         const std::vector<float> before = phi.value;
         for (int k = 0; k < steps_between; ++k) {
-            tbb::parallel_for(std::size_t{0}, (band.size() + 4095) / 4096, [&](std::size_t part) {
-                for (std::size_t b = 4096 * part; b < std::min(band.size(), 4096 * (part + 1)); ++b) {
-                    next[b] = phi.value[band[b]] +
-                              step * rate(phi, band[b], stride, speed[band[b]], settings.curvature);
-                }
+            parallel::for_each(band.size(), 4096, [&](std::size_t b) {
+                next[b] = phi.value[band[b]] +
+                          step * rate(phi, band[b], stride, speed[band[b]], settings.curvature);
             });
             for (std::size_t b = 0; b < band.size(); ++b) {
                 phi.value[band[b]] = next[b];

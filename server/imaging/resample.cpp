@@ -2,10 +2,10 @@
 // Copyright the NeoETI authors
 #include "server/imaging/resample.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "server/parallel/loops.hpp"
 
 namespace eti::imaging {
 
@@ -69,7 +69,7 @@ Volume upright(const Volume& volume, std::size_t most) {
     to.value.resize(to.geometry.count());
     // Voxels that fall on voxels (turned axes) keep their values to rounding.
     const Eigen::Matrix3d back = from.step.inverse();
-    tbb::parallel_for(0, to.geometry.size[2], [&](int z) {
+    parallel::for_each(to.geometry.size[2], 1, [&](int z) {
         for (int y = 0; y < to.geometry.size[1]; ++y) {
             for (int x = 0; x < to.geometry.size[0]; ++x) {
                 to.value[to.geometry.index(x, y, z)] =
@@ -83,7 +83,7 @@ Volume upright(const Volume& volume, std::size_t most) {
 Mask onto(const Geometry& geometry, const Mask& labels) {
     Mask result{geometry, std::vector<std::uint8_t>(geometry.count(), 0)};
     const Eigen::Matrix3d back = labels.geometry.step.inverse();
-    tbb::parallel_for(0, geometry.size[2], [&](int z) {
+    parallel::for_each(geometry.size[2], 1, [&](int z) {
         for (int y = 0; y < geometry.size[1]; ++y) {
             for (int x = 0; x < geometry.size[0]; ++x) {
                 const Vec3d at = back * (geometry.point(x, y, z) - labels.geometry.origin);

@@ -10,9 +10,9 @@
 #include <immintrin.h>
 #endif
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/fluid.hpp"
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
 
@@ -360,8 +360,8 @@ void Fluid::add_pair_terms_avx2(std::size_t i, float dt, Candidates& candidates)
 #endif
 
 void Fluid::collect(float dt, const FluidSurroundings& surroundings) {
-    for_ranges(count(), grain,
-               [&](std::size_t begin, std::size_t end) { collect(begin, end, dt, surroundings); });
+    parallel::for_ranges(count(), grain,
+                         [&](std::size_t begin, std::size_t end) { collect(begin, end, dt, surroundings); });
 }
 
 void Fluid::collect(std::size_t begin, std::size_t end, float dt, const FluidSurroundings& surroundings) {

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <numbers>
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/fluid.hpp"
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
 
@@ -69,7 +69,7 @@ void Fluid::find_capsules(std::span<const Vec3f> points, float dt, std::span<con
 }
 
 void Fluid::predict(float dt, const Vec3f& gravity, const FluidSurroundings& surroundings) {
-    for_each(count(), grain, [&](std::size_t i) {
+    parallel::for_each(count(), grain, [&](std::size_t i) {
         Vec3f velocity = velocity_[i] + dt * gravity;
         for (const FluidSuction& suction : surroundings.suctions) {
             velocity = drawn(velocity, position_[i], suction);
@@ -189,7 +189,7 @@ void Fluid::raise_pressure_avx2(std::size_t begin, std::size_t end, float relaxa
 
 void Fluid::finish(float dt, const FluidSurroundings& surroundings) {
     const float radius = 0.5f * settings_.spacing;
-    for_each(count(), grain, [&](std::size_t i) {
+    parallel::for_each(count(), grain, [&](std::size_t i) {
         // Relative to the prediction: the difference of two positions has fewer digits.
         Vec3f move = displacement_[i].head<3>();
         Vec3f to = predicted_[i] + move;
@@ -238,18 +238,18 @@ void Fluid::step(float dt, const Vec3f& gravity, const FluidSurroundings& surrou
     remove(surroundings);
     sort();
     find_capsules(predicted_, dt, surroundings.capsules);
-    for_each(count(), grain, [&](std::size_t i) { multiplier_[i] *= scale; });
+    parallel::for_each(count(), grain, [&](std::size_t i) { multiplier_[i] *= scale; });
     collect(dt, surroundings);
     const float relaxation = 1.0f / (settings_.sound_speed * settings_.sound_speed * dt * dt);
     const auto move_all = [&](std::size_t begin, std::size_t end) {
         avx2_ ? move_avx2(begin, end) : move(begin, end);
     };
-    for_ranges(count(), grain, move_all);
+    parallel::for_ranges(count(), grain, move_all);
     for (int k = 0; k < settings_.iterations; ++k) {
-        for_ranges(count(), grain, [&](std::size_t begin, std::size_t end) {
+        parallel::for_ranges(count(), grain, [&](std::size_t begin, std::size_t end) {
             avx2_ ? raise_pressure_avx2(begin, end, relaxation) : raise_pressure(begin, end, relaxation);
         });
-        for_ranges(count(), grain, move_all);
+        parallel::for_ranges(count(), grain, move_all);
     }
     finish(dt, surroundings);
 }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/ranges.hpp"
 #include "server/pbd/rotation.hpp"
 
 namespace eti::pbd {
@@ -129,7 +129,7 @@ void ShapeMatching::set_rest(const Particles& particles) {
     for (std::size_t i = 0; i < particles.size(); ++i) {
         wide_rest_[i].head<3>() = particles.rest[i] - origin_;
     }
-    for_each(rest_centre_.size(), lane_count * block_grain, [&](std::size_t c) {
+    parallel::for_each(rest_centre_.size(), lane_count * block_grain, [&](std::size_t c) {
         const Vec3f near = particles.rest[member_[first_[c]]];
         Vec3f mean = Vec3f::Zero();
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
@@ -303,7 +303,7 @@ void ShapeMatching::move_particles_avx2(Particles& particles, Indices which) con
 #endif
 
 void ShapeMatching::read(const std::vector<Vec3f>& positions) {
-    for_ranges(positions.size(), 8 * particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(positions.size(), 8 * particle_grain, [&](std::size_t begin, std::size_t end) {
         // Whole loads, of which the last number is the next one's; no kernel reads it.
         for (std::size_t i = begin; i + 1 < end; ++i) {
             std::memcpy(wide_[i].data(), positions[i].data(), sizeof(Four));
@@ -315,14 +315,14 @@ void ShapeMatching::read(const std::vector<Vec3f>& positions) {
 }
 
 void ShapeMatching::fit(Indices blocks) {
-    for_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end) {
         const Indices part = blocks.subspan(begin, end - begin);
         avx2_ ? fit_blocks_avx2(part) : fit_blocks(part);
     });
 }
 
 void ShapeMatching::move(Particles& particles, Indices which) const {
-    for_ranges(which.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(which.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
         const Indices part = which.subspan(begin, end - begin);
         avx2_ ? move_particles_avx2(particles, part) : move_particles(particles, part);
     });

@@ -2,14 +2,12 @@
 // Copyright the NeoETI authors
 #include "server/pbd/soft_body.hpp"
 
-#include <tbb/parallel_invoke.h>
-
 #include <cassert>
 #include <cmath>
 #include <cstring>
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
 
@@ -31,11 +29,11 @@ void SoftBody::predict(float dt, float fraction) {
     Particles& p = particles;
     if (!settings.acceleration.isZero(0.0f)) {
         const Vec3f faster = dt * settings.acceleration;
-        for_each(p.size(), grain, [&](std::size_t i) {
+        parallel::for_each(p.size(), grain, [&](std::size_t i) {
             p.velocity[i] += p.inverse_mass[i] > 0.0f ? faster : Vec3f(Vec3f::Zero());
         });
     }
-    for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
         std::size_t i = begin;
         // Four particles fill three registers.
         for (; i + 4 <= end; i += 4) {
@@ -67,7 +65,7 @@ void SoftBody::project(float dt) {
     // Tetrahedra follow their particles' clusters and do not touch the others' particles.
     assert(shapes.are_early(tetrahedra.particles()));
     shapes.project_early(particles, dt);
-    tbb::parallel_invoke([&] { tetrahedra.project(particles, dt); }, [&] { shapes.project_late(particles); });
+    parallel::both([&] { tetrahedra.project(particles, dt); }, [&] { shapes.project_late(particles); });
     links.project(particles, dt);
 }
 
@@ -77,7 +75,7 @@ void SoftBody::finish(float dt) {
     if (p.size() == 0) {
         return;
     }
-    for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
         const float* __restrict predicted = p.predicted.front().data();
         float* __restrict position = p.position.front().data();
         float* __restrict velocity = p.velocity.front().data();

@@ -9,9 +9,9 @@
 #include <limits>
 #include <numeric>
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/lanes.hpp"
 #include "server/pbd/neo_hookean.hpp"
-#include "server/pbd/ranges.hpp"
 
 namespace eti::pbd {
 
@@ -231,7 +231,7 @@ void Tetrahedra::set_youngs_modulus(std::span<const float> moduli) {
 }
 
 void Tetrahedra::project(Particles& particles, float dt) {
-    for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k != end; ++k) {
             const Vec3f& x = particles.predicted[used_[k]];
             wide_[k] = Eigen::Vector4f(x.x(), x.y(), x.z(), particles.inverse_mass[used_[k]]);
@@ -241,12 +241,12 @@ void Tetrahedra::project(Particles& particles, float dt) {
     float* wide = wide_.front().data();
     for (std::size_t colour = 0; colour < colours(); ++colour) {
         const Block* first = block_.data() + first_block_[colour];
-        for_ranges(first_block_[colour + 1] - first_block_[colour], block_grain,
-                   [&](std::size_t begin, std::size_t end) {
-                       kernel(first + begin, end - begin, wide, dt * dt, ratio_);
-                   });
+        parallel::for_ranges(first_block_[colour + 1] - first_block_[colour], block_grain,
+                             [&](std::size_t begin, std::size_t end) {
+                                 kernel(first + begin, end - begin, wide, dt * dt, ratio_);
+                             });
     }
-    for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k != end; ++k) {
             particles.predicted[used_[k]] = wide_[k].head<3>();
         }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/ranges.hpp"
 
 namespace eti::scene {
 
@@ -47,7 +47,7 @@ void LiquidWall::update(const DistanceGrid& shell, std::uint64_t revision, const
     find_blocks(liquid);
     find_balls(tissue);
     find_due();
-    pbd::for_each(due_.size(), 8, [&](std::size_t k) { fill(due_[k], shell); });
+    parallel::for_each(due_.size(), 8, [&](std::size_t k) { fill(due_[k], shell); });
 }
 
 void LiquidWall::find_blocks(std::span<const Vec3f> liquid) {

@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <tbb/task_group.h>
-
 #include <array>
 #include <cstdint>
 #include <set>
@@ -14,6 +12,7 @@
 #include "common/model/tools.hpp"
 #include "server/anatomy/patient.hpp"
 #include "server/anatomy/skeleton.hpp"
+#include "server/parallel/beside.hpp"
 #include "server/pbd/fluid.hpp"
 #include "server/scene/liquid_wall.hpp"
 
@@ -92,7 +91,7 @@ class Saliva {
     std::vector<pbd::MovingCapsule> now_;       // over a substep
     std::array<pbd::FluidSuction, 1> suction_{};
     Vec3f gravity_ = Vec3f::Zero();  // [m/s^2], of this step
-    tbb::task_group beside_;
+    parallel::Beside beside_;
 };
 
 }  // namespace eti::scene

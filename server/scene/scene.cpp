@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "server/anatomy/swelling.hpp"
-#include "server/pbd/ranges.hpp"
+#include "server/parallel/loops.hpp"
 
 namespace eti::scene {
 
@@ -281,7 +281,7 @@ void Scene::keep_out_of_shell(pbd::Particles& particles) {
         clearance_.assign(meets_shell_.size(), {});
         clearance_revision_ = shell_.revision();
     }
-    pbd::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
+    parallel::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
         const std::uint32_t i = meets_shell_[k];
         Vec3f& p = particles.predicted[i];
         Clearance& last = clearance_[k];

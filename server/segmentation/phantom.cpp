@@ -2,14 +2,13 @@
 // Copyright the NeoETI authors
 #include "server/segmentation/phantom.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
+#include "server/parallel/loops.hpp"
 
 namespace eti::segmentation {
 
@@ -83,7 +82,7 @@ Phantom make_phantom(const PhantomSettings& settings, const Told& told) {
     phantom.labels.value.resize(geometry.count());
     std::atomic<int> slices{0};
     std::atomic<bool> stop{false};
-    tbb::parallel_for(0, geometry.size[2], [&](int z) {
+    parallel::for_each(geometry.size[2], 1, [&](int z) {
         if (stop) {
             return;
         }

@@ -2,12 +2,11 @@
 // Copyright the NeoETI authors
 #include "server/segmentation/picture.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "server/imaging/resample.hpp"
+#include "server/parallel/loops.hpp"
 
 namespace eti::segmentation {
 
@@ -112,7 +111,7 @@ void draw_view(const Scene& scene, const Panel& panel, const Vec3d& centre) {
         }
     };
     const double reach = 0.9 * scene.extent;
-    tbb::parallel_for(0, panel.size(), [&](int y) {
+    parallel::for_each(panel.size(), 1, [&](int y) {
         for (int x = 0; x < panel.size(); ++x) {
             const double pixel = 0.95 * scene.extent / panel.size();
             const Vec3d start = scene.middle - reach * forward +

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,6 +13,7 @@
 #include <set>
 #include <thread>
 
+#include "server/parallel/loops.hpp"
 #include "tests/bench/server/speed_meter.hpp"
 
 namespace eti::bench {
@@ -35,12 +35,11 @@ double SpeedMeter::bandwidth(double bytes) const {
     const auto count = static_cast<std::size_t>(bytes / (3.0 * sizeof(float)));
     std::vector<float> a(count, 0.0f), b(count, 1.0f), c(count, 2.0f);
     const double ns = fastest([&] {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, count / 8 + 1),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                                  a[i] = b[i] + 0.5f * c[i];
-                              }
-                          });
+        parallel::for_ranges(count, count / 8 + 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i != end; ++i) {
+                a[i] = b[i] + 0.5f * c[i];
+            }
+        });
     });
     return static_cast<double>(3 * count * sizeof(float)) / ns;
 }

@@ -21,12 +21,13 @@ WITHOUT_BUS = tuple(f"common/{room}" for room in
 MAY_INCLUDE = {
     "idl": (),
     "common": ("idl",),
-    "server/anatomy": WITHOUT_BUS,
-    "server/imaging": WITHOUT_BUS,
-    "server/segmentation": WITHOUT_BUS + ("server/anatomy", "server/imaging"),
-    "server/pbd": WITHOUT_BUS,
+    "server/parallel": (),
+    "server/anatomy": WITHOUT_BUS + ("server/parallel",),
+    "server/imaging": WITHOUT_BUS + ("server/parallel",),
+    "server/segmentation": WITHOUT_BUS + ("server/parallel", "server/anatomy", "server/imaging"),
+    "server/pbd": WITHOUT_BUS + ("server/parallel",),
     "server/rigid": WITHOUT_BUS,
-    "server/scene": WITHOUT_BUS + ("server/anatomy", "server/pbd", "server/rigid"),
+    "server/scene": WITHOUT_BUS + ("server/parallel", "server/anatomy", "server/pbd", "server/rigid"),
     "server/metrics": WITHOUT_BUS + ("server/anatomy", "server/scene"),
     "server/app": ("common", "idl", "server"),
     "devices": ("common", "idl"),
@@ -46,6 +47,8 @@ LIBRARIES = (
     (re.compile(r"(epoxy|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
     (re.compile(r"opencv2/"), ("client",), "OpenCV"),
     (re.compile(r"gdcm\w*\.h$"), ("server/imaging",), "GDCM"),
+    # How many threads it may use is app's to say.
+    (re.compile(r"tbb/(?!global_control)"), ("server/parallel",), "oneTBB"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
 )
 
