@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "common/math/units.hpp"
+#include "common/model/posture_range.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {
@@ -100,9 +101,11 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);
-        p.head_elevation = patient->number("head_elevation_deg", p.head_elevation, {0, 30, degree});
-        p.jaw_opening = patient->number("jaw_opening_deg", p.jaw_opening, {0, 35, degree});
-        p.table_angle = patient->number("table_angle_deg", p.table_angle, {-20, 20, degree});
+        p.head_elevation =
+            patient->number("head_elevation_deg", p.head_elevation, {0, max_head_elevation_deg, degree});
+        p.jaw_opening = patient->number("jaw_opening_deg", p.jaw_opening, {0, max_jaw_opening_deg, degree});
+        p.table_angle = patient->number("table_angle_deg", p.table_angle,
+                                        {-max_table_angle_deg, max_table_angle_deg, degree});
         p.tissue_stiffness = patient->number("tissue_stiffness_kpa", p.tissue_stiffness, {1, 100, 1e3f});
         if (const std::string model = patient->text("model", ""); !model.empty()) {
             std::vector<std::string_view> held = {"variant", "tissue_stiffness_kpa"};

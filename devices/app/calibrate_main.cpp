@@ -197,6 +197,12 @@ int register_device(const CalibrateOptions& options) {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();
     if (!options.pivot.empty()) {
         const Calibration pivot = load_calibration(options.pivot);
+        if (pivot.registered || pivot.device != out.device) {
+            throw InputError(fmt::format(
+                "--pivot {}: is {} of device '{}', expected a pivot of '{}'; run "
+                "eti-calibrate pivot for it",
+                options.pivot, pivot.registered ? "a registration" : "a pivot", pivot.device, out.device));
+        }
         out.tool = pivot.tool;
         tip = (pivot.tool * tip_of(options)).cast<double>();
     }
@@ -239,6 +245,7 @@ int pivot(const CalibrateOptions& options) {
     const auto poses = options.poses.empty() ? swing(options) : load_poses(options.poses);
     const PivotFit fit = fit_pivot(poses);
     Calibration out;
+    out.registered = false;
     out.device = options.device.device;
     out.date = utc_now();
     out.points = static_cast<int>(poses.size());

@@ -50,16 +50,19 @@ bool CommandPad::move(Posture& posture, float stick, float elapsed) {
     return true;
 }
 
-std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed) {
-    std::vector<PadCommand> out;
-    if (!reading.present) {
-        // Nobody's thumb is on it any more: suction that stays on would go unnoticed.
-        if (suction_ > 0.0f) {
-            suction_ = 0.0f;
-            out.push_back({msg::COMMAND_SUCTION, 0.0f});
-        }
-        return out;
+std::vector<PadCommand> CommandPad::let_go() {
+    if (suction_ == 0.0f) {
+        return {};
     }
+    suction_ = 0.0f;
+    return {{msg::COMMAND_SUCTION, 0.0f}};
+}
+
+std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed) {
+    if (!reading.present) {
+        return let_go();
+    }
+    std::vector<PadCommand> out;
     for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]},
                                   std::pair{&table_, -reading.axes[4]}}) {
         if (move(*posture, stick, elapsed)) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/bus/topics.hpp"
-#include "common/math/units.hpp"
+#include "common/model/posture_range.hpp"
 #include "devices/sensor/sensor.hpp"
 
 namespace eti::devices {
@@ -32,6 +32,11 @@ class CommandPad {
 
     [[nodiscard]] std::vector<PadCommand> update(const Reading& reading, float elapsed);
 
+    /// Whoever takes commands now has heard of none: what is held is sent again.
+    void begin_again() { suction_ = 0.0f; }
+    /// What must not stay on when nobody's thumb is on the pad any more.
+    [[nodiscard]] std::vector<PadCommand> let_go();
+
   private:
     /// A posture that a stick moves.
     struct Posture {
@@ -44,10 +49,10 @@ class CommandPad {
     static void follow(Posture& posture, float told);
     [[nodiscard]] static bool move(Posture& posture, float stick, float elapsed);
 
-    // The server's bounds; it refuses what lies beyond, so that these only keep a stick from winding up.
-    Posture head_{msg::COMMAND_HEAD_ELEVATION, 0.0f, 30.0f * degree};
-    Posture jaw_{msg::COMMAND_JAW_OPENING, 0.0f, 35.0f * degree};
-    Posture table_{msg::COMMAND_TABLE_ANGLE, -20.0f * degree, 20.0f * degree};
+    // The server refuses what lies beyond its bounds; here they only keep a stick from winding up.
+    Posture head_{msg::COMMAND_HEAD_ELEVATION, 0.0f, max_head_elevation};
+    Posture jaw_{msg::COMMAND_JAW_OPENING, 0.0f, max_jaw_opening};
+    Posture table_{msg::COMMAND_TABLE_ANGLE, -max_table_angle, max_table_angle};
     float suction_ = 0.0f;
     bool trigger_seen_ = false;  // pads without one report its axis as 0, which would be half pressed
 };

@@ -17,6 +17,7 @@ namespace eti::devices {
 namespace {
 
 constexpr std::chrono::milliseconds period{20};  // 50 commands a second at most
+constexpr std::chrono::milliseconds last_patience{500};
 
 /// Turns what a thumb does into commands and says how the server answers.
 class Controller {
@@ -39,20 +40,21 @@ class Controller {
             watch_.tend();
             const Reading reading = watch_.exchange({}, elapsed);
             link_.hear();
+            if (link_.served() != served_) {
+                served_ = !served_;
+                served_ ? spdlog::info("a server takes commands")
+                        : spdlog::warn("no server takes commands any more");
+                pad_.begin_again();
+            }
             // A command that nobody takes would be lost without a word: what is held now is sent when
             // a server is there.
-            if (link_.served()) {
+            if (served_) {
                 if (link_.patient()) {
                     pad_.follow(*link_.patient());
                 }
                 for (const PadCommand& command : pad_.update(reading, elapsed)) {
                     link_.send(command);
                 }
-            }
-            if (link_.served() != served_) {
-                served_ = !served_;
-                served_ ? spdlog::info("a server takes commands")
-                        : spdlog::warn("no server takes commands any more");
             }
             if (link_.session_finished()) {
                 ended_ = "session finished";
@@ -67,6 +69,12 @@ class Controller {
             } else if (options_.duration > 0.0 &&
                        std::chrono::duration<double>(now - begun).count() >= options_.duration) {
                 ended_ = "duration";
+            }
+        }
+        for (const PadCommand& command : pad_.let_go()) {
+            if (link_.served()) {
+                link_.send(command);
+                (void)link_.hear_all(last_patience);
             }
         }
     }

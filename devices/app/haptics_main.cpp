@@ -105,11 +105,12 @@ void log(const nlohmann::ordered_json& s) {
     }
 }
 
-/// The panic key: SIGUSR1 and, in a terminal, any key but 'r' let go; 'r' gives forces back.
+/// The panic key: SIGUSR1 and, in a terminal, any key but 'r' let go, as does a terminal that goes away; 'r'
+/// gives forces back.
 void heed_panic(Terminal& terminal, HapticLoop& loop) {
     static std::sig_atomic_t heeded = 0;
     const std::optional<char> key = terminal.key(std::chrono::milliseconds(0));
-    if (panic_signals != heeded || (key && *key != 'r' && *key != '\0')) {
+    if (panic_signals != heeded || (key && *key != 'r')) {
         heeded = panic_signals;
         loop.panic(true);
         spdlog::warn("forces are off; press r to have them back");

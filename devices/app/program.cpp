@@ -81,8 +81,14 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 
 void set_up_process(const std::string& name) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-    std::signal(SIGINT, [](int) { stop_requested = 1; });
-    std::signal(SIGTERM, [](int) { stop_requested = 1; });
+    struct sigaction stop {};
+    stop.sa_handler = [](int) { stop_requested = 1; };
+    // Without SA_RESTART: a program that waits for a line stops too. A terminal that is closed, or whoever
+    // reads the output and goes away, must not end a program that has a device in its hand.
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+        ::sigaction(signal, &stop, nullptr);
+    }
+    std::signal(SIGPIPE, SIG_IGN);
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
@@ -108,6 +114,13 @@ Program::Program(const ProgramOptions& options, Tool tool)
       started_(std::chrono::steady_clock::now()),
       node_(options.bus),
       link_(node_, feel_of(options, tool)) {
+    if (calibration_ && !calibration_->registered) {
+        throw DeviceError(
+            fmt::format("--calibration {}: is a pivot, which does not tell where the patient is; give it to "
+                        "eti-calibrate "
+                        "register with --pivot, and what that writes to this program",
+                        options.calibration));
+    }
     if (calibration_ && calibration_->device != options.device) {
         throw DeviceError(
             fmt::format("--calibration {}: is of device '{}', not '{}'; run eti-calibrate for this one",

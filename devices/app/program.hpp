@@ -41,13 +41,13 @@ void add_device_options(CLI::App& app, ProgramOptions& options, Use use);
 /// Of the bus and of the program's end.
 void add_bus_options(CLI::App& app, ProgramOptions& options);
 
-/// Not zero once Ctrl-C or SIGTERM has come.
+/// Not zero once Ctrl-C, SIGTERM or SIGHUP has come.
 [[nodiscard]] const volatile std::sig_atomic_t& stop_flag();
 
 /// Parses; the exit status when the program is done already (--help, --version, a mistake).
 [[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, char** argv);
 
-/// Logs go to standard error; Ctrl-C and SIGTERM end the program in order.
+/// Logs go to standard error; Ctrl-C, SIGTERM, SIGQUIT and a closed terminal end the program in order.
 void set_up_process(const std::string& name);
 
 /// What a program's main does once its options are declared: parses, runs `work`, and turns an exception into

@@ -14,16 +14,24 @@ namespace eti::devices {
 class CalibratedSensor final : public Sensor {
   public:
     CalibratedSensor(std::unique_ptr<Sensor> device, const Calibration& calibration)
-        : device_(std::move(device)), to_patient_(calibration.to_patient), tool_(calibration.tool) {}
+        : device_(std::move(device)),
+          to_patient_(calibration.to_patient),
+          tool_(calibration.tool),
+          most_torque_(device_->abilities().torque) {}
 
     [[nodiscard]] Reading exchange(const Wrench& wrench, float elapsed) override {
         // The same force at another point: the moving part's origin instead of the tool's.
         const Vec3f arm = last_.rotation * tool_.translation;
         const Quatf back = to_patient_.rotation.conjugate();
-        const Wrench there{back * wrench.force, back * wrench.torque + arm.cross(back * wrench.force)};
+        Wrench there{back * wrench.force, back * wrench.torque + arm.cross(back * wrench.force)};
+        // A force far from the moving part asks for more torque than any motor may give.
+        const float torque = there.torque.norm();
+        there.torque *= torque > most_torque_ ? most_torque_ / torque : 1.0f;
         Reading reading = device_->exchange(there, elapsed);
         Motion& motion = reading.motion;
-        last_ = motion.pose;
+        if (is_motion(motion)) {
+            last_ = motion.pose;
+        }
         const Vec3f offset = motion.pose.rotation * tool_.translation;
         motion.velocity =
             to_patient_.rotation * Vec3f(motion.velocity + motion.angular_velocity.cross(offset));
@@ -43,6 +51,7 @@ class CalibratedSensor final : public Sensor {
   private:
     std::unique_ptr<Sensor> device_;
     RigidTransform to_patient_, tool_;
+    float most_torque_;    // [N m]
     RigidTransform last_;  // of the moving part, device frame
 };
 

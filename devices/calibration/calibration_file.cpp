@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <ctime>
 #include <fstream>
@@ -19,6 +20,8 @@ namespace {
 constexpr Range millimetres{-5000.0f, 5000.0f, millimetre};
 constexpr Range degrees{-180.0f, 180.0f, degree};
 constexpr Range errors{0.0f, 100.0f, millimetre};
+
+constexpr std::array<std::string_view, 2> kinds = {"pivot", "registration"};
 
 /// A turn is written as its rotation vector in degrees: three numbers a person can read and cannot make
 /// inconsistent.
@@ -57,8 +60,10 @@ void save_calibration(const Calibration& c, const std::filesystem::path& file) {
         std::ofstream stream(half);
         stream << "# Written by eti-calibrate; read with --calibration.\n"
                << fmt::format(
-                      "device: {}\ndate: {}\npoints: {}\nerror_mm: {:.3f}\nleft_out_error_mm: {:.3f}\n",
-                      c.device, c.date, c.points, 1e3 * c.error, 1e3 * c.left_out_error)
+                      "kind: {}\ndevice: {}\ndate: {}\npoints: {}\nerror_mm: {:.3f}\n"
+                      "left_out_error_mm: {:.3f}\n",
+                      kinds[c.registered ? 1 : 0], c.device, c.date, c.points, 1e3 * c.error,
+                      1e3 * c.left_out_error)
                << "to_patient:" << written(c.to_patient) << "tool:" << written(c.tool);
         stream.flush();
         if (!stream) {
@@ -75,6 +80,7 @@ void save_calibration(const Calibration& c, const std::filesystem::path& file) {
 Calibration load_calibration(const std::filesystem::path& file) {
     YamlMap map = YamlMap::parse(read_text_file(file), file.string());
     Calibration out;
+    out.registered = map.choice("kind", 1, kinds) == 1;
     out.device = map.name("device", "");
     out.date = map.name("date", "undated");
     out.points = map.whole("points", 0, 0, 1'000'000);

@@ -11,6 +11,7 @@ namespace eti::devices {
 
 /// Where a device stands to the patient, and the tool to what the device measures.
 struct Calibration {
+    bool registered = true;       ///< false: of a pivot, which knows the tool and not the patient
     std::string device;           ///< driver's name
     std::string date;             ///< UTC, ISO 8601
     RigidTransform to_patient;    ///< device frame to patient frame

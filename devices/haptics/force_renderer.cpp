@@ -14,7 +14,8 @@ constexpr float never = -1.0f;                     // an age that Freshness take
 constexpr float message_interval = 1.0f / 180.0f;  // [s], of simulation time
 
 float age_of(std::int64_t arrived, std::int64_t now) {
-    return arrived > 0 ? static_cast<float>(now - arrived) * 1e-9f : never;
+    // A message may come in after the cycle has begun.
+    return arrived > 0 ? static_cast<float>(std::max(now - arrived, std::int64_t{0})) * 1e-9f : never;
 }
 
 Wrench scaled(const Wrench& wrench, float by) {
@@ -58,11 +59,22 @@ Wrench ForceRenderer::for_device(const Wrench& wrench, const Motion& device, con
     if (settings_.torque) {
         return wrench;
     }
-    if (scene.proxy.contacts == 0) {
+    // The contacts are the blade's.
+    if (scene.proxy.contacts == 0 || settings_.tool == Tool::tube) {
         return {wrench.force, Vec3f::Zero()};
     }
     return {gimbal_force(wrench, device.pose.translation, scene.proxy.contact_centre,
                          device.pose * settings_.gimbal),
+            Vec3f::Zero()};
+}
+
+Motion ForceRenderer::felt(const Motion& device) const {
+    if (settings_.torque) {
+        return device;
+    }
+    const Vec3f arm = device.pose.rotation * settings_.gimbal;
+    return {{Quatf::Identity(), device.pose.translation + arm},
+            device.velocity + device.angular_velocity.cross(arm),
             Vec3f::Zero()};
 }
 
@@ -80,9 +92,11 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
                                              : predicted_proxy(device, scene.proxy, age * scene.pace,
                                                                scene.pace, settings_.prediction);
     }
+    // However late a cycle is, the hand gets no more than one in time would have given it.
+    const float counted = std::min(dt, settings_.safety.longest_cycle);
     const float fresh_before = freshness_.share(), tissue_before = tissue_freshness_.share();
-    const float fresh = freshness_.update(age, dt);
-    const float tissue_fresh = tissue_freshness_.update(age_of(scene.tissue_arrived, now), dt);
+    const float fresh = freshness_.update(age, counted);
+    const float tissue_fresh = tissue_freshness_.update(age_of(scene.tissue_arrived, now), counted);
 
     Wrench raw;
     if (proxy) {
@@ -96,11 +110,13 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
         }
         raw = limited(sum, settings_.coupling);
     }
-    const float share = engagement_.update(proxy.has_value(), raw.force.norm(), dt);
+    const bool served = dt <= settings_.safety.longest_pause;
+    const float would_exert = std::max(raw.force.norm(), raw.torque.norm() / settings_.passivity.arm);
+    const float share = engagement_.update(proxy.has_value() && served, would_exert, counted);
     const bool steady = share >= 1.0f && fresh == fresh_before && tissue_fresh == tissue_before;
     const Wrench passive =
-        limited(passivity_.apply(scaled(raw, share), device, dt, steady), settings_.coupling);
-    last_ = rate_limited(passive, last_, dt, settings_.coupling);
+        limited(passivity_.apply(scaled(raw, share), felt(device), dt, steady), settings_.coupling);
+    last_ = rate_limited(passive, last_, counted, settings_.coupling);
     if (fresh == 0.0f || share == 0.0f) {
         last_ = {};
     }

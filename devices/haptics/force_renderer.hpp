@@ -45,6 +45,8 @@ class ForceRenderer {
   private:
     [[nodiscard]] Wrench rigid_wrench(const Motion& device, const Motion& proxy) const;
     [[nodiscard]] Wrench soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt);
+    /// What moves where the device pulls: the tool, or, without torque, the gimbal alone.
+    [[nodiscard]] Motion felt(const Motion& device) const;
     [[nodiscard]] Wrench for_device(const Wrench& wrench, const Motion& device,
                                     const SceneState& scene) const;
 

@@ -62,10 +62,12 @@ std::optional<OutgoingPose> HapticCycle::run(std::int64_t now, bool stop) {
     record_.force_max = std::max(record_.force_max, force);
     record_.stale_cycles += renderer_.stale() ? 1 : 0;
     record_.engaged_cycles += renderer_.engaged() ? 1 : 0;
-    if (record_.last_message != 0 && scene->proxy_arrived != record_.last_message) {
-        record_.messages.record(scene->proxy_arrived - record_.last_message);
+    if (scene->proxy_arrived != 0) {
+        if (record_.last_message != 0 && scene->proxy_arrived != record_.last_message) {
+            record_.messages.record(scene->proxy_arrived - record_.last_message);
+        }
+        record_.last_message = scene->proxy_arrived;
     }
-    record_.last_message = scene->proxy_arrived;
     record_.last_force = force > 0.0f ? now : record_.last_force;
     if (!device_.present) {
         return std::nullopt;

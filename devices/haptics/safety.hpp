@@ -11,6 +11,9 @@ struct SafetySettings {
     float quiet_force = 0.3f;  ///< [N], a cycle that would exert less is quiet
     int quiet_cycles = 20;     ///< in a row, before forces engage
     float ramp_time = 0.5f;    ///< [s], from no force to all of it
+    /// [s]; a later cycle counts for no more where force grows: in its rate, its ramp, its coming back.
+    float longest_cycle = 0.002f;
+    float longest_pause = 0.025f;  ///< [s] without a cycle; after more, force begins anew by the ramp
     /// [s] without a message, by which there is no force; larger keeps forces through a late server's gaps,
     /// at the cost of feeling an old scene for as long.
     float silence_limit = 0.020f;
@@ -55,7 +58,7 @@ class Engagement {
   public:
     explicit Engagement(const SafetySettings& settings) : settings_(settings) {}
 
-    /// `there`: a scene to feel; `force` [N]: what would be exerted in full.
+    /// `there`: a scene to feel; `force` [N]: what would be exerted in full, a torque by its lever.
     float update(bool there, float force, float dt);
     void disengage();
     [[nodiscard]] float share() const { return share_; }

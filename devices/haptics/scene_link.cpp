@@ -24,6 +24,9 @@ constexpr std::int64_t silence_ns = 500'000'000;  // worth a message to the pers
 constexpr std::int64_t pace_window_ns = 250'000'000;
 constexpr float fastest_pace = 4.0f;
 constexpr float most_force = 1000.0f;  // [N]; more is a fault of the sender
+constexpr float most_speed = 100.0f;   // [m/s], [rad/s]
+// [ns], thirty years; later times are a fault of the sender and would not fit where seconds are counted.
+constexpr std::uint64_t most_simulation_ns = 1'000'000'000'000'000'000;
 
 /// [m]; 0 when the parameters do not tell, or tell nonsense.
 float depth_rule_in(const std::vector<double>& parameters) {
@@ -35,8 +38,10 @@ float depth_rule_in(const std::vector<double>& parameters) {
 }
 
 bool is_motion(const msg::ProxyState& m) {
-    return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) && bus::is_finite(m.velocity()) &&
-           bus::is_finite(m.angular_velocity()) &&
+    // Written so that not-a-number is too fast too.
+    return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) &&
+           from_msg(m.velocity()).norm() < most_speed && from_msg(m.angular_velocity()).norm() < most_speed &&
+           m.header().simulation_time_ns() < most_simulation_ns &&
            std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
                return bus::is_finite(c.position()) && std::isfinite(c.force()) &&
                       std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
@@ -124,13 +129,18 @@ void SceneLink::run() {
     }
 }
 
+bool SceneLink::refuse(std::int64_t& arrived) {
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    arrived = 0;
+    return true;
+}
+
 bool SceneLink::take_proxy() {
     if (!proxy_topic_.take_latest(proxy_)) {
         return false;
     }
     if (!is_motion(proxy_)) {
-        refused_.fetch_add(1, std::memory_order_relaxed);
-        return false;
+        return refuse(state_.proxy_arrived);
     }
     const std::int64_t now = monotonic_ns();
     const std::uint64_t simulation_ns = proxy_.header().simulation_time_ns();
@@ -148,7 +158,7 @@ bool SceneLink::take_proxy() {
         state_.proxy.normals[i] = from_msg(proxy_.contacts()[i].normal()).normalized();
     }
     state_.proxy.contact_centre = centre_of(proxy_.contacts(), state_.proxy.contacts);
-    state_.proxy_arrived = now;
+    state_.proxy_arrived = heard_ = now;
     state_.seen.time = static_cast<double>(simulation_ns) * 1e-9;
     state_.seen.proxy = state_.proxy.proxy.pose;
     received_.fetch_add(1, std::memory_order_relaxed);
@@ -173,8 +183,7 @@ bool SceneLink::take_tissue() {
         return false;
     }
     if (!is_tissue(tissue_)) {
-        refused_.fetch_add(1, std::memory_order_relaxed);
-        return false;
+        return refuse(state_.tissue_arrived);
     }
     TissueReport& report = state_.tissue;
     report.wrench = {from_msg(tissue_.force()), from_msg(tissue_.torque())};
@@ -198,8 +207,7 @@ bool SceneLink::take_tube() {
     }
     const Wrench wrench{from_msg(tube_.force()), from_msg(tube_.torque())};
     if (!(wrench.force.norm() < most_force && wrench.torque.norm() < most_force)) {
-        refused_.fetch_add(1, std::memory_order_relaxed);
-        return false;
+        return refuse(state_.tissue_arrived);
     }
     state_.tissue.wrench = wrench;
     state_.tissue_arrived = monotonic_ns();
@@ -260,10 +268,10 @@ void SceneLink::take_status() {
 }
 
 void SceneLink::watch_silence(std::int64_t now) {
-    if (state_.proxy_arrived == 0) {
+    if (heard_ == 0) {
         return;
     }
-    const bool silent = now - state_.proxy_arrived > silence_ns;
+    const bool silent = now - heard_ > silence_ns;
     if (silent && !silent_ && !finished()) {
         outages_.fetch_add(1, std::memory_order_relaxed);
         spdlog::warn("the server has fallen silent ({}); forces are off until it is heard again",

@@ -23,7 +23,8 @@ struct Surroundings {
 
 /// Follows the server over the bus on a thread of its own and leaves the newest scene in a triple
 /// buffer for the device's loop. Messages are checked here: what is not finite, or bears another number
-/// of landmarks, is dropped and counted.
+/// of landmarks, is dropped and counted; of proxy, tissue and tube, what came before it counts no more, so
+/// that its force ends at once.
 class SceneLink {
   public:
     /// What of the scene a device needs besides the proxy.
@@ -45,6 +46,7 @@ class SceneLink {
 
   private:
     void run();
+    bool refuse(std::int64_t& arrived);
     bool take_proxy();
     bool take_tissue();
     bool take_tube();
@@ -72,6 +74,7 @@ class SceneLink {
     // Where the measurement of the pace began.
     std::uint64_t pace_simulation_ns_ = 0;
     std::int64_t pace_arrived_ = 0;
+    std::int64_t heard_ = 0;  // arrival of the last ProxyState [ns, CLOCK_MONOTONIC]
     bool silent_ = false;
     TripleBuffer<SceneState> newest_;
 

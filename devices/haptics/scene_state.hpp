@@ -58,7 +58,7 @@ struct TissueReport {
 };
 
 /// The newest of everything that the 1 kHz loop may know about the scene. Times "arrived" are
-/// CLOCK_MONOTONIC [ns]; 0: nothing has arrived yet.
+/// CLOCK_MONOTONIC [ns]; 0: nothing has arrived yet, or last something that is not to be believed.
 struct SceneState {
     ProxyReport proxy;
     std::int64_t proxy_arrived = 0;

@@ -44,6 +44,7 @@ constexpr const char* remedy =
     "Install OpenHaptics for Linux and the Touch device driver from 3D Systems, run its set-up, or name "
     "libHD with --library";
 constexpr float newton_millimetre = 1e-3f;  // [N m]
+constexpr int most_errors = 64;             // that the library can have kept
 constexpr std::chrono::milliseconds retry_interval{1000};
 constexpr std::chrono::milliseconds servo_patience{500};
 
@@ -70,11 +71,14 @@ class OpenHaptics final : public Sensor {
         close();
     }
 
-    Reading exchange(const Wrench& wrench, float) override {
+    Reading exchange(const Wrench& asked, float) override {
         if (device_ == no_device) {
             last_.present = false;
             return last_;
         }
+        // Whatever went wrong before: no motor is given a number that is none.
+        const bool finite = asked.force.allFinite() && asked.torque.allFinite();
+        const Wrench wrench = finite ? asked : Wrench{};
         api_.begin_frame(device_);
         std::array<double, 16> transform{};
         std::array<double, 3> velocity{}, turning{};
@@ -151,7 +155,7 @@ class OpenHaptics final : public Sensor {
         retry_ = Clock::now() + retry_interval;
         ServoCycle* const cycle = cycle_;
         if (code != success) {
-            report(std::string(api_.error_string(code)) + "; check the device's cable and power");
+            report(words_for(code) + "; check the device's cable and power");
         } else {
             report("the vendor's servo thread has stopped calling");
         }
@@ -172,16 +176,20 @@ class OpenHaptics final : public Sensor {
     }
 
   private:
+    [[nodiscard]] std::string words_for(unsigned int code) const {
+        const char* words = api_.error_string(code);
+        return words == nullptr ? "no reason given" : words;
+    }
+
     /// Returns why not, or nothing.
     std::string open() {
-        while (api_.get_error().code != success) {
+        for (int i = 0; i < most_errors && api_.get_error().code != success; ++i) {
         }
         device_ = api_.init_device(name_.empty() ? nullptr : name_.c_str());
         const ErrorInfo error = api_.get_error();
         if (error.code != success || device_ == no_device) {
             device_ = no_device;
-            const char* words = api_.error_string(error.code);
-            return words == nullptr ? "no reason given" : words;
+            return words_for(error.code);
         }
         api_.make_current(device_);
         int dof = 3;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -22,6 +23,12 @@ struct Reading {
     std::uint64_t sample = 0;              ///< counts the device's own measurements
     bool present = true;                   ///< false: nothing to go by; `motion` is what was known last
 };
+
+/// Whether all numbers are finite and the rotation is one.
+[[nodiscard]] inline bool is_motion(const Motion& motion) {
+    return motion.pose.translation.allFinite() && motion.velocity.allFinite() &&
+           motion.angular_velocity.allFinite() && std::abs(motion.pose.rotation.norm() - 1.0f) < 1e-2f;
+}
 
 /// What a device can give to the hand. Zero: nothing.
 struct Abilities {

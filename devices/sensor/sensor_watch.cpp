@@ -11,11 +11,6 @@ namespace {
 
 constexpr float window = 1.0f;  // [s], over which the rate is measured
 
-bool is_pose(const Motion& motion) {
-    return motion.pose.translation.allFinite() && motion.velocity.allFinite() &&
-           motion.angular_velocity.allFinite() && std::abs(motion.pose.rotation.norm() - 1.0f) < 1e-2f;
-}
-
 void add(std::atomic<std::uint64_t>& counter) {
     counter.fetch_add(1, std::memory_order_relaxed);
 }
@@ -37,7 +32,8 @@ bool SensorWatch::near(const RigidTransform& a, const RigidTransform& b, float s
 }
 
 bool SensorWatch::believable(const Motion& motion) {
-    if (!is_pose(motion)) {
+    broken_ = !is_motion(motion);
+    if (broken_) {
         add(not_finite_);
         settled_ = -1.0f;
         return false;
@@ -68,10 +64,13 @@ Reading SensorWatch::exchange(const Wrench& wrench, float elapsed) {
     }
     count(!now.present || age_ > limits_.lost_after, new_sample, elapsed);
 
+    const bool believed = settled_ < 0.0f && !broken_;
     now.motion = good_.motion;
-    now.present = any_ && now.present && since_good_ <= limits_.stale_after;
-    if (!now.present) {
+    now.present = any_ && now.present && !broken_ && since_good_ <= limits_.stale_after;
+    if (!now.present || !believed) {
         now.motion.velocity = now.motion.angular_velocity = Vec3f::Zero();
+    }
+    if (!now.present) {
         now.buttons = 0;
     }
     return now;

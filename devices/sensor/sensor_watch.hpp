@@ -32,9 +32,9 @@ struct SensorHealth {
 };
 
 /// Stands between a loop and a device and lets through only what a hand could have done. A reading that
-/// is not finite, jumps, or is old is replaced by the last good one, at rest and not present, so that no
-/// force answers it; a device that stays at the new place is believed again. Allocates nothing, locks
-/// nothing.
+/// jumps is replaced by the last good one, at rest; a device that stays at the new place is believed again.
+/// Where no good one has come for `stale_after`, and at once where one is not finite, the device is not
+/// present, so that no force answers it. Allocates nothing, locks nothing.
 class SensorWatch final : public Sensor {
   public:
     explicit SensorWatch(Sensor& device, const WatchLimits& limits = {});
@@ -61,6 +61,7 @@ class SensorWatch final : public Sensor {
     Abilities abilities_;
     Reading good_;
     bool any_ = false;          // a first good reading has come
+    bool broken_ = false;       // the newest one is not finite, or no rotation
     std::uint64_t sample_ = 0;  // of the last reading
     float age_ = 0.0f;          // [s], of the last sample
     float since_good_ = 0.0f;   // [s], between the last good sample and this one

@@ -16,6 +16,9 @@ Terminal::Terminal() {
     }
     termios keys = before_;
     keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    // Every key comes in, those too that would hold the output or stop the process with a force in its hand.
+    keys.c_iflag &= ~static_cast<tcflag_t>(IXON);
+    keys.c_cc[VSUSP] = keys.c_cc[VQUIT] = _POSIX_VDISABLE;
     keys.c_cc[VMIN] = 0;
     keys.c_cc[VTIME] = 0;
     there_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
@@ -40,7 +43,7 @@ std::optional<char> Terminal::key(std::chrono::milliseconds patience) {
     if (typed[0] != '\x1b') {
         return typed[0];
     }
-    // An arrow comes as Escape, '[' and a letter, all at once.
+    // An arrow comes as Escape, '[' and a letter, all at once; other keys of that kind count as Escape.
     std::array<char, 2> rest{};
     if (::poll(&waiting, 1, 0) <= 0 || ::read(STDIN_FILENO, rest.data(), 2) != 2 || rest[0] != '[') {
         return '\x1b';
@@ -55,7 +58,7 @@ std::optional<char> Terminal::key(std::chrono::milliseconds patience) {
         case 'D':
             return 'L';
         default:
-            return std::nullopt;
+            return '\x1b';
     }
 }
 

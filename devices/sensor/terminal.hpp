@@ -9,8 +9,8 @@
 
 namespace eti::devices {
 
-/// Standard input as single keys, without echo and without waiting for Enter, while it lives. Ctrl-C stays
-/// what it is. Does nothing where standard input is no terminal.
+/// Standard input as single keys, without echo and without waiting for Enter, while it lives. Ctrl-C alone
+/// stays what it is. Does nothing where standard input is no terminal.
 class Terminal {
   public:
     Terminal();
@@ -20,8 +20,8 @@ class Terminal {
 
     [[nodiscard]] bool there() const { return there_; }
 
-    /// The next key within `patience`: a letter, or 'U', 'D', 'L', 'R' for the arrows, 27 for Escape; 0 when
-    /// the terminal is gone.
+    /// The next key within `patience`: a letter, or 'U', 'D', 'L', 'R' for the arrows, 27 for Escape and what
+    /// else is no letter; 0 when the terminal is gone.
     [[nodiscard]] std::optional<char> key(std::chrono::milliseconds patience);
 
   private:

@@ -64,6 +64,7 @@ class Trakstar final : public SampleSource {
         check(api_.set_system(select_transmitter, &transmitter, sizeof transmitter),
               "the transmitter does not start");
         time_ = -1.0;
+        last_ = Vec3f::Zero();
     }
 
     bool read(Sample& sample) override {
@@ -87,8 +88,12 @@ class Trakstar final : public SampleSource {
                 rotation(column, row) = static_cast<float>(record.rotation[row][column]);
             }
         }
-        sample.pose = {rotation_or_nothing(rotation),
-                       millimetre * Vec3d(record.x, record.y, record.z).cast<float>()};
+        // The transmitter's field is the same on its other side, which the tracker cannot tell from this one:
+        // the sensor is where it is nearer to where it was.
+        Vec3f position = millimetre * Vec3d(record.x, record.y, record.z).cast<float>();
+        position *= position.dot(last_) < 0.0f ? -1.0f : 1.0f;
+        last_ = position.allFinite() ? position : last_;
+        sample.pose = {rotation_or_nothing(rotation), position};
         return true;
     }
 
@@ -108,7 +113,8 @@ class Trakstar final : public SampleSource {
     VendorLibrary library_;
     Api api_;
     unsigned short sensor_;
-    double time_ = -1.0;  // [s], of the last record
+    double time_ = -1.0;          // [s], of the last record
+    Vec3f last_ = Vec3f::Zero();  // [m], where the sensor was; zero: not known yet
 };
 
 }  // namespace

@@ -4,14 +4,10 @@
 
 #include <array>
 
-#include "common/math/units.hpp"
+#include "common/model/posture_range.hpp"
 #include "server/anatomy/patient.hpp"
 
 namespace eti::anatomy {
-
-inline constexpr float max_head_elevation = 30.0f * degree;  ///< [rad]
-inline constexpr float max_jaw_opening = 35.0f * degree;     ///< [rad]
-inline constexpr float max_table_angle = 20.0f * degree;     ///< [rad], either way
 
 /// Every angle within its range.
 [[nodiscard]] Posture clamped(const Posture& posture);

@@ -76,19 +76,16 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
             reset_ = true;
             break;
         case msg::COMMAND_HEAD_ELEVATION:
-            refusal =
-                take(command.value, {0.0f, anatomy::max_head_elevation, "head elevation", " deg", degree},
-                     inputs.posture.head_elevation);
+            refusal = take(command.value, {0.0f, max_head_elevation, "head elevation", " deg", degree},
+                           inputs.posture.head_elevation);
             break;
         case msg::COMMAND_JAW_OPENING:
-            refusal = take(command.value, {0.0f, anatomy::max_jaw_opening, "jaw opening", " deg", degree},
+            refusal = take(command.value, {0.0f, max_jaw_opening, "jaw opening", " deg", degree},
                            inputs.posture.jaw_opening);
             break;
         case msg::COMMAND_TABLE_ANGLE:
-            refusal =
-                take(command.value,
-                     {-anatomy::max_table_angle, anatomy::max_table_angle, "table angle", " deg", degree},
-                     inputs.posture.table_angle);
+            refusal = take(command.value, {-max_table_angle, max_table_angle, "table angle", " deg", degree},
+                           inputs.posture.table_angle);
             break;
         case msg::COMMAND_SUCTION:
             refusal = take(command.value, {0.0f, 1.0f, "suction"}, suction_);

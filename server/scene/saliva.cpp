@@ -35,8 +35,8 @@ constexpr float way = 0.1f * step_duration;
 /// Where the head may be in any posture, as far as the shell goes.
 std::array<Vec3f, 2> head_box(const anatomy::Patient& patient, float margin) {
     std::array<Vec3f, 2> box = {patient.shell.mesh.vertices.front(), patient.shell.mesh.vertices.front()};
-    for (const float elevation : {0.0f, anatomy::max_head_elevation}) {
-        for (const float opening : {0.0f, anatomy::max_jaw_opening}) {
+    for (const float elevation : {0.0f, max_head_elevation}) {
+        for (const float opening : {0.0f, max_jaw_opening}) {
             const anatomy::BonePoses bones = anatomy::pose_bones(patient.skeleton, {elevation, opening});
             for (std::size_t i = 0; i < patient.shell.mesh.vertices.size(); ++i) {
                 const Vec3f p =

@@ -58,7 +58,7 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
     }
 
     const anatomy::Alignment axes = anatomy::align_axes(patient, jaw_opening_deg * degree);
-    const bool at_the_end = axes.head_elevation >= anatomy::max_head_elevation - 1e-4f;
+    const bool at_the_end = axes.head_elevation >= max_head_elevation - 1e-4f;
     result.text += fmt::format(
         "\nmouth, pharynx and larynx come closest to one line at {:.1f} deg of head elevation{}, {:.1f} mm "
         "off "

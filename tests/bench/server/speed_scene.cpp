@@ -123,13 +123,13 @@ void measure_sweeps(SpeedMeter& meter) {
     };
     course(
         "head 0 to 30 deg", [](auto& i) { i.posture.head_elevation = 0.0f; },
-        [](auto& i) { i.posture.head_elevation = anatomy::max_head_elevation; });
+        [](auto& i) { i.posture.head_elevation = max_head_elevation; });
     course(
         "jaw 0 to 35 deg", [](auto& i) { i.posture.jaw_opening = 0.0f; },
-        [](auto& i) { i.posture.jaw_opening = anatomy::max_jaw_opening; });
+        [](auto& i) { i.posture.jaw_opening = max_jaw_opening; });
     course(
-        "table -20 to 20 deg", [](auto& i) { i.posture.table_angle = -anatomy::max_table_angle; },
-        [](auto& i) { i.posture.table_angle = anatomy::max_table_angle; });
+        "table -20 to 20 deg", [](auto& i) { i.posture.table_angle = -max_table_angle; },
+        [](auto& i) { i.posture.table_angle = max_table_angle; });
     course(
         "tongue scale 0.8 to 1.4", [](auto& i) { i.tongue_scale = 0.8f; },
         [](auto& i) { i.tongue_scale = 1.4f; });
@@ -139,12 +139,12 @@ void measure_sweeps(SpeedMeter& meter) {
     course(
         "head, jaw, table, tongue and tissue together",
         [](auto& i) {
-            i.posture = {0.0f, 0.0f, -anatomy::max_table_angle};
+            i.posture = {0.0f, 0.0f, -max_table_angle};
             i.tongue_scale = 0.8f;
             i.tissue_stiffness = 1e3f;
         },
         [](auto& i) {
-            i.posture = {anatomy::max_head_elevation, anatomy::max_jaw_opening, anatomy::max_table_angle};
+            i.posture = {max_head_elevation, max_jaw_opening, max_table_angle};
             i.tongue_scale = 1.4f;
             i.tissue_stiffness = 18e3f;
         });

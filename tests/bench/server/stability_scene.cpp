@@ -65,8 +65,8 @@ Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
 }  // namespace
 
 void head_in_one_step(const Sweep& sweep, Maps& maps) {
-    const anatomy::Posture rest{}, head{anatomy::max_head_elevation, 0.0f},
-        jaw{0.0f, anatomy::max_jaw_opening}, both{anatomy::max_head_elevation, anatomy::max_jaw_opening};
+    const anatomy::Posture rest{}, head{max_head_elevation, 0.0f}, jaw{0.0f, max_jaw_opening},
+        both{max_head_elevation, max_jaw_opening};
     const std::vector<Move> moves = {
         {"head 0 to 30 deg", rest, head},
         {"head 30 to 0 deg", head, rest},

@@ -52,6 +52,22 @@ TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
     EXPECT_TRUE(pad.update(reading, dt).empty());
 }
 
+TEST(CommandPad, SuctionIsSentAgainToANewServerAndLetGoOfAtTheEnd) {
+    CommandPad pad;
+    EXPECT_TRUE(pad.let_go().empty());
+    Reading reading;
+    reading.buttons = 1;
+    EXPECT_EQ(pad.update(reading, dt).size(), 1u);
+    EXPECT_TRUE(pad.update(reading, dt).empty());
+    pad.begin_again();
+    ASSERT_EQ(pad.update(reading, dt).size(), 1u);
+    const std::vector<PadCommand> last = pad.let_go();
+    ASSERT_EQ(last.size(), 1u);
+    EXPECT_EQ(last[0].kind, msg::COMMAND_SUCTION);
+    EXPECT_EQ(last[0].value, 0.0f);
+    EXPECT_TRUE(pad.let_go().empty());
+}
+
 TEST(CommandPad, MovesNothingUntilItKnowsWhereThePatientIs) {
     CommandPad pad;
     Reading reading;

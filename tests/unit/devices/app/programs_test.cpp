@@ -4,6 +4,7 @@
 // The programs as a person starts them.
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <pty.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,10 +28,10 @@ using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A program that runs, its output going to files.
+/// A program that runs, its output going to files; its input is a terminal if asked.
 class Running {
   public:
-    Running(const char* program, std::vector<std::string> arguments)
+    Running(const char* program, std::vector<std::string> arguments, bool terminal = false)
         : base_(testing::TempDir() + "eti_program_" + std::to_string(::getpid())) {
         arguments.insert(arguments.begin(), program);
         std::vector<char*> raw;
@@ -38,7 +39,7 @@ class Running {
             raw.push_back(argument.data());
         }
         raw.push_back(nullptr);
-        pid_ = ::fork();
+        pid_ = terminal ? ::forkpty(&terminal_, nullptr, nullptr, nullptr) : ::fork();
         if (pid_ == 0) {
             ::dup2(::open((base_ + ".out").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
             ::dup2(::open((base_ + ".err").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
@@ -51,6 +52,7 @@ class Running {
             ::kill(pid_, SIGKILL);
             ::waitpid(pid_, nullptr, 0);
         }
+        hang_up();
         std::remove((base_ + ".out").c_str());
         std::remove((base_ + ".err").c_str());
     }
@@ -58,6 +60,16 @@ class Running {
     Running& operator=(const Running&) = delete;
 
     void send(int signal) const { ::kill(pid_, signal); }
+    void type(const std::string& keys) const {
+        EXPECT_EQ(::write(terminal_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
+    }
+    /// Closes the terminal, if there is one.
+    void hang_up() {
+        if (terminal_ >= 0) {
+            ::close(terminal_);
+            terminal_ = -1;
+        }
+    }
 
     /// Exit status; -1 when a signal ended it, -2 when it did not end in time.
     int wait(std::chrono::seconds limit = 30s) {
@@ -96,6 +108,7 @@ class Running {
 
     std::string base_;
     pid_t pid_ = 0;
+    int terminal_ = -1;
 };
 
 std::vector<std::string> with(const std::string& device, std::vector<std::string> more = {}) {
@@ -275,6 +288,15 @@ TEST_F(Calibrate, FindsATipAndRefusesWhatDoesNotTell) {
                             (folder_ / "pivot.yaml").string(), "--json"});
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_NEAR(nlohmann::json::parse(done.out).at("tip_mm")[2], 100.0, 1e-3);
+    const Done as_calibration =
+        run(ETI_HAPTICS,
+            with("openhaptics", {"--calibration", (folder_ / "pivot.yaml").string(), "--duration", "1"}));
+    EXPECT_GT(as_calibration.status, 0);
+    EXPECT_THAT(as_calibration.err, HasSubstr("is a pivot"));
+    const Done of_another = run(
+        ETI_CALIBRATE, {"register", "--device", "trakstar", "--pivot", (folder_ / "pivot.yaml").string()});
+    EXPECT_GT(of_another.status, 0);
+    EXPECT_THAT(of_another.err, HasSubstr("expected a pivot of 'trakstar'"));
     const Done refused =
         run(ETI_CALIBRATE, {"pivot", "--device", "openhaptics", "--poses", write("s.txt", still)});
     EXPECT_GT(refused.status, 0);
@@ -323,6 +345,9 @@ TEST(Controller, PassesCommandsOnAndHearsTheAnswers) {
     program.send(SIGINT);
     EXPECT_EQ(program.wait(), 0);
     EXPECT_EQ(nlohmann::json::parse(program.out()).at("refused"), 1);
+    ASSERT_TRUE(commands.take(command)) << "the button is still pressed: suction would go on";
+    EXPECT_EQ(command.kind(), msg::COMMAND_SUCTION);
+    EXPECT_EQ(command.value(), 0.0f);
     ::close(end);
     ::unlink(pad.c_str());
 }
@@ -340,6 +365,29 @@ TEST(Haptics, ThePanicSignalLetsGoAndIsCounted) {
     EXPECT_GT(result.at("stopped_share"), 0.1);
     EXPECT_TRUE(result.contains("energy_mj"));
     EXPECT_GT(result.at("compute_us").at("p99"), 0.0);
+}
+
+// Keys that are no letters too: Home, and those that would stop the output or the process.
+TEST(Haptics, AnyKeyLetsGoAndRGivesForcesBack) {
+    for (const char* key : {" ", "\x1b[H", "\x13", "\x1a"}) {
+        Running program(ETI_HAPTICS, with("simulated"), true);
+        ASSERT_TRUE(program.says("any key lets go")) << program.err();
+        program.type(key);
+        ASSERT_TRUE(program.says("forces are off", 5s)) << program.err() << static_cast<int>(key[0]);
+        program.type("r");
+        ASSERT_TRUE(program.says("forces come back", 5s)) << program.err();
+        program.type("\x03");
+        EXPECT_EQ(program.wait(), 0) << program.err();
+        EXPECT_THAT(program.err(), HasSubstr("ended: interrupted"));
+    }
+}
+
+TEST(Haptics, ATerminalThatIsClosedEndsItInOrder) {
+    Running program(ETI_HAPTICS, with("simulated"), true);
+    ASSERT_TRUE(program.says("any key lets go")) << program.err();
+    program.hang_up();
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    EXPECT_THAT(program.err(), HasSubstr("ended: interrupted"));
 }
 
 TEST(Haptics, HoldsTheTubeWhereItIsAsked) {

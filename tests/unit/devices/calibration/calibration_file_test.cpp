@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <limits>
 
 #include "common/scenario/scenario.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
@@ -36,6 +37,7 @@ class CalibrationFile : public ::testing::Test {
 
 TEST_F(CalibrationFile, ComesBackAsItWasWritten) {
     Calibration c;
+    c.registered = false;
     c.device = "openhaptics";
     c.date = utc_now();
     c.points = 10;
@@ -45,6 +47,7 @@ TEST_F(CalibrationFile, ComesBackAsItWasWritten) {
     c.tool = {quaternion_from({0.0f, 1.5f, 0.0f}), {0.01f, 0.0f, -0.06f}};
     save_calibration(c, file_);
     const Calibration back = load_calibration(file_);
+    EXPECT_FALSE(back.registered);
     EXPECT_EQ(back.device, "openhaptics");
     EXPECT_EQ(back.date, c.date);
     EXPECT_EQ(back.date.size(), 20u);
@@ -89,10 +92,15 @@ TEST_F(CalibrationFile, PointsAndPosesNameTheLineThatIsWrong) {
 /// A device that stands still and remembers what it was given.
 class Still final : public Sensor {
   public:
-    explicit Still(Wrench& given) : given_(given) {}
+    explicit Still(Wrench& given, const bool& broken) : given_(given), broken_(broken) {}
+    [[nodiscard]] Abilities abilities() const override { return {.force = 8.0f, .torque = 0.5f}; }
     Reading exchange(const Wrench& wrench, float) override {
         given_ = wrench;
         Reading reading;
+        if (broken_) {
+            reading.motion.pose.rotation = Quatf(std::numeric_limits<float>::quiet_NaN(), 0, 0, 0);
+            return reading;
+        }
         reading.motion.pose = {quaternion_from({0, 0, 0.5f}), {0.1f, 0, 0}};
         reading.motion.velocity = {0.01f, 0, 0};
         reading.motion.angular_velocity = {0, 0, 2.0f};
@@ -101,6 +109,7 @@ class Still final : public Sensor {
 
   private:
     Wrench& given_;
+    const bool& broken_;
 };
 
 // Power is the same in both frames and at both points: force times velocity plus torque times turning.
@@ -109,7 +118,8 @@ TEST(CalibratedSensor, GivesTheToolsPoseAndKeepsPower) {
     c.to_patient = {quaternion_from({1.0f, 0.3f, 0}), {0.3f, 0.2f, -0.1f}};
     c.tool = {quaternion_from({0, 1.5f, 0}), {0.01f, 0.05f, -0.06f}};
     Wrench given;
-    CalibratedSensor sensor(std::make_unique<Still>(given), c);
+    const bool broken = false;
+    CalibratedSensor sensor(std::make_unique<Still>(given, broken), c);
     Reading reading = sensor.exchange({}, 1e-3f);
     const RigidTransform expected =
         c.to_patient * RigidTransform{quaternion_from({0, 0, 0.5f}), {0.1f, 0, 0}} * c.tool;
@@ -122,6 +132,25 @@ TEST(CalibratedSensor, GivesTheToolsPoseAndKeepsPower) {
     const float inside = given.force.dot(Vec3f(0.01f, 0, 0)) + given.torque.dot(Vec3f(0, 0, 2.0f));
     EXPECT_NEAR(outside, inside, 1e-6f);
     EXPECT_GT(std::abs(outside), 0.1f);
+}
+
+TEST(CalibratedSensor, AsksMotorsForNothingTheyCannotGive) {
+    Calibration c;
+    c.tool = {Quatf::Identity(), {0, 0, -0.1f}};
+    Wrench given;
+    bool broken = false;
+    CalibratedSensor sensor(std::make_unique<Still>(given, broken), c);
+    (void)sensor.exchange({}, 1e-3f);
+    const Wrench far{{8.0f, 0, 0}, Vec3f::Zero()};  // 0.8 N m about the moving part
+    (void)sensor.exchange(far, 1e-3f);
+    EXPECT_EQ(given.force.norm(), 8.0f);
+    EXPECT_NEAR(given.torque.norm(), 0.5f, 1e-6f);
+    // A pose that is none tells no arm; the last one does.
+    broken = true;
+    (void)sensor.exchange(far, 1e-3f);
+    (void)sensor.exchange(far, 1e-3f);
+    EXPECT_TRUE(given.torque.allFinite());
+    EXPECT_NEAR(given.torque.norm(), 0.5f, 1e-6f);
 }
 
 }  // namespace

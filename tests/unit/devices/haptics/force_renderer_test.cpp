@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <deque>
 #include <limits>
 
@@ -129,6 +130,53 @@ TEST_F(Engaged, WhatIsNotFiniteGivesNothingAtOnceAndForGood) {
     }
 }
 
+TEST_F(Engaged, ALateCycleGivesNoMoreThanOneInTime) {
+    const float most = settings_.coupling.force_rate_limit * settings_.safety.longest_cycle;
+    scene_.tissue.wrench.force = {5.0f, 0, 0};
+    now_ += 15 * ms;
+    scene_.proxy_arrived = scene_.tissue_arrived = now_;
+    EXPECT_LE(renderer_.cycle(device_, scene_, now_, 15e-3f).force.norm(), 1.001f * most);
+}
+
+TEST_F(Engaged, ALoopThatStoodStillBeginsAnewByTheRamp) {
+    scene_.tissue.wrench.force = {5.0f, 0, 0};
+    for (int i = 0; i < settled; ++i) {
+        (void)cycle();
+    }
+    ASSERT_GT(cycle().force.norm(), 4.9f);
+    now_ += 500 * ms;
+    scene_.proxy_arrived = scene_.tissue_arrived = now_;
+    EXPECT_EQ(renderer_.cycle(device_, scene_, now_, 0.5f).force.norm(), 0.0f);
+    for (int i = 0; i < 100; ++i) {
+        EXPECT_LT(cycle().force.norm(), 1.0f) << i;  // a fifth of the ramp
+    }
+    for (int i = 0; i < 600; ++i) {
+        (void)cycle();
+    }
+    EXPECT_GT(cycle().force.norm(), 4.9f);
+}
+
+TEST_F(Engaged, AMessageThatComesInAfterTheCycleBeganIsNoOldOne) {
+    scene_.tissue.wrench.force = {2.0f, 0, 0};
+    for (int i = 0; i < settled; ++i) {
+        (void)cycle();
+    }
+    now_ += ms;
+    scene_.proxy_arrived = scene_.tissue_arrived = now_ + 1000;
+    EXPECT_GT(renderer_.cycle(device_, scene_, now_, dt).force.norm(), 1.9f);
+    EXPECT_FALSE(renderer_.stale());
+}
+
+TEST_F(Engaged, ATorqueIsNotQuietEither) {
+    ForceRenderer waking(settings_);
+    scene_.tissue.wrench.torque = {0, 0.1f, 0};
+    for (int i = 0; i < 1000; ++i) {
+        now_ += ms;
+        scene_.proxy_arrived = scene_.tissue_arrived = now_;
+        ASSERT_EQ(waking.cycle(device_, scene_, now_, dt).torque.norm(), 0.0f) << i;
+    }
+}
+
 TEST_F(Engaged, SilenceFadesTheForceWithin20ms) {
     scene_.tissue.wrench.force = {settings_.coupling.force_limit, 0, 0};
     for (int i = 0; i < 50; ++i) {
@@ -239,6 +287,45 @@ TEST_F(Engaged, ATubeIsFeltByItsOwnForceAlone) {
     }
     EXPECT_LT((wrench.force - Vec3f(0, 0, -0.8f)).norm(), 1e-6f);
     EXPECT_LT((wrench.torque - Vec3f(0.01f, 0, 0)).norm(), 1e-7f);
+}
+
+// What the blade touches is no lever for the tube.
+TEST_F(Engaged, ATubeWithoutTorqueKeepsItsForceWhereverTheBladeIs) {
+    settings_.tool = Tool::tube;
+    settings_.torque = false;
+    renderer_ = ForceRenderer(settings_);
+    SetUp();
+    scene_.proxy.contacts = 1;
+    scene_.proxy.normals[0] = Vec3f::UnitY();
+    scene_.proxy.contact_centre = {0, 0.03f, 0};
+    scene_.tissue.wrench = {{0, 0, -0.8f}, {0.05f, 0, 0}};
+    Wrench wrench;
+    for (int i = 0; i < settled; ++i) {
+        wrench = cycle();
+    }
+    EXPECT_LT((wrench.force - Vec3f(0, 0, -0.8f)).norm(), 1e-6f);
+    EXPECT_EQ(wrench.torque.norm(), 0.0f);
+}
+
+// 2 N along z at a gimbal 60 mm from the tool's origin, about which the tool turns by 0.2 rad: the gimbal
+// goes 0.06 m * sin 0.2 along the force.
+TEST_F(Engaged, WithoutTorqueEnergyIsThatOfTheGimbal) {
+    settings_.torque = false;
+    settings_.gimbal = {0, 0.06f, 0};
+    settings_.passivity.on = false;
+    renderer_ = ForceRenderer(settings_);
+    SetUp();
+    scene_.tissue.wrench.force = {0, 0, 2.0f};
+    for (int i = 0; i < settled; ++i) {
+        (void)cycle();
+    }
+    const double before = renderer_.passivity().stored();
+    for (int i = 1; i <= 200; ++i) {
+        device_.pose.rotation = quaternion_from({1e-3f * static_cast<float>(i), 0, 0});
+        scene_.proxy.proxy.pose.rotation = scene_.proxy.device.rotation = device_.pose.rotation;
+        (void)cycle();
+    }
+    EXPECT_NEAR(renderer_.passivity().stored() - before, -2.0 * 0.06 * std::sin(0.2), 2e-4);
 }
 
 // The blade is levered on a gum at the origin: the shell turns the proxy back by 0.1 rad, 0.15 N m. Without

@@ -133,6 +133,25 @@ TEST_F(LinkTest, BringsProxyAndTissueIn) {
     EXPECT_NEAR(got.seen.time, 5.0 / 180.0, 1e-6);
     EXPECT_GT(got.proxy_arrived, before);
     EXPECT_LE(got.proxy_arrived, monotonic_ns());
+
+    // One that cannot be believed takes the force of the last one back, at once and not when it is old.
+    msg::ProxyState bad = state;
+    bad.velocity().x(std::numeric_limits<float>::quiet_NaN());
+    EXPECT_TRUE(eventually([&] {
+        server_.proxy.publish(bad);
+        return newest().proxy_arrived == 0;
+    }));
+    msg::TissueContacts worse = tissue;
+    worse.force(bus::to_msg(Vec3f(0, std::numeric_limits<float>::infinity(), 0)));
+    EXPECT_TRUE(eventually([&] {
+        server_.tissue.publish(worse);
+        return newest().tissue_arrived == 0;
+    }));
+    EXPECT_TRUE(eventually([&] {
+        server_.proxy.publish(state);
+        server_.tissue.publish(tissue);
+        return newest().proxy_arrived > 0 && newest().tissue_arrived > 0;
+    }));
 }
 
 TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
@@ -143,10 +162,12 @@ TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
     turn.device().orientation().w(0.0f);
     msg::ProxyState speed = Server::state(1);
     speed.velocity().y(std::numeric_limits<float>::infinity());
+    msg::ProxyState never = Server::state(1);
+    never.header().simulation_time_ns(~std::uint64_t{0});
     msg::ProxyState normal = Server::state(1);
     normal.contacts().emplace_back();
     std::uint64_t refused = 0;
-    for (const msg::ProxyState& message : {pose, turn, speed, normal}) {
+    for (const msg::ProxyState& message : {pose, turn, speed, never, normal}) {
         ASSERT_TRUE(eventually([&] {
             server_.proxy.publish(message);
             return link_.refused() > refused;

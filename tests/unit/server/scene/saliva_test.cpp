@@ -298,9 +298,9 @@ TEST_F(SalivaInScene, RunsToTheEndOfTheTableThatIsLower) {
         }
         return z;
     };
-    const float head_down = middle(-anatomy::max_table_angle);
+    const float head_down = middle(-max_table_angle);
     const float level = middle(0.0f);
-    const float head_up = middle(anatomy::max_table_angle);
+    const float head_up = middle(max_table_angle);
     // More than a particle's way.
     EXPECT_GT(head_down, level + 0.3e-3f);
     EXPECT_LT(head_up, level - 0.3e-3f);

@@ -158,7 +158,7 @@ TEST_F(SceneTest, PostureIsApproachedAtANursesPace) {
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         scene.step(inputs);
     }
-    EXPECT_FLOAT_EQ(scene.snapshot().head_elevation, anatomy::max_head_elevation);
+    EXPECT_FLOAT_EQ(scene.snapshot().head_elevation, max_head_elevation);
 }
 
 /// The tongue's particles that have left their mean by most: height of the highest fifty [m].
@@ -286,7 +286,7 @@ TEST_F(SceneTest, ATiltedTableTurnsGravityAndNothingElse) {
     for (int k = 0; k < 4 * steps_per_second; ++k) {
         tilted.step(inputs);
     }
-    EXPECT_FLOAT_EQ(tilted.snapshot().table_angle, anatomy::max_table_angle);
+    EXPECT_FLOAT_EQ(tilted.snapshot().table_angle, max_table_angle);
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         EXPECT_EQ(tilted.snapshot().frames[b].centre, before[b].centre);
     }
