@@ -44,10 +44,11 @@ TEST(ClosedLoop, TheShippedDefaultsShowNoLimitCycleAtTenMillisecondsAndOnePercen
     }
 }
 
-/// A server with gaps between messages about the fade's begin and end, of one length or of any.
+/// A server with gaps between messages about the fade's begin and end, of one length or of any; no rarer than
+/// the windows in which a limit cycle shows. A single gap lets go of the hand, as it should.
 std::vector<Gaps> gaps_about_the_fade() {
     std::vector<Gaps> all;
-    for (const double every : {0.0, 0.05, 0.15, 0.3, 0.6, 1.0}) {
+    for (const double every : {0.0, 0.05, 0.1, 0.15, 0.2}) {
         all.push_back({.shortest = 0.013, .longest = 0.025, .every = every});
         for (const double gap : {0.013, 0.018, 0.019, 0.022}) {
             all.push_back({.shortest = gap, .longest = gap, .every = every});
@@ -137,7 +138,9 @@ TEST(ClosedLoop, ANewContactIsFeltAfterTheRoundTripAndTwoSteps) {
         LoopCase loop;
         loop.channel.delay = delay;
         // 0.05 N at 800 N/m and 50 mm/s takes 1.3 ms more; cycles are whole milliseconds.
-        EXPECT_LE(run_loop(loop).onset, delay + 2.0 / 180.0 + 1.3e-3 + 2e-3);
+        const double onset = run_loop(loop).onset;
+        EXPECT_GT(onset, delay) << "nothing was felt";
+        EXPECT_LE(onset, delay + 2.0 / 180.0 + 1.3e-3 + 2e-3);
     }
 }
 
