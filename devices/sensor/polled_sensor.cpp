@@ -47,9 +47,11 @@ Reading PolledSensor::exchange(const Wrench&, float) {
     reading.motion = {measured->sample.pose, measured->velocity, measured->angular_velocity};
     reading.buttons = measured->sample.buttons;
     reading.axes = measured->sample.axes;
-    // A source that speaks only when something changes is as good as new while it is open.
-    reading.sample = source_->rate() > 0.0f ? measured->number : calls_;
-    reading.present = present_.load(std::memory_order_relaxed);
+    // A source that speaks only when something changes is as good as new while it is open; of one that
+    // measures, the pose to begin with is no measurement.
+    const bool measures = source_->rate() > 0.0f;
+    reading.sample = measures ? measured->number : calls_;
+    reading.present = present_.load(std::memory_order_relaxed) && (!measures || measured->number > 0);
     return reading;
 }
 

@@ -222,36 +222,40 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
                     1e2 * static_cast<double>(head.mean - 2.0f * head.deviation),
                     1e2 * static_cast<double>(head.mean + 2.0f * head.deviation),
                     "Keen & Pearce 1988, Arch Dis Child 63, of the age, 2 SD"});
+    // What was published of term newborns: `power` 1 for lengths, 2 for areas.
+    const auto of_term = [&](const char* name, double value, const char* unit, double low, double high,
+                             int power, const std::string& source) {
+        const double by = std::pow(grown, power);
+        const bool other = std::abs(grown - 1.0) > 0.01;
+        list.push_back(
+            {name, value, unit, low * by, high * by,
+             other ? source + "; of term newborns, carried to this weight by its cube root" : source});
+    };
     const Jaw jaw = measure_jaw(patient);
-    list.push_back({"mandible, between the gonia", 1e3 * jaw.gonial_width, "mm", (63.6 - 2 * 6.8) * grown,
-                    (63.6 + 2 * 6.8) * grown, "Front Pediatr 2023;11:1172909, 2 SD"});
-    list.push_back({"mandible, menton to gonial line", 1e3 * jaw.menton_to_gonia, "mm",
-                    (32.0 - 2 * 3.7) * grown, (32.0 + 2 * 3.7) * grown,
-                    "Front Pediatr 2023;11:1172909, 2 SD"});
+    of_term("mandible, between the gonia", 1e3 * jaw.gonial_width, "mm", 63.6 - 2 * 6.8, 63.6 + 2 * 6.8, 1,
+            "Front Pediatr 2023;11:1172909, 2 SD");
+    of_term("mandible, menton to gonial line", 1e3 * jaw.menton_to_gonia, "mm", 32.0 - 2 * 3.7,
+            32.0 + 2 * 3.7, 1, "Front Pediatr 2023;11:1172909, 2 SD");
     const BonePoses wide = pose_bones(patient.skeleton, {0.0f, max_jaw_opening});
-    list.push_back({"gums apart at 35 deg jaw opening",
-                    1e3 * static_cast<double>((posed(patient, Landmark::upper_gum, wide) -
-                                               posed(patient, Landmark::lower_gum, wide))
-                                                  .norm()),
-                    "mm", 20.4 * grown, 23.6 * grown,
-                    "maximal opening under one month, Front Pediatr 2023;11:1172909, 95 % CI of the mean"});
-    list.push_back({"glottis, length",
-                    1e3 * distance(Landmark::glottis_anterior, Landmark::glottis_posterior), "mm",
-                    4.2 * grown, 6.6 * grown, "Sato 2015, Laryngoscope 125:E186, 2 SD"});
-    list.push_back({"glottis, area", 1e6 * polygon_area(patient.glottis_contour), "mm^2", 7.5 * grown * grown,
-                    8.2 * grown * grown,
-                    "Sato 2015, means of girls and boys at rest; the model's cords are drawn apart"});
-    list.push_back({"vocal cords to carina", 1e3 * distance(Landmark::glottis, Landmark::carina), "mm",
-                    0.95 * 50.4 * grown, 1.05 * 53.0 * grown,
-                    "Ann Otol Rhinol Laryngol 2001;110:268 and Anesth Analg Aug 2013, means, 5 %"});
+    of_term("gums apart at 35 deg jaw opening",
+            1e3 * static_cast<double>(
+                      (posed(patient, Landmark::upper_gum, wide) - posed(patient, Landmark::lower_gum, wide))
+                          .norm()),
+            "mm", 20.4, 23.6, 1,
+            "maximal opening under one month, Front Pediatr 2023;11:1172909, 95 % CI of the mean");
+    of_term("glottis, length", 1e3 * distance(Landmark::glottis_anterior, Landmark::glottis_posterior), "mm",
+            4.2, 6.6, 1, "Sato 2015, Laryngoscope 125:E186, 2 SD");
+    of_term("glottis, area", 1e6 * polygon_area(patient.glottis_contour), "mm^2", 7.5, 8.2, 2,
+            "Sato 2015, means of girls and boys at rest; the model's cords are drawn apart");
+    of_term("vocal cords to carina", 1e3 * distance(Landmark::glottis, Landmark::carina), "mm", 0.95 * 50.4,
+            1.05 * 53.0, 1, "Ann Otol Rhinol Laryngol 2001;110:268 and Anesth Analg Aug 2013, means, 5 %");
     const Vec3f below =
         rest_of(patient, Landmark::glottis) +
         0.2f * (rest_of(patient, Landmark::trachea_mid) - rest_of(patient, Landmark::glottis));
-    list.push_back({"subglottis, diameter", 1e3 * lumen_diameter(patient, below), "mm", 4.5 * grown,
-                    5.0 * grown, "no published range at hand; usual teaching"});
-    list.push_back({"trachea, diameter",
-                    1e3 * lumen_diameter(patient, rest_of(patient, Landmark::trachea_mid)), "mm", 4.5 * grown,
-                    5.5 * grown, "no published range at hand; usual teaching"});
+    of_term("subglottis, diameter", 1e3 * lumen_diameter(patient, below), "mm", 4.5, 5.0, 1,
+            "no published range at hand; usual teaching");
+    of_term("trachea, diameter", 1e3 * lumen_diameter(patient, rest_of(patient, Landmark::trachea_mid)), "mm",
+            4.5, 5.5, 1, "no published range at hand; usual teaching");
     const BonePoses ready = pose_bones(patient.skeleton, {26.0f * degree, 29.0f * degree});
     const double to_glottis = static_cast<double>(
         (posed(patient, Landmark::mouth_opening, ready) - posed(patient, Landmark::glottis, ready)).norm());

@@ -27,8 +27,12 @@ float approach(float from, float to, float most) {
 class Hash {
   public:
     template <class T>
-    void add(const std::vector<T>& values) {
+    void add(std::span<const T> values) {
         bytes(values.data(), values.size() * sizeof(T));
+    }
+    template <class Scalar, int rows>
+    void add(const Eigen::Matrix<Scalar, rows, 1>& vector) {
+        bytes(vector.data(), sizeof(Scalar) * rows);
     }
     void add(const RigidTransform& pose) {
         bytes(pose.rotation.coeffs().data(), 4 * sizeof(float));
@@ -339,11 +343,22 @@ void Scene::fill_snapshot(const Inputs& inputs) {
 
 std::uint64_t Scene::state_hash() const {
     Hash hash;
-    hash.add(tissue_.body().particles.position);
-    hash.add(tissue_.body().particles.velocity);
-    hash.add(snapshot_.tube_nodes);
+    hash.add(std::span<const Vec3f>(tissue_.body().particles.position));
+    hash.add(std::span<const Vec3f>(tissue_.body().particles.velocity));
+    for (const pbd::RodSegment& segment : tube_.rod().segments()) {
+        hash.add(segment.position);
+        hash.add(Eigen::Vector4d(segment.rotation.coeffs()));
+        hash.add(segment.velocity);
+        hash.add(segment.angular_velocity);
+    }
     hash.add(snapshot_.proxy);
-    hash.add(snapshot_.saliva.positions);
+    hash.add(snapshot_.last_free);
+    hash.add(snapshot_.proxy_velocity);
+    hash.add(snapshot_.proxy_angular_velocity);
+    if (saliva_) {
+        hash.add(saliva_->fluid().positions());
+        hash.add(saliva_->fluid().velocities());
+    }
     return hash.value();
 }
 

@@ -76,7 +76,8 @@ class Scene {
     /// Times the stages of every further step with `clock`, which has to outlive them; nullptr: none.
     void time_stages(StageClock* clock) { clock_ = clock; }
 
-    /// FNV-1a over the bits of all particle, rod, proxy and liquid state.
+    /// FNV-1a over the bits of places and velocities of particles, rod, proxy and liquid. What contacts
+    /// remember from step to step is not among them, and shows in them a step later.
     [[nodiscard]] std::uint64_t state_hash() const;
 
     /// Patient and tools as at the start, with the tools at `start`. Simulation time goes on.

@@ -33,6 +33,7 @@ class TubeContact {
 
     void reset(const RigidTransform& grip);
     void nodes(std::vector<Vec3f>& out) const;
+    [[nodiscard]] const pbd::Rod& rod() const { return rod_; }
 
   private:
     struct Ends {

@@ -2,14 +2,18 @@
 # Copyright the NeoETI authors
 """eti-anatomy from volume to surfaces, as a person runs it."""
 
+import gzip
 import json
 import signal
 import subprocess
 import time
 
+import numpy
 from PIL import Image
 
 import support
+
+BONE, MANDIBLE = 2, 4
 
 
 class Anatomy(support.Case):
@@ -43,6 +47,26 @@ class Anatomy(support.Case):
         for surface in json.loads(done.stdout)["surfaces"]:
             size = (self.folder / "surfaces" / f"{surface['name']}.stl").stat().st_size
             self.assertEqual(size, 84 + 50 * surface["triangles"])
+
+        # Without a mandible there is nothing to hang a tongue on: surfaces, and no model.
+        self.relabel(labels, MANDIBLE, BONE)
+        model = self.folder / "model.h5"
+        done = self.anatomy("build", labels, "--out", model, "--json")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertIsNone(result["model"])
+        self.assertIn("mandible", result["why_no_model"])
+        self.assertFalse(model.exists())
+        self.assertTrue((self.folder / "model-surfaces" / "skin.stl").exists())
+
+    @staticmethod
+    def relabel(file, old, new):
+        """In a volume of labels as eti-anatomy writes it: a header, an empty line, zipped bytes."""
+        header, packed = file.read_bytes().split(b"\n\n", 1)
+        voxels = numpy.frombuffer(gzip.decompress(packed), numpy.uint8).copy()
+        assert (voxels == old).any()
+        voxels[voxels == old] = new
+        file.write_bytes(header + b"\n\n" + gzip.compress(voxels.tobytes()))
 
     def test_a_built_model_is_what_the_server_builds(self):
         coarse = "patient: {weight_kg: 2.5}\nphysics: {spacing_mm: 3, fine_spacing_mm: 1.5}\n"

@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
     eti::bench::StabilityOptions stability;
     CLI::App* limits = app.add_subcommand("stability", "Where every method survives, recovers or fails");
     limits->add_option("--out", stability.out, "Folder for the table")->capture_default_str();
-    limits->add_flag("--quick", stability.quick, "The shipped setting only");
+    limits->add_flag("--quick", stability.quick, "The shipped methods and substep only");
     limits->add_option("--only", stability.only, "One part of the maps")
         ->check(CLI::IsMember(eti::bench::stability_part_names()));
     eti::bench::SpeedOptions speed;

@@ -2,11 +2,11 @@
 // Copyright the NeoETI authors
 #include <fmt/format.h>
 
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <vector>
 
@@ -41,11 +41,10 @@ void stages(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs&
     }
 }
 
-/// What the calling thread has taken of a processor [ms]: what other programs do beside it does not count.
-double processor_ms() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+/// By the clock [ms]: a step that waits for what is computed beside it takes that long, too.
+double clock_ms() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 /// The slowest and the middle step while something goes through its full range and back. Each step is the
@@ -68,9 +67,9 @@ void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& 
                 const scene::Snapshot& s = simulation.snapshot();
                 const std::array before = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,
                                            s.tissue_stiffness};
-                const double began = processor_ms();
+                const double began = clock_ms();
                 simulation.scene().step(inputs);
-                const double took = processor_ms() - began;
+                const double took = clock_ms() - began;
                 least.resize(std::max(least.size(), step + 1), 1e300);
                 least[step] = std::min(least[step], took);
                 const std::array after = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,

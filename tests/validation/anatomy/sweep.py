@@ -12,9 +12,10 @@ interrupted sweep goes on where it was.
 
 Whoever sees enough of the glottis and does not get the tube in may try again, up to three times, each with another
 tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
-intubated once its most difficult features, taken one after the other by how far they are from usual, are usual. It is
-also when the tube is thicker than the windpipe is wide. Anything else is a fault, as is a model that does not hold what
-eti-anatomy check tests; the sweep fails with a fault.
+intubated once its most difficult features, taken one after the other by how far they are from usual, are usual; a
+feature less than a tenth of the way to the difficult end of its range is no reason. It is also when the tube is thicker
+than the windpipe is wide. Anything else is a fault, as is a model that does not hold what eti-anatomy check tests; the
+sweep fails with a fault.
 """
 
 import argparse
@@ -41,6 +42,8 @@ VARIANTS = {"micrognathia": {"mandible_scale": 0.8}, "macroglossia": {"tongue_sc
 # Name: the usual value and the difficult end of the range.
 DIFFICULT = {"tongue_scale": (1, 1.4), "mandible_scale": (1, 0.7), "mouth_scale": (1, 0.7),
              "larynx_anterior_mm": (0, 3), "larynx_superior_mm": (0, 3)}
+# Share of the way to the difficult end; less is as good as usual, and no reason.
+NOTABLE = 0.1
 # [%], the view at which the shipped expert takes the tube (deploy/operators/expert.yaml).
 WANTED_VIEW = 25
 ATTEMPTS = 3
@@ -134,7 +137,8 @@ def why_not(shape, spacing, folder):
     """The features that, made usual, let the newborn be intubated; None where there is no such anatomical reason."""
     own = {**{k: v for k, v in shape.items() if k != "variant"}, **VARIANTS.get(shape.get("variant"), {})}
     far = {name: (own[name] - usual) / (worst - usual)
-           for name, (usual, worst) in DIFFICULT.items() if name in own and (own[name] - usual) / (worst - usual) > 0}
+           for name, (usual, worst) in DIFFICULT.items()
+           if name in own and (own[name] - usual) / (worst - usual) > NOTABLE}
     blamed = []
     for name in sorted(far, key=far.get, reverse=True):
         blamed.append(f"{name} {own[name]:g}")

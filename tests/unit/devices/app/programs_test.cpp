@@ -214,6 +214,33 @@ INSTANTIATE_TEST_SUITE_P(Devices, EitherProgram,
                                            std::pair(ETI_TRACKER, "scripted")),
                          [](const auto& run) { return std::string(run.param.second); });
 
+/// A program, a device with a vendor's library, and a stand-in for that.
+struct OnVendorsLibrary {
+    const char *program, *device, *library;
+};
+class VendorsDevice : public ::testing::TestWithParam<OnVendorsLibrary> {};
+
+TEST_P(VendorsDevice, IsReadAndPublished) {
+    const auto& [program, device, library] = GetParam();
+    Running running(program, with(device, {"--library", library, "--json", "--duration", "2"}));
+    EXPECT_EQ(running.wait(), 0) << running.err();
+    EXPECT_THAT(running.err(), HasSubstr("is not calibrated"));
+    const auto result = nlohmann::json::parse(running.out());
+    EXPECT_GT(result.at("poses_published"), 40);
+    EXPECT_EQ(result.at("device_losses"), 0);
+    EXPECT_EQ(result.at("poses_left_out"), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, VendorsDevice,
+                         ::testing::Values(OnVendorsLibrary{ETI_HAPTICS, "openhaptics", STAND_IN_OPENHAPTICS},
+                                           OnVendorsLibrary{ETI_TRACKER, "openhaptics", STAND_IN_OPENHAPTICS},
+                                           OnVendorsLibrary{ETI_TRACKER, "trakstar", STAND_IN_TRAKSTAR}),
+                         [](const auto& run) {
+                             return std::string(run.param.program == std::string(ETI_HAPTICS) ? "haptics_"
+                                                                                              : "tracker_") +
+                                    run.param.device;
+                         });
+
 /// Of a program that needs no server: exit status, what it printed, what it logged.
 struct Done {
     int status;

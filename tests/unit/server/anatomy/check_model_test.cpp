@@ -47,7 +47,7 @@ std::uint32_t first_of(const Patient& patient, Tissue tissue) {
 
 TEST(CheckModel, NewbornsOfAllSizesAndVariantsAreSound) {
     EXPECT_EQ(faults(newborn()), "");
-    for (const float weight : {0.5f}) {
+    for (const float weight : {0.5f, 4.5f}) {
         NewbornShape shape;
         shape.weight = weight;
         shape.gestational_age = usual_gestational_age(weight);

@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 // A state that is saved, restored and stepped on goes the same way to the bit: there is no hidden state.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cstring>
 
@@ -10,6 +9,7 @@
 #include "tests/support/cluster_block.hpp"
 #include "tests/support/rod_fixture.hpp"
 #include "tests/support/tetrahedral_body.hpp"
+#include "tests/support/threads.hpp"
 #include "tests/unit/server/pbd/fluid_fixture.hpp"
 
 namespace eti::pbd {
@@ -34,16 +34,17 @@ std::vector<std::byte> bits(const Particles& p) {
 /// the final state.
 template <class Body, class Advance, class State>
 std::vector<std::byte> run(Body body, const Advance& advance, const State& state, std::size_t threads) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    advance(body, 30);
-    Body saved = body;
-    const std::vector<std::byte> then = state(body);
-    advance(body, 30);
-    EXPECT_NE(state(body), then) << "something has to happen";
-    EXPECT_EQ(state(saved), then) << "a copy shares nothing with its origin";
-    advance(saved, 30);
-    EXPECT_EQ(state(saved), state(body)) << threads;
-    return state(body);
+    return eti::test::with_threads(threads, [&] {
+        advance(body, 30);
+        Body saved = body;
+        const std::vector<std::byte> then = state(body);
+        advance(body, 30);
+        EXPECT_NE(state(body), then) << "something has to happen";
+        EXPECT_EQ(state(saved), then) << "a copy shares nothing with its origin";
+        advance(saved, 30);
+        EXPECT_EQ(state(saved), state(body)) << threads;
+        return state(body);
+    });
 }
 
 template <class Body, class Advance, class State>

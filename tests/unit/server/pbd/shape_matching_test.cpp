@@ -3,13 +3,13 @@
 #include "server/pbd/shape_matching.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <Eigen/SVD>
 
 #include "common/math/random.hpp"
 #include "server/pbd/rotation.hpp"
 #include "tests/support/cluster_block.hpp"
+#include "tests/support/threads.hpp"
 
 namespace eti::pbd {
 namespace {
@@ -160,16 +160,17 @@ TEST(ShapeMatching, ReturnsFromCollapseToAPoint) {
 
 TEST(ShapeMatching, SameBitsForAnyNumberOfThreads) {
     const auto run = [](std::size_t threads) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        SoftBody body = block(9, 8e3f);
-        for (Vec3f& v : body.particles.velocity) {
-            v = 0.3f * Vec3f(v.x() + 1.0f, 0.2f, 0.0f);
-        }
-        body.particles.position[17] += Vec3f(1e-3f, 0, 0);
-        for (int n = 0; n < 50; ++n) {
-            substep(body, 1.0f / 1440.0f);
-        }
-        return body.particles.position;
+        return test::with_threads(threads, [] {
+            SoftBody body = block(9, 8e3f);
+            for (Vec3f& v : body.particles.velocity) {
+                v = 0.3f * Vec3f(v.x() + 1.0f, 0.2f, 0.0f);
+            }
+            body.particles.position[17] += Vec3f(1e-3f, 0, 0);
+            for (int n = 0; n < 50; ++n) {
+                substep(body, 1.0f / 1440.0f);
+            }
+            return body.particles.position;
+        });
     };
     const auto one = run(1);
     EXPECT_EQ(one, run(2));

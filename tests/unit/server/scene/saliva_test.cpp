@@ -3,7 +3,6 @@
 #include "server/scene/saliva.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "server/scene/posed_shell.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
+#include "tests/support/threads.hpp"
 
 namespace eti::scene {
 namespace {
@@ -220,12 +220,13 @@ TEST_F(SalivaInScene, ThereIsNoneUnlessAskedFor) {
 
 TEST_F(SalivaInScene, ThreadsDoNotChangeABit) {
     const auto run = [&](std::size_t threads) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        Scene scene = make(true);
-        for (int k = 0; k < 20; ++k) {
-            scene.step(away_);
-        }
-        return scene.state_hash();
+        return test::with_threads(threads, [&] {
+            Scene scene = make(true);
+            for (int k = 0; k < 20; ++k) {
+                scene.step(away_);
+            }
+            return scene.state_hash();
+        });
     };
     const std::uint64_t one = run(1);
     EXPECT_EQ(run(2), one);

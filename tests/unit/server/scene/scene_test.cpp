@@ -14,6 +14,7 @@
 #include "common/math/units.hpp"
 #include "server/anatomy/build.hpp"
 #include "tests/support/allocations.hpp"
+#include "tests/support/threads.hpp"
 
 namespace eti::scene {
 namespace {
@@ -109,10 +110,11 @@ TEST_F(SceneTest, ResetStartsTheSameCourseAgain) {
 
 TEST_F(SceneTest, ThreadsDoNotChangeABit) {
     const auto run = [&](std::size_t threads) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        Scene scene = make();
-        press(scene);
-        return scene.state_hash();
+        return test::with_threads(threads, [&] {
+            Scene scene = make();
+            press(scene);
+            return scene.state_hash();
+        });
     };
     const std::uint64_t one = run(1);
     EXPECT_EQ(run(2), one);
@@ -263,16 +265,17 @@ TEST_F(SceneTest, SizeAndStiffnessWaitForEachOtherWhereTheSolverBearsNotBoth) {
 
 TEST_F(SceneTest, HowTheTongueGrowsDoesNotHangOnThreads) {
     const auto run = [&](std::size_t threads) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        Scene scene = make();
-        Inputs inputs = away_;
-        inputs.tongue_scale = 1.1f;
-        inputs.tissue_stiffness = 10e3f;
-        inputs.posture.table_angle = 0.1f;
-        for (int k = 0; k < 150; ++k) {
-            scene.step(inputs);
-        }
-        return scene.state_hash();
+        return test::with_threads(threads, [&] {
+            Scene scene = make();
+            Inputs inputs = away_;
+            inputs.tongue_scale = 1.1f;
+            inputs.tissue_stiffness = 10e3f;
+            inputs.posture.table_angle = 0.1f;
+            for (int k = 0; k < 150; ++k) {
+                scene.step(inputs);
+            }
+            return scene.state_hash();
+        });
     };
     EXPECT_EQ(run(4), run(1));
 }
