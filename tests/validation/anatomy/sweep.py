@@ -14,7 +14,8 @@ Whoever sees enough of the glottis and does not get the tube in may try again, u
 tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
 intubated once its most difficult features, taken one after the other by how far they are from usual, are usual; a
 feature less than a tenth of the way to the difficult end of its range is no reason. It is also when the tube is thicker
-than the windpipe is wide. Anything else is a fault, as is a model that does not hold what eti-anatomy check tests; the
+than the windpipe is wide. Whoever is left without a reason on coarse particles is examined anew on those of the
+scenarios. Anything else is a fault, as is a model that does not hold what eti-anatomy check tests; the
 sweep fails with a fault.
 """
 
@@ -42,6 +43,7 @@ VARIANTS = {"micrognathia": {"mandible_scale": 0.8}, "macroglossia": {"tongue_sc
 # Name: the usual value and the difficult end of the range.
 DIFFICULT = {"tongue_scale": (1, 1.4), "mandible_scale": (1, 0.7), "mouth_scale": (1, 0.7),
              "larynx_anterior_mm": (0, 3), "larynx_superior_mm": (0, 3)}
+SHIPPED_SPACING_MM = 2.0  # of the scenarios' particles
 # Share of the way to the difficult end; less is as good as usual, and no reason.
 NOTABLE = 0.1
 # [%], the view at which the shipped expert takes the tube (deploy/operators/expert.yaml).
@@ -52,6 +54,7 @@ OUTER_DIAMETER_MM = {2.0: 3.0, 2.5: 3.6, 3.0: 4.2}
 GRID_WEIGHTS = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5)
 GRID_AGES = (22, 25, 28, 31, 34, 37, 40, 42)
 FAULT = "fault: "
+UNEXPLAINED = FAULT + "the expert fails with no anatomical reason"
 NO_SUCH = "no such newborn: "
 COLUMNS = ("number", "weight_kg", "gestational_age_weeks", "variant", "tongue_scale", "mandible_scale", "mouth_scale",
            "head_scale", "larynx_anterior_mm", "larynx_superior_mm", "particles", "sound", "intubated", "attempts",
@@ -151,23 +154,32 @@ def why_not(shape, spacing, folder):
 
 
 def examine(shape, arguments, folder):
+    """On the sweep's particles; if these leave a failure without a reason, on those of the scenarios."""
+    result = examine_on(arguments.spacing_mm, shape, arguments.intubate, folder)
+    if result["because"] == UNEXPLAINED and arguments.spacing_mm > SHIPPED_SPACING_MM:
+        finer = examine_on(SHIPPED_SPACING_MM, shape, arguments.intubate, folder)
+        because = finer["because"] or "intubated"
+        result = finer if because.startswith(FAULT) else {**finer, "because": f"on {SHIPPED_SPACING_MM} mm: {because}"}
+    return result
+
+
+def examine_on(spacing, shape, to_intubate, folder):
     model = folder / "model.h5"
-    fault, particles = build(shape, arguments.spacing_mm, model)
+    fault, particles = build(shape, spacing, model)
     if fault:
         refused = "at gestational_age_weeks" in fault  # the age does not go with the weight
         return {"sound": False, "because": (NO_SUCH if refused else FAULT + "not built: ") + fault}
     code, checked, said = run("eti-anatomy", "check", model, "--json")
     faults = [said] if checked is None else [f"{i['name']}: {i['found']}" for i in checked["invariants"]
                                              if not i["holds"]]
-    result = {"sound": code == 0, "particles": particles}
+    result = {"sound": code == 0, "particles": particles, "because": ""}
     if code != 0:
         return {**result, "because": FAULT + "; ".join(faults)}
-    if arguments.intubate:
+    if to_intubate:
         result.update(intubate(shape["weight_kg"], model, folder))
         if not result["intubated"]:
-            anatomical = why_not(shape, arguments.spacing_mm, folder) or too_thick(shape["weight_kg"],
-                                                                                   checked["dimensions"])
-            result["because"] = anatomical or FAULT + "the expert fails with no anatomical reason"
+            result["because"] = (why_not(shape, spacing, folder) or
+                                 too_thick(shape["weight_kg"], checked["dimensions"]) or UNEXPLAINED)
     return result
 
 
