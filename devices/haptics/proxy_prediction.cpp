@@ -27,13 +27,12 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
     }
     const std::span<const Vec3f> normals = report.contact_normals();
     if (normals.empty()) {
-        // The proxy's own speed is what the device's was: a hand that has stopped since is not pulled on.
         const float step = simulation_step / std::max(pace, bounds.slowest_pace);
-        const Vec3f trailing = beyond(report.proxy.pose.translation - report.device.translation,
-                                      step * std::max(device.velocity.norm(), report.proxy.velocity.norm()));
+        const Vec3f trailing =
+            beyond(report.proxy.pose.translation - report.device.translation, step * device.velocity.norm());
         const Vec3f turned =
             beyond(rotation_vector(report.proxy.pose.rotation * report.device.rotation.conjugate()),
-                   step * std::max(device.angular_velocity.norm(), report.proxy.angular_velocity.norm()));
+                   step * device.angular_velocity.norm());
         return Motion{{(quaternion_from(turned) * device.pose.rotation).normalized(),
                        device.pose.translation + trailing},
                       device.velocity,

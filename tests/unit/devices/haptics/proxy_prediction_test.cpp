@@ -56,18 +56,6 @@ TEST(PredictedProxy, LeavesOutWhatAFreeProxyTrailsBy) {
     EXPECT_NEAR(offset(0.009f, 0.0f), -0.5e-3f, 1e-8f);  // a tenth of the pace at the least
 }
 
-TEST(PredictedProxy, DoesNotPullOnAHandThatHasStoppedSinceTheReport) {
-    ProxyReport report;
-    report.proxy.pose.translation = {-0.2f / 180.0f, 0, 0};
-    report.proxy.velocity = {0.2f, 0, 0};
-    report.proxy.pose.rotation = quaternion_from({0, -2.0f / 180.0f, 0});
-    report.proxy.angular_velocity = {0, 2.0f, 0};
-    const auto proxy = predicted_proxy(device_at(Vec3f::Zero()), report, 0, 1.0f, bounds);
-    ASSERT_TRUE(proxy);
-    EXPECT_LT(proxy->pose.translation.norm(), 1e-7f);
-    EXPECT_LT(rotation_vector(proxy->pose.rotation).norm(), 1e-6f);
-}
-
 TEST(PredictedProxy, StaysOnTheFloorWhileTheDeviceIsBeneathAndLeavesItWithIt) {
     const ProxyReport report = on_floor(3e-3f);
     struct Case {
