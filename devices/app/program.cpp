@@ -117,8 +117,7 @@ Program::Program(const ProgramOptions& options, Tool tool)
     if (calibration_ && !calibration_->registered) {
         throw DeviceError(
             fmt::format("--calibration {}: is a pivot, which does not tell where the patient is; give it to "
-                        "eti-calibrate "
-                        "register with --pivot, and what that writes to this program",
+                        "eti-calibrate register with --pivot, and what that writes to this program",
                         options.calibration));
     }
     if (calibration_ && calibration_->device != options.device) {

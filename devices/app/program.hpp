@@ -41,7 +41,7 @@ void add_device_options(CLI::App& app, ProgramOptions& options, Use use);
 /// Of the bus and of the program's end.
 void add_bus_options(CLI::App& app, ProgramOptions& options);
 
-/// Not zero once Ctrl-C, SIGTERM or SIGHUP has come.
+/// Not zero once the program is to end; see set_up_process().
 [[nodiscard]] const volatile std::sig_atomic_t& stop_flag();
 
 /// Parses; the exit status when the program is done already (--help, --version, a mistake).

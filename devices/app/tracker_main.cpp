@@ -7,6 +7,7 @@
 
 #include "common/bus/convert.hpp"
 #include "devices/app/program.hpp"
+#include "devices/app/sampling.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 
 namespace eti::devices {
@@ -16,19 +17,29 @@ constexpr std::int64_t period_ns = 1'000'000'000 / 240;
 constexpr std::uint64_t cycles_per_report = 48;  // five times a second
 
 /// Follows the tube at 240 Hz until there is a reason to end.
-class TubeTracker final : private ServoCycle {
+class TubeTracker {
   public:
     TubeTracker(Program& program, Sensor& sensor)
         : program_(program), watch_(sensor), topic_(program.node(), bus::topics::tube_pose) {
         message_.tool(static_cast<std::uint32_t>(Tool::tube));
     }
 
-    /// A device with a servo thread of its own is read there, and only there.
     void run() {
-        on_servo_ = watch_.start_servo(*this);
-        follow();
-        if (on_servo_) {
-            watch_.stop_servo();
+        std::int64_t last = monotonic_ns(), next = last;
+        while (!program_.should_end()) {
+            sleep_until_ns(next);
+            const std::int64_t now = monotonic_ns();
+            if (now < next) {
+                continue;
+            }
+            watch_.tend();
+            cycle(now, static_cast<float>(now - last) * 1e-9f);
+            if (++cycles_ % cycles_per_report == 0) {
+                program_.report(watch_);
+            }
+            intervals_.record(now - last);
+            last = now;
+            next += period_ns * (1 + (now - next) / period_ns);
         }
     }
 
@@ -51,41 +62,14 @@ class TubeTracker final : private ServoCycle {
     }
 
   private:
-    void follow() {
-        std::int64_t last = monotonic_ns(), next = last;
-        while (!program_.should_end()) {
-            sleep_until_ns(next);
-            const std::int64_t now = monotonic_ns();
-            if (now < next) {
-                continue;
-            }
-            watch_.tend();
-            cycle(now, static_cast<float>(now - last) * 1e-9f);
-            if (++cycles_ % cycles_per_report == 0) {
-                program_.report(watch_);
-            }
-            intervals_.record(now - last);
-            last = now;
-            next += period_ns * (1 + (now - next) / period_ns);
-        }
-    }
-
-    void servo_cycle() noexcept override {
-        const std::int64_t now = monotonic_ns();
-        from_servo_.write(
-            watch_.exchange({}, served_ == 0 ? 0.0f : static_cast<float>(now - served_) * 1e-9f));
-        served_ = now;
-    }
-
-    /// The newest reading; a tracked tube has no motors.
+    /// A device with a servo thread of its own is read there, and only there. A tracked tube has no motors.
     [[nodiscard]] Reading read(float elapsed) {
-        if (!on_servo_) {
+        if (!servo_.on_servo()) {
             return watch_.exchange({}, elapsed);
         }
-        const Reading* newest = nullptr;
-        const bool fresh = from_servo_.read(newest);
-        Reading reading = *newest;
-        reading.present = fresh && reading.present;
+        Reading reading;
+        const bool fresh = servo_.newest(reading);
+        reading.present = fresh;
         return reading;
     }
 
@@ -115,9 +99,7 @@ class TubeTracker final : private ServoCycle {
     msg::ToolPose message_;
     SimulationTime time_;
     CycleStatistics intervals_;
-    TripleBuffer<Reading> from_servo_;
-    std::int64_t served_ = 0;  // [ns], the servo's last cycle
-    bool on_servo_ = false;
+    ServoReading servo_{watch_};
     std::uint64_t published_ = 0;
     std::uint64_t cycles_ = 0;
 };

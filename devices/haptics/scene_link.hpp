@@ -46,6 +46,8 @@ class SceneLink {
 
   private:
     void run();
+    /// Counts a message that is not to be believed and forgets when the last one `arrived`; true: this
+    /// changed.
     bool refuse(std::int64_t& arrived);
     bool take_proxy();
     bool take_tissue();

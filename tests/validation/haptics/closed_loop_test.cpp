@@ -44,11 +44,12 @@ TEST(ClosedLoop, TheShippedDefaultsShowNoLimitCycleAtTenMillisecondsAndOnePercen
     }
 }
 
-/// A server with gaps between messages about the fade's begin and end, of one length or of any; no rarer than
-/// the windows in which a limit cycle shows. A single gap lets go of the hand, as it should.
+/// A server with gaps between messages about the fade's begin and end, of one length or of any. A single gap
+/// lets go of the hand, as it should: where they are rarer than the windows of a fifth of a second, what
+/// comes back between them is all that is seen.
 std::vector<Gaps> gaps_about_the_fade() {
     std::vector<Gaps> all;
-    for (const double every : {0.0, 0.05, 0.1, 0.15, 0.2}) {
+    for (const double every : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.6, 1.0}) {
         all.push_back({.shortest = 0.013, .longest = 0.025, .every = every});
         for (const double gap : {0.013, 0.018, 0.019, 0.022}) {
             all.push_back({.shortest = gap, .longest = gap, .every = every});
