@@ -9,21 +9,20 @@ namespace eti::pbd {
 
 namespace {
 
-Vec3f with_friction(const Vec3f& push, const Vec3f& slip, const Vec3f& normal, float friction) {
+Vec3f with_friction(const Vec3f& push, const Vec3f& slip, const Vec3f& normal, const Friction& friction) {
     const Vec3f tangential = slip - slip.dot(normal) * normal;
     const float length = tangential.norm();
-    const float held = friction * push.norm();
     if (length < 1e-12f) {
         return push;
     }
-    return push - tangential * (std::min(held, length) / length);
+    return push - tangential * static_cast<float>(friction.share(length, push.norm()));
 }
 
 /// Where something ends up that met the capsule at `met`, where that faces along `normal`, with `rest` [m] of
 /// its way yet to go: on this side of it, having slipped by what friction leaves of the way across, at most a
 /// quarter round.
 Vec3f slid_along(const MovingCapsule& capsule, float reach, const Vec3f& met, const Vec3f& normal,
-                 const Vec3f& rest, float friction) {
+                 const Vec3f& rest, const Friction& friction) {
     const Vec3f push = -rest.dot(normal) * normal;
     Vec3f slip = rest + with_friction(push, rest, normal, friction);
     const float length = slip.norm();
@@ -97,7 +96,7 @@ bool runs_head_on(const Vec3f& moved, const Vec3f& normal, float reach) {
 }
 
 Vec3f push_out_of(const MovingCapsule& capsule, const Vec3f& before, const Vec3f& predicted, float radius,
-                  float friction) {
+                  const Friction& friction) {
     const float reach = capsule.radius + radius;
     const float t = closest_on_segment(capsule.a, capsule.b, predicted);
     const Vec3f axis = capsule.a + t * (capsule.b - capsule.a);
@@ -135,7 +134,7 @@ Vec3f push_out_of(const MovingCapsule& capsule, const Vec3f& before, const Vec3f
 }
 
 Vec3f push_out_of(const DistanceGrid& solid, const Vec3f& before, const Vec3f& predicted, float radius,
-                  float friction) {
+                  const Friction& friction) {
     const float distance = solid.distance(predicted);
     if (distance >= radius) {
         return Vec3f::Zero();

@@ -9,6 +9,7 @@
 
 #include "common/mesh/distance_grid.hpp"
 #include "common/model/tools.hpp"
+#include "server/pbd/friction.hpp"
 #include "server/pbd/particles.hpp"
 
 namespace eti::pbd {
@@ -44,14 +45,14 @@ struct MovingCapsule {
 [[nodiscard]] bool runs_head_on(const Vec3f& moved, const Vec3f& normal, float reach);
 
 /// Pushes the predicted particle out of the capsule, with Coulomb friction against the capsule's own
-/// motion: tangential slip up to `friction` times the normal push is undone (Macklin et al. 2014,
-/// eq. 24). A particle that the capsule runs into head-on, or swept over in this substep, is put back to
-/// where both met. Returns the displacement given to the particle.
+/// motion: tangential slip is undone whole while it sticks, else by the kinetic coefficient times the normal
+/// push (Macklin et al. 2014, eq. 24). A particle that the capsule runs into head-on, or swept over in this
+/// substep, is put back to where both met. Returns the displacement given to the particle.
 [[nodiscard]] Vec3f push_out_of(const MovingCapsule& capsule, const Vec3f& before, const Vec3f& predicted,
-                                float radius, float friction);
+                                float radius, const Friction& friction);
 
 /// Pushes a predicted particle out of the solid of a distance grid. Returns the displacement.
 [[nodiscard]] Vec3f push_out_of(const DistanceGrid& solid, const Vec3f& before, const Vec3f& predicted,
-                                float radius, float friction);
+                                float radius, const Friction& friction);
 
 }  // namespace eti::pbd

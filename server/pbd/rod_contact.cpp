@@ -13,22 +13,26 @@ struct Law {
     Mat3d stiffness = Mat3d::Zero();  ///< [N/m]
 };
 
+/// Stiffness [N/m] of a spring of `stiffness` in series with what yields.
+double in_series(double stiffness, const RodContact& contact) {
+    return stiffness / (1.0 + stiffness * double{contact.yielding});
+}
+
 Law linearise(const RodContact& contact, double grip) {
     const Vec3d normal = contact.normal.cast<double>();
     const Mat3d along = normal * normal.transpose();
-    const double k = double{contact.stiffness};
+    const double k = in_series(double{contact.stiffness}, contact);
     const Vec3d last = contact.force.cast<double>();
     Law law{-k * double{contact.gap} * normal, k * along};
-    const double bound = double{contact.friction} * std::max(0.0, last.dot(normal));
-    if (bound > 0.0) {
+    const double pressing = last.dot(normal);
+    if (pressing > 0.0 && contact.friction.stick > 0.0f) {
         const Mat3d across = Mat3d::Identity() - along;
-        const Vec3d wanted = across * (last - grip * contact.slip.cast<double>());
-        const double size = wanted.norm();
-        if (size <= bound) {
-            law.force += wanted;
-            law.stiffness += grip * across;
-        } else {
-            law.force += wanted * (bound / size);
+        const double hold = in_series(grip, contact);
+        const Vec3d wanted = across * (last - hold * contact.slip.cast<double>());
+        const double share = contact.friction.share(wanted.norm(), pressing);
+        law.force += share * wanted;
+        if (share == 1.0) {
+            law.stiffness += hold * across;
         }
     }
     return law;
@@ -37,7 +41,8 @@ Law linearise(const RodContact& contact, double grip) {
 }  // namespace
 
 bool acts(const RodContact& contact) {
-    return contact.stiffness * contact.gap < std::max(0.0f, contact.force.dot(contact.normal));
+    return in_series(double{contact.stiffness}, contact) * double{contact.gap} <
+           double{std::max(0.0f, contact.force.dot(contact.normal))};
 }
 
 void add_contact(const RodContact& contact, const Vec3d& arm, double grip, double dt,
@@ -66,10 +71,7 @@ Vec3f contact_force(const RodContact& contact, const Vec3d& arm, double grip, co
         return Vec3f::Zero();
     }
     const Vec3d across = force - pressing * normal;
-    const double size = across.norm();
-    const double bound = double{contact.friction} * pressing;
-    const double share = size > bound ? bound / size : 1.0;
-    return (pressing * normal + share * across).cast<float>();
+    return (pressing * normal + contact.friction.share(across.norm(), pressing) * across).cast<float>();
 }
 
 }  // namespace eti::pbd

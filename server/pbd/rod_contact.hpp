@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/math/transform.hpp"
+#include "server/pbd/friction.hpp"
 #include "server/pbd/rod_joint.hpp"
 
 namespace eti::pbd {
@@ -10,8 +11,7 @@ namespace eti::pbd {
 /// A point of the rod near an obstacle, as found at the rod's present pose. Contact is an implicit
 /// spring, solved together with the chain: its cost does not depend on how many there are, and its
 /// force is right within a pass or two however light the segment. An obstacle that is itself a
-/// particle of inverse mass w [1/kg] is met with stiffness k / (1 + k w dt^2); it then moves by
-/// -force w dt^2.
+/// particle of inverse mass w [1/kg] yields by w dt^2 times the force; it is the caller who moves it.
 struct RodContact {
     std::uint32_t segment = 0;
     float along = 0.5f;             ///< 0 (rear) .. 1 (front)
@@ -20,7 +20,8 @@ struct RodContact {
     float gap = 0.0f;               ///< [m]; negative: overlap
     Vec3f slip = Vec3f::Zero();     ///< [m], way of the point along the obstacle in this substep so far
     float stiffness = 3000.0f;      ///< [N/m]; overlap at rest is force over stiffness
-    float friction = 0.0f;          ///< Coulomb's coefficient
+    float yielding = 0.0f;          ///< [m/N], how far the obstacle gives way within this substep
+    Friction friction;
     /// [N], of the obstacle on the rod: what the last pass found, and what the next one starts from.
     /// Zero for a new contact; keep it from pass to pass and from substep to substep for one that
     /// goes on, else friction has nothing to go by.
@@ -41,7 +42,7 @@ struct RodContactSystem {
 /// friction by augmented multipliers (Alart & Curnier 1991): the last force less `grip` times slip
 /// either stays within the last pass's bound, and the point sticks, or is cut to it, and it slides.
 /// `grip` [N/m] has to stay near the segment's mass over dt^2: stiffer, and a point that overshoots its
-/// stop by a hair is thrown back with the full bound.
+/// stop by a hair is thrown back with the full bound. Both springs are in series with what yields.
 void add_contact(const RodContact& contact, const Vec3d& arm, double grip, double dt,
                  RodContactSystem& system);
 

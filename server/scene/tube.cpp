@@ -13,8 +13,10 @@ namespace {
 
 // [m]; beside the tube's own way, tissue and tube come no closer to each other within a step.
 constexpr float slack = 2e-3f;
-// Coulomb; a lubricated tube on wet mucosa, and on wet steel.
-constexpr float friction = 0.05f;
+// A lubricated tube on wet mucosa, and on wet steel: a rigid sled on the wall of the small bowel slides at
+// 0.007 to 0.054 (Lyle et al., Tribology Letters 2013;51:377). Figures of what holds a wet tube at rest
+// depend on how long it lay, and none stands out; so one coefficient for both.
+constexpr pbd::Friction friction(0.05f);
 // [N/m]; at the newton that a hand puts on a tube the overlap is a third of a millimetre.
 constexpr float stiffness = 3000.0f;
 // Shell and blade meet the tube in points this share of a segment from its rear: 3 mm apart, closer than
@@ -29,6 +31,13 @@ RigidTransform between(const RigidTransform& a, const RigidTransform& b, float s
     return {a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
 }
 
+pbd::RodContact new_contact() {
+    pbd::RodContact contact;
+    contact.stiffness = stiffness;
+    contact.friction = friction;
+    return contact;
+}
+
 Vec3f across(const Vec3f& way, const Vec3f& normal) {
     return way - way.dot(normal) * normal;
 }
@@ -38,13 +47,11 @@ Vec3f across(const Vec3f& way, const Vec3f& normal) {
 TubeContact::TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip)
     : scope_(scope), rod_(tube, pbd::RodSettings{}, grip) {
     static_assert(std::size(samples) == samples_per_segment);
-    contacts_.resize(2 * sites());
+    contacts_.resize(2 * sites(), new_contact());
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         pbd::RodContact& c = contacts_[k];
         c.segment = static_cast<std::uint32_t>(k % sites() / samples_per_segment);
         c.along = samples[k % samples_per_segment];
-        c.stiffness = stiffness;
-        c.friction = friction;
     }
     reset(grip);
 }
@@ -53,6 +60,8 @@ void TubeContact::reset(const RigidTransform& grip) {
     rod_.reset(grip);
     grip_from_ = grip_to_ = grip;
     last_ends_.clear();
+    near_.clear();
+    contacts_.resize(2 * sites());
     for (pbd::RodContact& c : contacts_) {
         c.force.setZero();
     }
@@ -92,6 +101,7 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     const Vec3f margin = Vec3f::Constant(rod_.radius() + reach);
     box.min() -= margin;
     box.max() += margin;
+    std::swap(near_, last_near_);
     near_.clear();
     for (std::uint32_t i = 0; i < particles.size(); ++i) {
         if ((particles.channels[i] & pbd::channel::tube) == 0 || particles.inverse_mass[i] == 0.0f ||
@@ -111,8 +121,25 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
             near_.push_back(near);
         }
     }
-    contacts_.resize(2 * sites());
-    contacts_.resize(2 * sites() + near_.size());
+    keep_forces();
+}
+
+void TubeContact::keep_forces() {
+    // Both lists go by the particle's number.
+    const std::span<const pbd::RodContact> last = std::span(contacts_).subspan(2 * sites());
+    last_force_.resize(near_.size());
+    std::size_t k = 0;
+    for (std::size_t n = 0; n < near_.size(); ++n) {
+        while (k < last_near_.size() && last_near_[k].particle < near_[n].particle) {
+            ++k;
+        }
+        const bool goes_on = k < last_near_.size() && last_near_[k].particle == near_[n].particle;
+        last_force_[n] = goes_on ? last[k].force : Vec3f(Vec3f::Zero());
+    }
+    contacts_.resize(2 * sites() + near_.size(), new_contact());
+    for (std::size_t n = 0; n < near_.size(); ++n) {
+        contacts_[2 * sites() + n].force = last_force_[n];
+    }
 }
 
 void TubeContact::finish() {
@@ -149,7 +176,8 @@ void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, 
     }
     for (std::size_t n = 0; n < near_.size(); ++n) {
         const std::uint32_t i = near_[n].particle;
-        particles.predicted[i] -= particles.inverse_mass[i] * dt_ * dt_ * contacts_[2 * sites() + n].force;
+        const pbd::RodContact& c = contacts_[2 * sites() + n];
+        particles.predicted[i] -= c.yielding * c.force;
     }
 }
 
@@ -224,7 +252,10 @@ void TubeContact::meet_tissue(const pbd::Particles& particles) {
         c.gap = closest - rod_.radius() - particles.radius[i];
         c.offset = -rod_.radius() * c.normal;
         stop_head_on(particles.position[i], p, particles.radius[i], c);
-        c.stiffness = stiffness / (1.0f + stiffness * particles.inverse_mass[i] * dt_ * dt_);
+        c.yielding = particles.inverse_mass[i] * dt_ * dt_;
+        c.slip = across(rod_.point(c.segment, c.along) - rod_.previous_point(c.segment, c.along) -
+                            (p - particles.position[i]),
+                        c.normal);
     }
 }
 

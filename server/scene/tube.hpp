@@ -45,6 +45,8 @@ class TubeContact {
     };
 
     void find_ends();
+    /// What pressed on a particle in the last step does so as this one begins: friction builds on it.
+    void keep_forces();
     void meet_shell(const DistanceGrid& shell);
     void meet_blade(const RigidTransform& before, const RigidTransform& now);
     void meet_tissue(const pbd::Particles& particles);
@@ -64,7 +66,8 @@ class TubeContact {
     RigidTransform grip_from_, grip_to_, blade_from_, blade_to_;
     std::vector<pbd::RodContact> contacts_;  ///< shell, blade (one per site each), particles
     std::vector<Ends> ends_, last_ends_;     ///< of the segments; now, and as this step began
-    std::vector<Near> near_;
+    std::vector<Near> near_, last_near_;     ///< by the particle's number
+    std::vector<Vec3f> last_force_;          ///< [N], of those near now
     bool near_blade_ = false;
 };
 

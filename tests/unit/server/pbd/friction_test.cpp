@@ -42,26 +42,27 @@ struct Incline {
 };
 
 /// Way downhill [m] of a particle that is put on an incline at rest, and how far it leaves that line.
-std::pair<double, double> slide(const Incline& on, const Vec3f& weight, float dt, bool capsule) {
+std::pair<double, double> slide(const Incline& on, const Vec3f& weight, float dt, bool capsule,
+                                const Friction& coefficients) {
     SoftBody body = test::loose_particles(1);
     Particles& p = body.particles;
     for (int n = 0; n < static_cast<int>(std::lround(time_watched / double{dt})); ++n) {
         p.velocity[0] += dt * weight;
         body.predict(dt, 1.0f);
-        p.predicted[0] += capsule ? push_out_of(on.capsule, p.position[0], p.predicted[0], 0.0f, friction)
-                                  : push_out_of(on.grid, p.position[0], p.predicted[0], 0.0f, friction);
+        p.predicted[0] += capsule ? push_out_of(on.capsule, p.position[0], p.predicted[0], 0.0f, coefficients)
+                                  : push_out_of(on.grid, p.position[0], p.predicted[0], 0.0f, coefficients);
         body.finish(dt);
     }
     const Vec3f x = p.position[0];
     return {double{x.dot(on.downhill)}, double{(x - x.dot(on.downhill) * on.downhill).norm()}};
 }
 
-class Coulomb : public testing::TestWithParam<std::tuple<bool, int>> {};
+class Coulomb : public testing::TestWithParam<std::tuple<bool, int, Friction>> {};
 
-// A plane tilted by less than atan(mu) holds; beyond, the scheme slides by g (sin - mu cos) dt^2 n (n + 1)
-// / 2.
+// A plane tilted by less than atan of the static coefficient holds; beyond, the scheme slides by
+// g (sin - mu cos) dt^2 n (n + 1) / 2, with the kinetic one.
 TEST_P(Coulomb, HoldsBelowTheThresholdAndSlidesAboveInAnyDirection) {
-    const auto [capsule, rate] = GetParam();
+    const auto [capsule, rate, coefficients] = GetParam();
     const float dt = 1.0f / static_cast<float>(rate);
     const auto count = static_cast<double>(std::lround(time_watched * rate));
     Random random(1);
@@ -70,17 +71,17 @@ TEST_P(Coulomb, HoldsBelowTheThresholdAndSlidesAboveInAnyDirection) {
         const Quatf turn =
             Quatf(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
         for (const float tangent : {0.5f, 0.95f, 1.05f, 2.0f}) {
-            const float angle = std::atan(tangent * friction);
+            const float angle = std::atan(tangent * coefficients.stick);
             const Incline on(angle, azimuth, turn);
             const Vec3f weight = turn * Vec3f(0, 0, -gravity);
-            const auto [way, aside] = slide(on, weight, dt, capsule);
+            const auto [way, aside] = slide(on, weight, dt, capsule, coefficients);
             // Contact is a float32 distance to an axis 50 mm away: 4e-9 m. A push is g dt^2 = 5e-6 m at the
             // least, so the force is uncertain by a thousandth.
             if (tangent < 1.0f) {
                 EXPECT_LT(std::fabs(way), 1e-7) << tangent;
             } else {
-                const double pull =
-                    double{gravity} * (std::sin(double{angle}) - double{friction} * std::cos(double{angle}));
+                const double pull = double{gravity} * (std::sin(double{angle}) -
+                                                       double{coefficients.slide} * std::cos(double{angle}));
                 const double expected = pull * count * (count + 1.0) / 2.0 * double{dt} * double{dt};
                 EXPECT_NEAR(way, expected, 1e-3 * double{gravity} * 0.5 * time_watched * time_watched)
                     << tangent;
@@ -92,7 +93,8 @@ TEST_P(Coulomb, HoldsBelowTheThresholdAndSlidesAboveInAnyDirection) {
 }
 
 INSTANTIATE_TEST_SUITE_P(CapsuleAndGrid, Coulomb,
-                         testing::Combine(testing::Bool(), testing::Values(180, 720, 1440)));
+                         testing::Combine(testing::Bool(), testing::Values(180, 720, 1440),
+                                          testing::Values(Friction(friction), Friction(0.4f, 0.2f))));
 
 // Around the capsule, any slip: what exceeds the coefficient times the push is left, in the slip's direction.
 TEST(CapsuleFriction, CutsAnySlipByItsBound) {

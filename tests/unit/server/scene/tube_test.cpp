@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "server/scene/scene.hpp"
@@ -57,12 +58,23 @@ class TubeContactTest : public ::testing::Test {
     void step(TubeContact& contact, const RigidTransform& to) { step(contact, to, blade_, blade_); }
     void step(TubeContact& contact, const RigidTransform& to, const RigidTransform& blade_from,
               const RigidTransform& blade_to) {
+        step(contact, to, blade_from, blade_to, [this](std::size_t i) {
+            particles_.predicted[i] = particles_.position[i] + dt * particles_.velocity[i];
+        });
+    }
+    void step(TubeContact& contact, const RigidTransform& to,
+              const std::function<void(std::size_t)>& predict) {
+        step(contact, to, blade_, blade_, predict);
+    }
+    /// `predict` says where particle i would go.
+    void step(TubeContact& contact, const RigidTransform& to, const RigidTransform& blade_from,
+              const RigidTransform& blade_to, const std::function<void(std::size_t)>& predict) {
         contact.begin_step(particles_, grip_, to, blade_from, blade_to);
         for (int s = 0; s < substeps; ++s) {
             const float begin = static_cast<float>(s) / substeps;
             const float end = static_cast<float>(s + 1) / substeps;
             for (std::size_t i = 0; i < particles_.size(); ++i) {
-                particles_.predicted[i] = particles_.position[i] + dt * particles_.velocity[i];
+                predict(i);
             }
             contact.predict(dt, end, anatomy::gravity(0.0f));
             contact.project(particles_, shell_, begin, end);
@@ -143,6 +155,54 @@ TEST_F(TubeContactTest, PushesTissueOutOfItsWayAndIsPushedBack) {
     step(contact, grip_);
     EXPECT_GT(particles_.position[0].x() - nodes_.back().x(), meet - 0.02e-3f);
     EXPECT_LT(nodes_.back().x(), 0.0f) << "Newton's third law; later the tip swings";
+}
+
+// Drawn along a row of particles that press on it from one side and are held by springs, the tube is held
+// back by its coefficient times what they press with (Coulomb), and they are carried along by as much.
+TEST_F(TubeContactTest, IsHeldBackByTheTissueItSlidesAlong) {
+    constexpr std::size_t count = 12;
+    constexpr float spring = 20.0f;  // [N/m] each
+    tube_.youngs_modulus *= 300.0f;  // does not sag from between them
+    const float meet = 0.5f * tube_.outer_diameter + 1e-3f;
+    particles_.resize(count);
+    std::vector<Vec3f> home(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        particles_.radius[i] = 1e-3f;
+        particles_.inverse_mass[i] = 1.0f / 3e-5f;
+        particles_.channels[i] = pbd::channel::tube;
+        // Opposite each other, so that the tube stays straight.
+        const float side = i % 2 == 0 ? 1.0f : -1.0f;
+        home[i] = {side * (meet - 1e-3f), 0, 20e-3f + 2e-3f * static_cast<float>(i / 2)};
+        particles_.position[i] = home[i] + Vec3f(side * 1e-3f, 0, 0);
+    }
+    grip_ = pointing_down({0, 0, tube_.grip_from_tip});
+    TubeContact contact(tube_, scope_, grip_);
+    const auto draw = [&](float speed, int steps) {
+        for (int k = 0; k < steps; ++k) {
+            RigidTransform to = grip_;
+            to.translation.z() -= speed * step_duration;
+            step(contact, to, [&](std::size_t i) {
+                // Overdamped, as tissue is.
+                const float share = spring * particles_.inverse_mass[i] * dt * dt;
+                particles_.predicted[i] = particles_.position[i] + share * (home[i] - particles_.position[i]);
+            });
+        }
+        Vec3f carried = Vec3f::Zero();
+        float pressed = 0.0f;
+        for (std::size_t i = 0; i < count; ++i) {
+            carried += spring * (particles_.position[i] - home[i]);
+            pressed += spring * std::fabs(particles_.position[i].x() - home[i].x());
+        }
+        return std::pair(-carried.z(), pressed);
+    };
+    draw(0.0f, steps_per_second / 2);
+    const float weight = contact.grip_wrench().force.z();
+    for (const float speed : {0.02f, -0.02f}) {
+        const auto [carried, pressed] = draw(speed, steps_per_second / 3);
+        EXPECT_GT(pressed, 0.1f);
+        EXPECT_NEAR(carried, std::copysign(0.05f * pressed, speed), 0.05f * 0.05f * pressed);
+        EXPECT_NEAR(contact.grip_wrench().force.z() - weight, carried, 0.1f * 0.05f * pressed);
+    }
 }
 
 TEST_F(TubeContactTest, SagsUnderItsOwnWeightAsABeamDoes) {
