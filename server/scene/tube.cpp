@@ -24,6 +24,8 @@ constexpr float stiffness = 3000.0f;
 constexpr float samples[] = {0.125f, 0.375f, 0.625f, 0.875f};
 // The blade's plate as the tube meets it: thicker than steel, so that it is not stepped through.
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
+// Room for the particles about a tube in the throat, so that a step does not allocate; more may come.
+constexpr std::size_t most_near = 2048;
 // The first pass finds which contacts hold, the second with what force.
 constexpr int passes = 2;
 
@@ -47,6 +49,10 @@ Vec3f across(const Vec3f& way, const Vec3f& normal) {
 TubeContact::TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip)
     : scope_(scope), rod_(tube, pbd::RodSettings{}, grip) {
     static_assert(std::size(samples) == samples_per_segment);
+    near_.reserve(most_near);
+    last_near_.reserve(most_near);
+    last_force_.reserve(most_near);
+    contacts_.reserve(2 * sites() + most_near);
     contacts_.resize(2 * sites(), new_contact());
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         pbd::RodContact& c = contacts_[k];
