@@ -17,10 +17,14 @@ struct Fields {
     float cavity =
         1.0f;  ///< mouth, pharynx, larynx, trachea, oesophagus; as if tongue and epiglottis were away
     float tongue = 1.0f;
+    /// Gap beneath the tongue's tip with the frenulum left standing, within `tongue`: too flat for particles,
+    /// which fill it, and cut out of what is seen.
+    float sublingual = 1.0f;
     float epiglottis = 1.0f;
     float upper_gum = 1.0f, lower_gum = 1.0f;
-    float palate = 1.0f;  ///< hard and soft palate with uvula
-    float larynx = 1.0f;  ///< arytenoids, cords, cricoid region (tissue around the laryngeal lumen)
+    float palate = 1.0f;   ///< hard and soft palate with uvula
+    float larynx = 1.0f;   ///< arytenoids, cords, cricoid region (tissue around the laryngeal lumen)
+    float cricoid = 1.0f;  ///< the cartilage ring within it
     float skull = 1.0f, mandible = 1.0f, spine = 1.0f, hyoid = 1.0f;
 };
 

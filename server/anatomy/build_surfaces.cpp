@@ -48,10 +48,14 @@ void sample(const Anatomy& anatomy, const DistanceGrid& grid, const Store& store
     });
 }
 
+float visible_tongue(const Fields& f) {
+    return std::max(f.tongue, -f.sublingual);
+}
+
 /// The body without tongue and epiglottis; the tongue sinks a little into the mouth floor, so that no
 /// gap shows between their surfaces.
-float body_field(const Fields& f, float overlap) {
-    return std::max(f.skin, -std::min(f.cavity, f.tongue + overlap));
+float body_field(const Fields& f, float tongue, float overlap) {
+    return std::max(f.skin, -std::min(f.cavity, tongue + overlap));
 }
 
 Tissue lining_tissue(const Anatomy& anatomy, const Vec3f& point) {
@@ -234,7 +238,7 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     DistanceGrid spine = skull;
     DistanceGrid hyoid = grid_over(inner_low, inner_high, 0.7f * settings.surface_spacing * size);
     sample(anatomy, body, [&](std::size_t i, const Fields& f, const Vec3f&) {
-        body.value[i] = body_field(f, 0.5e-3f * size);
+        body.value[i] = body_field(f, visible_tongue(f), 0.5e-3f * size);
     });
     sample(anatomy, skull, [&](std::size_t i, const Fields& f, const Vec3f&) {
         skull.value[i] = f.skull;
@@ -244,7 +248,7 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     sample(anatomy, hyoid, [&](std::size_t i, const Fields& f, const Vec3f&) { hyoid.value[i] = f.hyoid; });
     DistanceGrid tongue = grid_over(inner_low, inner_high, settings.surface_spacing * size);
     sample(anatomy, tongue,
-           [&](std::size_t i, const Fields& f, const Vec3f&) { tongue.value[i] = f.tongue; });
+           [&](std::size_t i, const Fields& f, const Vec3f&) { tongue.value[i] = visible_tongue(f); });
     const Vec3f tip = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_tip)];
     const Vec3f base = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
     const Vec3f margin = Vec3f::Constant(9e-3f * size);
@@ -270,7 +274,7 @@ void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient&
     const Vec3f room(10e-3f * size, 12e-3f * size, 8e-3f * size);
     DistanceGrid field = grid_over(low - room, high + room, 1.0e-3f * size);
     sample(anatomy, field, [&](std::size_t i, const Fields& f, const Vec3f& point) {
-        field.value[i] = body_field(f, 0.0f) + anatomy.shell_offset(point, f);
+        field.value[i] = body_field(f, f.tongue, 0.0f) + anatomy.shell_offset(point, f);
     });
     TriangleMesh shell = isosurface(field, 0.0f);
     // Operators are tuned to this shell: a few crossings less than a millimetre deep are not worth another.

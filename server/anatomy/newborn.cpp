@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #include "server/anatomy/newborn.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "common/math/units.hpp"
 #include "server/anatomy/shape.hpp"
 
@@ -40,8 +43,8 @@ float chain(const Vec3f& p, std::initializer_list<Vec3f> points, float r0, float
     return anatomy::chain(p, std::span(points.begin(), points.size()), r0, r1);
 }
 
-float duct(const Vec3f& p, std::initializer_list<Station> stations, float taper = 0.0f) {
-    return anatomy::duct(p, std::span(stations.begin(), stations.size()), taper);
+float duct(const Vec3f& p, std::initializer_list<Station> stations) {
+    return anatomy::duct(p, std::span(stations.begin(), stations.size()));
 }
 
 Vec3f turn_back_about_jaw(Vec3f p, float degrees) {
@@ -145,6 +148,18 @@ float tongue_shape(const Vec3f& in_jaw, float scale) {
     return shape + 0.9f * std::exp(-t.x() * t.x() / 4.0f) * smoothstep(-14, -4, t.z());
 }
 
+/// Between the tip's underside and the floor, from side to side but for the frenulum, which the tongue keeps.
+/// The tip rests on gum and floor: one sees into this space where the tongue is lifted or cut.
+float sublingual_space(const Vec3f& in_jaw) {
+    const float space = ellipsoid(in_jaw, {0, 38.6f, -12.2f}, {9, 5, 1.8f});
+    // It holds to the tongue well behind the tip and to the floor, not to the gum's ridge (what Hazelbaker's
+    // tool scores as normal; Amir 2006, Int Breastfeed J 1:3). Thicker than in life: a thinner fold would
+    // fall between the nodes of the surface's grid, 1 mm apart.
+    const float frenulum =
+        std::max(std::fabs(in_jaw.x()) - 0.9f, in_jaw.y() - (37.6f + 0.25f * (-12.2f - in_jaw.z())));
+    return smooth_difference(space, frenulum, 0.6f);
+}
+
 float epiglottis_field(const Vec3f& p) {
     // A plate bent over its length and omega-shaped across, as the newborn's is.
     const Vec3f base(0, 9.8f, -33.5f);
@@ -165,8 +180,65 @@ float epiglottis_field(const Vec3f& p) {
             0.55f);
 }
 
+// From the carina up to the subglottis, which is round: 4.8 mm across.
+float tracheal_lumen(const Vec3f& p) {
+    return duct(p, {{5.1f, -42, 2.4f, 2.4f},
+                    {4.4f, -46, 2.4f, 2.4f},
+                    {3.6f, -50, 2.6f, 2.5f},
+                    {-0.6f, -70, 2.6f, 2.5f},
+                    {-3.9f, -88.5f, 2.6f, 2.5f}});
+}
+
+/// A horizontal section of the laryngeal lumen.
+struct Level {
+    float superior, anterior;  // centre
+    float lateral, sagittal;   // semi-axes
+    float taper;               // share by which the width shrinks towards the front
+};
+
+// From the vestibule to the subglottis. Nothing is known to us of how far false cords and ventricle of
+// newborns reach; that the false cords leave more room than the true ones, and the ventricle more than
+// either, is their anatomy. The cords are drawn apart as for a tube. From them down to the cricoid the lumen
+// widens sidewards (Litman 2003, Anesthesiology 98:41). Crests lie 3 mm apart, since the surface's grid has
+// nodes every 1 mm.
+constexpr std::array<Level, 7> larynx_levels = {{{-31.0f, 5.45f, 3.35f, 3.2f, 0.0f},
+                                                 {-32.6f, 5.55f, 3.25f, 3.15f, 0.0f},
+                                                 {-34.5f, 5.7f, 2.95f, 3.1f, 0.2f},   // false cords
+                                                 {-36.0f, 5.75f, 3.75f, 3.1f, 0.1f},  // ventricle
+                                                 {glottis_z, 5.66f, 2.95f, 3.08f, 0.5f},
+                                                 {-39.5f, 5.45f, 2.6f, 2.9f, 0.2f},
+                                                 {-42.0f, 5.1f, 2.4f, 2.4f, 0.0f}}};
+
+/// Its features are lower than they are wide, so it is no duct, whose segments end in caps.
+float laryngeal_lumen(const Vec3f& p) {
+    const auto* below = std::ranges::find_if(larynx_levels.begin() + 1, larynx_levels.end() - 1,
+                                             [&](const Level& level) { return level.superior <= p.z(); });
+    const Level& a = *(below - 1);
+    const Level& b = *below;
+    const float t = smoothstep(a.superior, b.superior, p.z());
+    const auto between = [t](float from, float to) { return from + t * (to - from); };
+    const float sagittal = between(a.sagittal, b.sagittal);
+    const float u = (p.y() - between(a.anterior, b.anterior)) / sagittal;
+    const float lateral = between(a.lateral, b.lateral) *
+                          (1.0f - between(a.taper, b.taper) * 0.5f * (1.0f + std::clamp(u, -1.0f, 1.0f)));
+    const float across = (std::hypot(p.x() / lateral, u) - 1.0f) * std::min(lateral, sagittal);
+    return std::max({across, p.z() - larynx_levels.front().superior, larynx_levels.back().superior - p.z()});
+}
+
+// The signet ring about the subglottis: a low arch in front, a lamina behind that is taller and thicker and
+// reaches up to the arytenoids. Its proportions are ours to choose.
+float cricoid_field(const Vec3f& p) {
+    const Vec3f off = p - Vec3f(0.0f, 4.9f, 0.0f);
+    const float behind = smoothstep(-0.2f, 0.9f, -off.y() / std::max(std::hypot(off.x(), off.y()), 0.1f));
+    const float thickness = 1.2f + 0.9f * behind;
+    const float lower = -44.3f - 0.4f * behind;
+    const float upper = -42.1f + 3.9f * behind;
+    const float outside = tracheal_lumen({p.x(), p.y(), std::min(p.z(), -42.0f)});
+    return std::max({outside - thickness, p.z() - upper, lower - p.z()});
+}
+
 struct Cavities {
-    float air, larynx;
+    float air, larynx, cricoid;
 };
 
 /// Lumen of mouth, pharynx, larynx and gullet, and the solid larynx that it runs through.
@@ -217,21 +289,15 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums, fl
     float larynx = smooth_union(smooth_union(arytenoid, smooth_union(fold, interarytenoid, 1), 1), box, 1.5f);
     const float organs = std::min({hard_palate(p), soft_palate(p), gums.upper, gums.lower, larynx});
     air = smooth_difference(air, organs, 0.5f);
-    // Laryngeal lumen: vestibule, glottis (triangular), subglottis, trachea to the carina.
-    const float vestibulum =
-        duct(p, {{5.3f, -28.5f, 3.8f, 3.4f}, {5.6f, -33.5f, 3.0f, 3.1f}, {5.7f, -36.4f, 2.3f, 2.9f}});
-    const float glottis = duct(p, {{5.7f, -36.2f, 2.2f, 2.9f}, {5.5f, -39.0f, 2.2f, 2.9f}}, 0.75f);
-    const float trachea = duct(p, {{5.5f, -38.6f, 2.3f, 2.7f},
-                                   {5.1f, -42, 2.4f, 2.4f},
-                                   {4.4f, -46, 2.4f, 2.4f},
-                                   {3.6f, -50, 2.6f, 2.5f},
-                                   {-0.6f, -70, 2.6f, 2.5f},
-                                   {-3.9f, -88.5f, 2.6f, 2.5f}});
+    // Laryngeal lumen: inlet, then level by level to the subglottis, trachea to the carina.
+    const float inlet = duct(p, {{5.3f, -28.5f, 3.8f, 3.4f}, {5.4f, -31.5f, 3.3f, 3.2f}});
+    const float trachea = tracheal_lumen(p);
     const float bronchi = round_cone(q, {0, -3.8f, -87}, {7, -5.2f, -96}, 2.2f, 2.0f);
-    const float lumen =
-        smooth_union(vestibulum, smooth_union(glottis, smooth_union(trachea, bronchi, 1), 0.6f), 0.6f);
-    const float wall = std::max(smooth_union(trachea - 2.0f, larynx, 1), p.z() + 26.0f);
-    return {smooth_union(air, lumen, 0.5f), wall};
+    const float lumen = std::min({inlet, laryngeal_lumen(p), smooth_union(trachea, bronchi, 1)});
+    // Mucosa and submucosa lie between ring and lumen.
+    const float cricoid = smooth_difference(cricoid_field(p), lumen - 0.3f, 0.3f);
+    const float wall = std::min(std::max(smooth_union(trachea - 2.0f, larynx, 1), p.z() + 26.0f), cricoid);
+    return {smooth_union(air, lumen, 0.5f), wall, cricoid};
 }
 
 float skull_field(const Vec3f& point, float cranium_size) {
@@ -375,7 +441,7 @@ Vec3f Newborn::from_jaw(const Vec3f& closed) const {
     return turn_back_about_jaw(own, rest_jaw_deg_);
 }
 
-float Newborn::tongue_field(const Vec3f& model) const {
+Vec3f Newborn::to_tongue(const Vec3f& model) const {
     // The tongue follows the jaw at its tip and stays with the hyoid at its root.
     const float follow = 0.95f * smoothstep(6, 34, model.y());
     Vec3f in_jaw = turn_about_jaw(model, rest_jaw_deg_ * follow);
@@ -385,7 +451,11 @@ float Newborn::tongue_field(const Vec3f& model) const {
         const float pushed = 0.25f * (1.0f - shape_.mandible_scale) * (gum_crest.y() - jaw_joint.y());
         in_jaw.y() += follow * longer + (1.0f - follow) * pushed;
     }
-    return tongue_shape(in_jaw, shape_.tongue_scale);
+    return in_jaw;
+}
+
+float Newborn::tongue_field(const Vec3f& model) const {
+    return tongue_shape(to_tongue(model), shape_.tongue_scale);
 }
 
 // On the surface above the middle of the tongue's body.
@@ -420,7 +490,10 @@ Fields Newborn::fields(const Vec3f& point) const {
     const Cavities cavities = cavity_fields(p, in_jaw, gums, rest_jaw_deg_, shape_.mouth_scale);
     f.cavity = cavities.air * scale_;
     f.larynx = cavities.larynx * scale_;
-    f.tongue = tongue_field(p) * scale_;
+    f.cricoid = cavities.cricoid * scale_;
+    const Vec3f in_tongue = to_tongue(p);
+    f.tongue = tongue_shape(in_tongue, shape_.tongue_scale) * scale_;
+    f.sublingual = sublingual_space(in_tongue) * scale_;
     f.epiglottis = epiglottis_field(p) * scale_;
     f.upper_gum = gums.upper * scale_;
     f.lower_gum = gums.lower * scale_;
@@ -492,10 +565,12 @@ float Newborn::shell_offset(const Vec3f& point, const Fields& fields) const {
                         (1.0f - smoothstep(-12.0f, -7.0f, half.z())) * smoothstep(-40.0f, -34.0f, p.z()) *
                         (1.0f - smoothstep(14.0f, 18.0f, fields.tongue / scale_));
     offset += floor * std::max(soft - offset, 0.0f);
-    // Cricoid and trachea are stiff rings; the cords between them part for a tube.
+    // The cords part for a tube; of trachea and cricoid, whose lamina reaches up behind them, mucosa alone
+    // yields.
     const float laryngeal = 1.0f - smoothstep(0.0f, 1.5f, fields.larynx / scale_);
     const float cords = smoothstep(-43, -40, p.z()) * (1.0f - smoothstep(-35, -31, p.z()));
-    offset += laryngeal * (0.7f + 0.9f * cords - offset);
+    const float ring = 1.0f - smoothstep(0.0f, 1.0f, fields.cricoid / scale_);
+    offset += laryngeal * (0.7f + 0.9f * cords * (1.0f - ring) - offset);
     return offset * scale_;
 }
 

@@ -33,6 +33,8 @@ class Newborn final : public Anatomy {
     /// The closed jaw's coordinates, and back.
     [[nodiscard]] Vec3f to_jaw(const Vec3f& model) const;
     [[nodiscard]] Vec3f from_jaw(const Vec3f& closed) const;
+    /// Coordinates in which the tongue is that of a closed usual jaw.
+    [[nodiscard]] Vec3f to_tongue(const Vec3f& model) const;
     [[nodiscard]] float tongue_field(const Vec3f& model) const;
     [[nodiscard]] Vec3f tongue_dorsum() const;
 

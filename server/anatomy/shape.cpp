@@ -4,7 +4,7 @@
 
 namespace eti::anatomy {
 
-float duct(const Vec3f& p, std::span<const Station> stations, float taper) {
+float duct(const Vec3f& p, std::span<const Station> stations) {
     float best = 1e9f;
     for (std::size_t i = 0; i + 1 < stations.size(); ++i) {
         const Station& from = stations[i];
@@ -18,16 +18,9 @@ float duct(const Vec3f& p, std::span<const Station> stations, float taper) {
         const float sagittal = from.sagittal + (to.sagittal - from.sagittal) * t;
         const float off_a = p.y() - from.anterior - along_a * t;
         const float off_s = p.z() - from.superior - along_s * t;
-        float width = lateral;
-        if (taper > 0.0f) {
-            // Positive towards anterior for a duct that runs downwards.
-            const float forward = (off_s * along_a - off_a * along_s) / std::sqrt(squared);
-            const float u = std::clamp(forward / sagittal, -1.0f, 1.0f);
-            width = std::max(lateral * (1.0f - taper * 0.5f * (1.0f + u)), 0.25f);
-        }
-        const float radial = std::sqrt(p.x() * p.x() / (width * width) +
+        const float radial = std::sqrt(p.x() * p.x() / (lateral * lateral) +
                                        (off_a * off_a + off_s * off_s) / (sagittal * sagittal));
-        best = std::min(best, (radial - 1.0f) * std::min(width, sagittal));
+        best = std::min(best, (radial - 1.0f) * std::min(lateral, sagittal));
     }
     return best;
 }

@@ -66,8 +66,7 @@ struct Station {
     float lateral, sagittal;   ///< semi-axes of the elliptical section
 };
 
-/// A duct through stations with elliptical sections. `taper` > 0 narrows the section towards its
-/// anterior side into a triangle (the glottis: wide behind, pointed at the anterior commissure).
-[[nodiscard]] float duct(const Vec3f& p, std::span<const Station> stations, float taper = 0.0f);
+/// A duct through stations with elliptical sections.
+[[nodiscard]] float duct(const Vec3f& p, std::span<const Station> stations);
 
 }  // namespace eti::anatomy

@@ -218,10 +218,12 @@ Fields LabelledAnatomy::fields(const Vec3f& point) const {
     if (model.z() < -40.0f && model.y() < 1.4f + 0.19f * (model.z() + 40.0f)) {
         f.cavity = std::min(f.cavity, usual.cavity);
     }
+    f.sublingual = usual.sublingual;
     f.upper_gum = usual.upper_gum;
     f.lower_gum = usual.lower_gum;
     f.palate = usual.palate;
     f.larynx = usual.larynx;
+    f.cricoid = usual.cricoid;
     // Bone stays clear of the lumen, as in the newborn.
     const float clear = scale - f.cavity;
     f.skull = std::max(skull_.distance(place), clear);

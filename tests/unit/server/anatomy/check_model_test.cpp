@@ -170,6 +170,9 @@ TEST(Dimensions, OfTheTermNewbornAreThoseItWasDrawnWith) {
     // the carina; tolerances are half the coarse surface's spacing.
     EXPECT_NEAR(value("vocal cords to carina"), 50.3, 0.2);
     EXPECT_NEAR(value("trachea, diameter"), 5.1, 1.0);
+    // A circle of 4.8 mm, 1 mm less for the coarse surface's corners and half as much more.
+    EXPECT_GT(value("cricoid, area of the lumen"), 11.0);
+    EXPECT_LT(value("cricoid, area of the lumen"), 22.0);
     EXPECT_NEAR(value("glottis, length"), 5.5, 0.1);
     // The cranium is an ellipse of 47 by 58 mm: Ramanujan's perimeter 330.7 mm, skin and brow added.
     EXPECT_NEAR(value("head circumference"), 33.1, 1.0);
