@@ -106,6 +106,32 @@ class PlannedHand final : public devices::Sensor {
     std::uint64_t sample_ = 0;
 };
 
+/// A device that is carried along, whatever it feels: at rest, at a speed, and at rest again at once.
+class CarriedDevice final : public devices::Sensor {
+  public:
+    CarriedDevice(float height, float speed, int from, int to)
+        : height_(height), speed_(speed), from_(from), to_(to) {}
+
+    devices::Reading exchange(const Wrench&, float elapsed) override {
+        const bool moves = elapsed > 0.0f && cycle_ >= from_ && cycle_ < to_;
+        cycle_ += elapsed > 0.0f ? 1 : 0;
+        devices::Reading reading;
+        reading.motion.velocity = {moves ? speed_ : 0.0f, 0.0f, 0.0f};
+        way_ += 1e-3f * reading.motion.velocity.x();
+        const float step = HandSettings{}.encoder_step;
+        reading.motion.pose.translation = {std::round(way_ / step) * step, height_, 0.0f};
+        reading.sample = ++sample_;
+        return reading;
+    }
+
+  private:
+    float height_, speed_;
+    int from_, to_;
+    int cycle_ = 0;
+    float way_ = 0.0f;  // [m]
+    std::uint64_t sample_ = 0;
+};
+
 TriangleMesh floor_mesh() {
     TriangleMesh mesh;
     constexpr int n = 4;
@@ -195,6 +221,50 @@ class Server {
     float per_particle_ = 0.0f;  // [N/m]
 };
 
+/// The server behind the channel of the case: what comes of it is in `newest`.
+class FarServer {
+  public:
+    FarServer(const LoopCase& loop, const Laryngoscope& scope, const RigidTransform& start)
+        : loop_(loop), server_(loop, scope, start), random_(loop.seed) {}
+
+    /// The clock shows `now`: the server steps when it is time, and what has arrived is newest.
+    void advance(std::int64_t now) {
+        if (next_step_ <= now) {
+            next_step_ += step_ns;
+            if (loop_.gaps.longest > 0.0 && next_step_ >= next_gap_) {
+                const double gap = loop_.gaps.shortest + (loop_.gaps.longest - loop_.gaps.shortest) *
+                                                             static_cast<double>(random_.uniform());
+                next_step_ += static_cast<std::int64_t>(1e9 * gap) - step_ns;
+                next_gap_ = next_step_ + static_cast<std::int64_t>(1e9 * loop_.gaps.every);
+            }
+            RigidTransform device;
+            if (up_.receive(now, device)) {
+                server_.hear(device);
+            }
+            server_.step(state_);
+            down_.send(state_, now, loop_.channel, random_);
+        }
+        if (down_.receive(now, arrived_)) {
+            arrived_.proxy_arrived = arrived_.tissue_arrived = now;
+            newest.write(arrived_);
+        }
+    }
+    void send(const RigidTransform& device, std::int64_t now) {
+        up_.send(device, now, loop_.channel, random_);
+    }
+
+    TripleBuffer<SceneState> newest;
+
+  private:
+    const LoopCase& loop_;
+    Server server_;
+    Random random_;
+    Line<RigidTransform> up_;
+    Line<SceneState> down_;
+    SceneState state_, arrived_;
+    std::int64_t next_step_ = origin_ns, next_gap_ = origin_ns;
+};
+
 devices::RenderSettings settings_of(const LoopCase& loop) {
     devices::RenderSettings settings;
     settings.soft_force = loop.law;
@@ -238,17 +308,12 @@ double Stillness::dip() const {
 LoopOutcome run_loop(const LoopCase& loop) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     const float surface = scope.capsules[1].radius;
-    Random random(loop.seed);
     PlannedHand hand(loop.grip, surface);
-    auto newest = std::make_unique<TripleBuffer<SceneState>>();
-    devices::HapticCycle cycle(hand, *newest, settings_of(loop));
-    Server server(loop, scope, {Quatf::Identity(), {0.0f, surface + above, 0.0f}});
-    Line<RigidTransform> up;
-    Line<SceneState> down;
+    const auto server = std::make_unique<FarServer>(
+        loop, scope, RigidTransform{Quatf::Identity(), {0.0f, surface + above, 0.0f}});
+    devices::HapticCycle cycle(hand, server->newest, settings_of(loop));
 
     LoopOutcome out;
-    std::int64_t next_step = origin_ns, next_gap = origin_ns;
-    SceneState state, arrived;
     static_assert(deeper_at - held_from == Stillness::length_ms);
     Stillness still;
     std::uint64_t stale_before = 0;
@@ -258,27 +323,9 @@ LoopOutcome run_loop(const LoopCase& loop) {
         const std::int64_t now = origin_ns + i * ms;
         // Forces engage while the hand waits above the surface.
         hand.want(std::max(0, i - 700));
-        if (next_step <= now) {
-            next_step += step_ns;
-            if (loop.gaps.longest > 0.0 && next_step >= next_gap) {
-                const double gap = loop.gaps.shortest + (loop.gaps.longest - loop.gaps.shortest) *
-                                                            static_cast<double>(random.uniform());
-                next_step += static_cast<std::int64_t>(1e9 * gap) - step_ns;
-                next_gap = next_step + static_cast<std::int64_t>(1e9 * loop.gaps.every);
-            }
-            RigidTransform device;
-            if (up.receive(now, device)) {
-                server.hear(device);
-            }
-            server.step(state);
-            down.send(state, now, loop.channel, random);
-        }
-        if (down.receive(now, arrived)) {
-            arrived.proxy_arrived = arrived.tissue_arrived = now;
-            newest->write(arrived);
-        }
+        server->advance(now);
         if (const auto pose = cycle.run(now)) {
-            up.send(pose->pose, now, loop.channel, random);
+            server->send(pose->pose, now);
         }
         const auto height = static_cast<double>(hand.height());
         const auto given = static_cast<double>(cycle.wrench().force.y());
@@ -312,6 +359,36 @@ LoopOutcome run_loop(const LoopCase& loop) {
         (force[1] / counts[1] - force[0] / counts[0]) / (depth[1] / counts[1] - depth[0] / counts[0]);
     out.energy_lowest = cycle.renderer().passivity().lowest();
     out.dissipated = cycle.renderer().passivity().dissipated();
+    return out;
+}
+
+StopOutcome stop_in_free_air(const LoopCase& loop, float speed) {
+    constexpr float height = 0.05f;                              // [m], far above the floor
+    constexpr int moving_from = 800, phases = 6, watched = 400;  // cycles; a server's step is 5.6 of them
+    const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
+    StopOutcome out;
+    for (int phase = 0; phase < phases; ++phase) {
+        const int stops = moving_from + 300 + phase;
+        CarriedDevice device(height, speed, moving_from, stops);
+        const auto server =
+            std::make_unique<FarServer>(loop, scope, RigidTransform{Quatf::Identity(), {0.0f, height, 0.0f}});
+        devices::HapticCycle cycle(device, server->newest, settings_of(loop));
+        for (int i = 0; i < stops + watched; ++i) {
+            const std::int64_t now = origin_ns + i * ms;
+            server->advance(now);
+            if (const auto pose = cycle.run(now)) {
+                server->send(pose->pose, now);
+            }
+            const float force = cycle.wrench().force.norm();
+            if (i >= moving_from + 100 && i <= stops) {
+                out.moving = std::max(out.moving, force);
+            }
+            if (i > stops) {
+                out.stopped = std::max(out.stopped, force);
+            }
+        }
+        out.engaged = out.engaged && cycle.record().engaged_cycles > static_cast<std::uint64_t>(watched);
+    }
     return out;
 }
 

@@ -62,6 +62,14 @@ struct LoopOutcome {
     float most_force = 0.0f;     ///< [N]
 };
 
+/// What a hand feels that moves through free air and stops at once; the most of six phases of the server's
+/// step.
+struct StopOutcome {
+    float moving = 0.0f;   ///< [N], most while it moves steadily
+    float stopped = 0.0f;  ///< [N], most after it has stopped
+    bool engaged = true;   ///< forces were on
+};
+
 /// Ten encoder steps of the simulated device: what a limit cycle exceeds, and a hand held still does not.
 inline constexpr double most_excursion = 0.3e-3;
 
@@ -89,6 +97,10 @@ class Stillness {
 /// it is exact and repeatable. The hand goes from 5 mm above the surface to 4 mm below it at 50 mm/s, is
 /// bumped after two seconds, and holds still; then it goes 2 mm deeper, for the stiffness.
 [[nodiscard]] LoopOutcome run_loop(const LoopCase& loop);
+
+/// The same loop with a device that is carried through free air at `speed` [m/s] whatever it feels, and
+/// stopped from one cycle to the next, which no hand can do faster.
+[[nodiscard]] StopOutcome stop_in_free_air(const LoopCase& loop, float speed);
 
 /// Largest stiffness [N/m] that shows no limit cycle, to 15 %, between 50 and 20,000 N/m; 0 if none does.
 [[nodiscard]] double largest_stable_stiffness(LoopCase loop);

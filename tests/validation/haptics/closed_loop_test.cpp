@@ -122,6 +122,19 @@ TEST(ClosedLoop, TheControllerNeverLowersTheStableStiffness) {
     }
 }
 
+// The bound of a hand that moves on (FeelsAlmostNothing). By its present speed alone the trailing proxy
+// pulled on it at 0.2 m/s with 0.37 to 0.40 N, and for 32 to 90 ms with more than a tenth of a newton.
+TEST(ClosedLoop, AHandThatStopsInFreeAirIsNotPulledOn) {
+    for (const double delay : {0.0, 0.005, 0.010, 0.020, 0.050}) {
+        LoopCase loop;
+        loop.channel = {delay, 0.1 * delay, delay > 0.0 ? 0.01 : 0.0};
+        const StopOutcome outcome = stop_in_free_air(loop, 0.2f);
+        EXPECT_TRUE(outcome.engaged);
+        EXPECT_LT(outcome.moving, 0.1f) << delay << " s";
+        EXPECT_LT(outcome.stopped, 0.1f) << delay << " s";
+    }
+}
+
 // Two encoder steps over the 1 to 2 mm between the two depths: 5 %.
 TEST(ClosedLoop, RendersTheStiffnessThatIsSet) {
     for (const auto& [medium, law] : surfaces) {
