@@ -62,15 +62,22 @@ struct Line {
     }
 };
 
+const Vec3f gimbal(0.0f, 0.06f, 0.0f);  // [m], tool frame
+
 /// A device in a hand that follows the plan of the case.
 class PlannedHand final : public devices::Sensor {
   public:
-    PlannedHand(const Grip& grip, float surface)
-        : surface_(surface), hand_(settings_of(grip), pose_at(above)) {}
+    PlannedHand(const LoopCase& loop, const Laryngoscope& scope)
+        : lever_(loop.move == Move::lever),
+          three_(loop.motors == Motors::three),
+          part_(scope.capsules[lever_ ? 2 : 1]),
+          hand_(settings_of(loop), pose_at(above)) {}
 
     devices::Reading exchange(const Wrench& wrench, float elapsed) override {
         if (elapsed > 0.0f) {
-            hand_.step(pose_at(wanted_), wrench, elapsed);
+            const Vec3f arm = hand_.motion().pose.rotation * gimbal;
+            hand_.step(pose_at(wanted_), three_ ? Wrench{wrench.force, arm.cross(wrench.force)} : wrench,
+                       elapsed);
         }
         devices::Reading reading;
         reading.motion = hand_.motion();
@@ -86,21 +93,33 @@ class PlannedHand final : public devices::Sensor {
             wanted_ += 1e-3f;
         }
     }
-    /// Of the blade's underside above the surface [m].
-    [[nodiscard]] float height() const { return hand_.motion().pose.translation.y() - surface_; }
+    /// Of the blade's underside above the surface [m]; a lever's at its end.
+    [[nodiscard]] float height() const { return (hand_.motion().pose * end()).y() - part_.radius; }
+
+    [[nodiscard]] RigidTransform start() const { return pose_at(above); }
 
   private:
-    static HandSettings settings_of(const Grip& grip) {
+    static HandSettings settings_of(const LoopCase& loop) {
         HandSettings settings;
-        settings.hand_stiffness = grip.stiffness;
-        settings.hand_damping = grip.damping;
+        settings.hand_stiffness = loop.grip.stiffness;
+        settings.hand_damping = loop.grip.damping;
+        if (loop.move == Move::lever) {
+            settings.hand_rotational_stiffness *= loop.grip.share;
+            settings.hand_rotational_damping *= loop.grip.share;
+        }
         return settings;
     }
+    [[nodiscard]] Vec3f end() const { return lever_ ? part_.b : Vec3f(Vec3f::Zero()); }
     [[nodiscard]] RigidTransform pose_at(float height) const {
-        return {Quatf::Identity(), {0.0f, surface_ + height, 0.0f}};
+        if (lever_) {
+            const float turn = std::asin((above - height) / part_.b.z());
+            return {quaternion_from({turn, 0.0f, 0.0f}), {0.0f, part_.radius + above, 0.0f}};
+        }
+        return {Quatf::Identity(), {0.0f, part_.radius + height, 0.0f}};
     }
 
-    float surface_;
+    bool lever_, three_;
+    Capsule part_;
     float wanted_ = above;
     HandDevice hand_;
     std::uint64_t sample_ = 0;
@@ -177,6 +196,7 @@ class Server {
         for (std::size_t i = 0; i < out.proxy.contacts; ++i) {
             out.proxy.normals[i] = result.contacts[i].normal;
         }
+        out.proxy.contact_centre = centre_of(result.contacts);
         out.blade = scope_.capsules;
         out.tissue.count = 0;
         out.tissue.wrench = {};
@@ -187,6 +207,16 @@ class Server {
     }
 
   private:
+    static Vec3f centre_of(const std::vector<rigid::Contact>& contacts) {
+        Vec3f weighted = Vec3f::Zero();
+        float force = 0.0f;
+        for (const rigid::Contact& contact : contacts) {
+            weighted += contact.force * contact.position;
+            force += contact.force;
+        }
+        return force > 0.0f ? Vec3f(weighted / force) : weighted;
+    }
+
     static constexpr int rows = 8,
                          columns = 3;  // of particles under the blade, few enough that all touch at once
 
@@ -270,7 +300,14 @@ devices::RenderSettings settings_of(const LoopCase& loop) {
     settings.soft_force = loop.law;
     settings.passivity.on = loop.passivity;
     settings.safety = loop.safety;
-    if (loop.medium == Medium::wall) {
+    if (loop.motors == Motors::three) {
+        settings.torque = false;
+        settings.gimbal = gimbal;
+        settings.coupling.torque_limit = 0.0f;
+    }
+    if (loop.move == Move::lever) {
+        settings.coupling.rotational_stiffness = loop.stiffness;
+    } else if (loop.medium == Medium::wall) {
         settings.coupling.stiffness = loop.stiffness;
     } else {
         settings.coupling.tissue_gain =
@@ -307,10 +344,8 @@ double Stillness::dip() const {
 
 LoopOutcome run_loop(const LoopCase& loop) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
-    const float surface = scope.capsules[1].radius;
-    PlannedHand hand(loop.grip, surface);
-    const auto server = std::make_unique<FarServer>(
-        loop, scope, RigidTransform{Quatf::Identity(), {0.0f, surface + above, 0.0f}});
+    PlannedHand hand(loop, scope);
+    const auto server = std::make_unique<FarServer>(loop, scope, hand.start());
     devices::HapticCycle cycle(hand, server->newest, settings_of(loop));
 
     LoopOutcome out;
@@ -330,6 +365,7 @@ LoopOutcome run_loop(const LoopCase& loop) {
         const auto height = static_cast<double>(hand.height());
         const auto given = static_cast<double>(cycle.wrench().force.y());
         out.most_force = std::max(out.most_force, cycle.wrench().force.norm());
+        out.most_torque = std::max(out.most_torque, cycle.wrench().torque.norm());
         if (crossed < 0.0 && height <= 0.0) {
             crossed = i;
         }
@@ -410,6 +446,19 @@ double largest_stable_stiffness(LoopCase loop) {
         (stable(middle) ? good : bad) = middle;
     }
     return good;
+}
+
+double levered_without_limit_cycle(LoopCase loop) {
+    constexpr float lowest = 0.1f, highest = 20.0f, step = 1.42f;
+    loop.move = Move::lever;
+    float good = 0.0f;
+    for (loop.stiffness = lowest; loop.stiffness <= highest; loop.stiffness *= step) {
+        if (run_loop(loop).excursion > most_excursion) {
+            break;
+        }
+        good = loop.stiffness;
+    }
+    return static_cast<double>(good);
 }
 
 }  // namespace eti::validation
