@@ -180,7 +180,11 @@ void Program::report(const SensorWatch& watch) {
     const std::string fault = watch.fault();
     if (now.lost && (!reported_.lost || fault != reported_fault_)) {
         spdlog::warn("device '{}' is lost{}; waiting for it to come back", driver_.name,
-                     fault.empty() ? ": it sends nothing" : ": " + fault);
+                     !fault.empty() ? ": " + fault
+                     : now.frozen
+                         ? ": it pushes but says it does not move at all; move it, else unplug it and "
+                           "plug it in again"
+                         : ": it sends nothing");
     } else if (!now.lost && reported_.lost) {
         spdlog::info("device '{}' is back", driver_.name);
     }

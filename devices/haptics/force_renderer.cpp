@@ -33,7 +33,8 @@ ForceRenderer::ForceRenderer(const RenderSettings& settings)
       freshness_(settings.safety),
       tissue_freshness_(settings.safety),
       engagement_(settings.safety),
-      passivity_(settings.passivity) {}
+      passivity_(settings.passivity),
+      speeds_(settings.prediction) {}
 
 Wrench ForceRenderer::rigid_wrench(const Motion& device, const Motion& proxy) const {
     return settings_.tool == Tool::tube ? Wrench{} : coupling_wrench(device, proxy, settings_.coupling);
@@ -86,11 +87,13 @@ void ForceRenderer::release() {
 
 Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::int64_t now, float dt) {
     const float age = age_of(scene.proxy_arrived, now);
+    const bool touching = scene.proxy.contacts > 0 || scene.tissue.count > 0;
+    const Speeds lately = speeds_.update(device, touching, dt);
     std::optional<Motion> proxy;
     if (age >= 0.0f) {
         proxy = settings_.tool == Tool::tube ? device
                                              : predicted_proxy(device, scene.proxy, age * scene.pace,
-                                                               scene.pace, settings_.prediction);
+                                                               scene.pace, settings_.prediction, lately);
     }
     // However late a cycle is, the hand gets no more than one in time would have given it.
     const float counted = std::min(dt, settings_.safety.longest_cycle);

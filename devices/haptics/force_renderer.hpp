@@ -55,6 +55,7 @@ class ForceRenderer {
     Engagement engagement_;
     SmoothSoftForce soft_;
     PassivityController passivity_;
+    RecentSpeeds speeds_;
     Wrench last_;  // before the fade
     std::uint64_t not_finite_ = 0;
 };

@@ -3,6 +3,7 @@
 #include "devices/haptics/proxy_prediction.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace eti::devices {
 
@@ -19,8 +20,17 @@ Vec3f beyond(const Vec3f& v, float most) {
 
 }  // namespace
 
+Speeds RecentSpeeds::update(const Motion& device, bool touching, float dt) {
+    // The present speed first: it takes the place of one that is not a number.
+    const float kept = std::exp(-dt / memory_);
+    recent_.moving = std::max(device.velocity.norm(), kept * recent_.moving);
+    recent_.turning = std::max(device.angular_velocity.norm(), kept * recent_.turning);
+    untouched_ = touching ? 0.0f : untouched_ + dt;
+    return untouched_ > untouched_time_ ? recent_ : Speeds{};
+}
+
 std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& report, float age, float pace,
-                                      const PredictionBounds& bounds) {
+                                      const PredictionBounds& bounds, const Speeds& lately) {
     // Written so that not-a-number is out of bounds too.
     if (!((device.pose.translation - report.device.translation).norm() <= bounds.travel)) {
         return std::nullopt;
@@ -28,11 +38,11 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
     const std::span<const Vec3f> normals = report.contact_normals();
     if (normals.empty()) {
         const float step = simulation_step / std::max(pace, bounds.slowest_pace);
-        const Vec3f trailing =
-            beyond(report.proxy.pose.translation - report.device.translation, step * device.velocity.norm());
+        const Vec3f trailing = beyond(report.proxy.pose.translation - report.device.translation,
+                                      step * std::max(device.velocity.norm(), lately.moving));
         const Vec3f turned =
             beyond(rotation_vector(report.proxy.pose.rotation * report.device.rotation.conjugate()),
-                   step * device.angular_velocity.norm());
+                   step * std::max(device.angular_velocity.norm(), lately.turning));
         return Motion{{(quaternion_from(turned) * device.pose.rotation).normalized(),
                        device.pose.translation + trailing},
                       device.velocity,

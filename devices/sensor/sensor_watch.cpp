@@ -11,6 +11,11 @@ namespace {
 
 constexpr float window = 1.0f;  // [s], over which the rate is measured
 
+bool same(const Motion& a, const Motion& b) {
+    return a.pose.translation == b.pose.translation && a.pose.rotation.coeffs() == b.pose.rotation.coeffs() &&
+           a.velocity == b.velocity && a.angular_velocity == b.angular_velocity;
+}
+
 void add(std::atomic<std::uint64_t>& counter) {
     counter.fetch_add(1, std::memory_order_relaxed);
 }
@@ -48,6 +53,17 @@ bool SensorWatch::believable(const Motion& motion) {
     return settled_ >= limits_.settled_after;
 }
 
+bool SensorWatch::frozen(const Motion& motion, const Wrench& wrench, float elapsed) {
+    if (!same(motion, unchanged_)) {
+        unchanged_ = motion;
+        unchanged_time_ = 0.0f;
+    } else if (abilities_.rate > 0.0f && wrench.force.norm() > limits_.pushing) {
+        unchanged_time_ += std::min(elapsed, limits_.stale_after);
+    }
+    // Let go, the device does not push, and the time stands still until it moves.
+    return unchanged_time_ > limits_.frozen_after;
+}
+
 Reading SensorWatch::exchange(const Wrench& wrench, float elapsed) {
     Reading now = device_.exchange(wrench, elapsed);
     const bool new_sample = now.present && (!any_ || now.sample != sample_);
@@ -59,14 +75,17 @@ Reading SensorWatch::exchange(const Wrench& wrench, float elapsed) {
         any_ = true;
         since_good_ = 0.0f;
     }
+    bool stuck = frozen_.load(std::memory_order_relaxed);
     if (new_sample) {
         age_ = 0.0f;
+        stuck = frozen(now.motion, wrench, elapsed);
+        frozen_.store(stuck, std::memory_order_relaxed);
     }
-    count(!now.present || age_ > limits_.lost_after, new_sample, elapsed);
+    count(!now.present || stuck || age_ > limits_.lost_after, new_sample, elapsed);
 
     const bool believed = settled_ < 0.0f && !broken_;
     now.motion = good_.motion;
-    now.present = any_ && now.present && !broken_ && since_good_ <= limits_.stale_after;
+    now.present = any_ && now.present && !broken_ && !stuck && since_good_ <= limits_.stale_after;
     if (!now.present || !believed) {
         now.motion.velocity = now.motion.angular_velocity = Vec3f::Zero();
     }
@@ -95,7 +114,7 @@ void SensorWatch::count(bool lost, bool new_sample, float elapsed) {
 
 SensorHealth SensorWatch::health() const {
     constexpr auto order = std::memory_order_relaxed;
-    return {lost_.load(order),   slow_.load(order),       rate_.load(order),
+    return {lost_.load(order),   slow_.load(order),       frozen_.load(order), rate_.load(order),
             losses_.load(order), not_finite_.load(order), jumps_.load(order)};
 }
 

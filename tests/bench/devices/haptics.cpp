@@ -87,6 +87,37 @@ void map_stability(const HapticsOptions& options) {
     spdlog::info("wrote {}", table.path().string());
 }
 
+void map_levering(const HapticsOptions& options) {
+    Table table(
+        options.out, "haptics-levering.csv",
+        "motors,grip,passivity,delay_ms,jitter_ms,loss_percent,stable_nm_per_rad,shipped_excursion_mm");
+    const std::vector<double> delays =
+        options.quick ? std::vector{0.0, 0.010} : std::vector{0.0, 0.005, 0.010, 0.020, 0.030, 0.040, 0.050};
+    const std::vector<double> losses = options.quick ? std::vector{0.01} : std::vector{0.0, 0.01, 0.05};
+    for (const Motors motors : {Motors::six, Motors::three}) {
+        for (const Grip& grip : {firm, light}) {
+            for (const bool passivity : {false, true}) {
+                for (const double delay : delays) {
+                    for (const double loss : losses) {
+                        LoopCase loop;
+                        loop.move = Move::lever;
+                        loop.motors = motors;
+                        loop.passivity = passivity;
+                        loop.grip = grip;
+                        loop.stiffness = CouplingSettings{}.rotational_stiffness;
+                        loop.channel = {delay, 0.1 * delay, loss};
+                        table.row(fmt::format(
+                            "{},{},{},{:g},{:g},{:g},{:.2f},{:.4f}", motors == Motors::six ? 6 : 3, grip.name,
+                            passivity ? 1 : 0, 1e3 * delay, 1e3 * loop.channel.jitter, 1e2 * loss,
+                            levered_without_limit_cycle(loop), 1e3 * run_loop(loop).excursion));
+                    }
+                }
+            }
+        }
+    }
+    spdlog::info("wrote {}", table.path().string());
+}
+
 void compare_stiffness(const HapticsOptions& options) {
     Table table(
         options.out, "haptics-rendered.csv",
@@ -201,6 +232,7 @@ int haptics(const HapticsOptions& options) {
     const auto wanted = [&](std::string_view name) { return options.only.empty() || options.only == name; };
     if (wanted("stability")) {
         map_stability(options);
+        map_levering(options);
     }
     if (wanted("rendered")) {
         compare_stiffness(options);

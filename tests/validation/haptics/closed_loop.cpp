@@ -62,15 +62,22 @@ struct Line {
     }
 };
 
+const Vec3f gimbal(0.0f, 0.06f, 0.0f);  // [m], tool frame
+
 /// A device in a hand that follows the plan of the case.
 class PlannedHand final : public devices::Sensor {
   public:
-    PlannedHand(const Grip& grip, float surface)
-        : surface_(surface), hand_(settings_of(grip), pose_at(above)) {}
+    PlannedHand(const LoopCase& loop, const Laryngoscope& scope)
+        : lever_(loop.move == Move::lever),
+          three_(loop.motors == Motors::three),
+          part_(scope.capsules[lever_ ? 2 : 1]),
+          hand_(settings_of(loop), pose_at(above)) {}
 
     devices::Reading exchange(const Wrench& wrench, float elapsed) override {
         if (elapsed > 0.0f) {
-            hand_.step(pose_at(wanted_), wrench, elapsed);
+            const Vec3f arm = hand_.motion().pose.rotation * gimbal;
+            hand_.step(pose_at(wanted_), three_ ? Wrench{wrench.force, arm.cross(wrench.force)} : wrench,
+                       elapsed);
         }
         devices::Reading reading;
         reading.motion = hand_.motion();
@@ -86,23 +93,61 @@ class PlannedHand final : public devices::Sensor {
             wanted_ += 1e-3f;
         }
     }
-    /// Of the blade's underside above the surface [m].
-    [[nodiscard]] float height() const { return hand_.motion().pose.translation.y() - surface_; }
+    /// Of the blade's underside above the surface [m]; a lever's at its end.
+    [[nodiscard]] float height() const { return (hand_.motion().pose * end()).y() - part_.radius; }
+
+    [[nodiscard]] RigidTransform start() const { return pose_at(above); }
 
   private:
-    static HandSettings settings_of(const Grip& grip) {
+    static HandSettings settings_of(const LoopCase& loop) {
         HandSettings settings;
-        settings.hand_stiffness = grip.stiffness;
-        settings.hand_damping = grip.damping;
+        settings.hand_stiffness = loop.grip.stiffness;
+        settings.hand_damping = loop.grip.damping;
+        if (loop.move == Move::lever) {
+            settings.hand_rotational_stiffness *= loop.grip.share;
+            settings.hand_rotational_damping *= loop.grip.share;
+        }
         return settings;
     }
+    [[nodiscard]] Vec3f end() const { return lever_ ? part_.b : Vec3f(Vec3f::Zero()); }
     [[nodiscard]] RigidTransform pose_at(float height) const {
-        return {Quatf::Identity(), {0.0f, surface_ + height, 0.0f}};
+        if (lever_) {
+            const float turn = std::asin((above - height) / part_.b.z());
+            return {quaternion_from({turn, 0.0f, 0.0f}), {0.0f, part_.radius + above, 0.0f}};
+        }
+        return {Quatf::Identity(), {0.0f, part_.radius + height, 0.0f}};
     }
 
-    float surface_;
+    bool lever_, three_;
+    Capsule part_;
     float wanted_ = above;
     HandDevice hand_;
+    std::uint64_t sample_ = 0;
+};
+
+/// A device that is carried along, whatever it feels: at rest, at a speed, and at rest again at once.
+class CarriedDevice final : public devices::Sensor {
+  public:
+    CarriedDevice(float height, float speed, int from, int to)
+        : height_(height), speed_(speed), from_(from), to_(to) {}
+
+    devices::Reading exchange(const Wrench&, float elapsed) override {
+        const bool moves = elapsed > 0.0f && cycle_ >= from_ && cycle_ < to_;
+        cycle_ += elapsed > 0.0f ? 1 : 0;
+        devices::Reading reading;
+        reading.motion.velocity = {moves ? speed_ : 0.0f, 0.0f, 0.0f};
+        way_ += 1e-3f * reading.motion.velocity.x();
+        const float step = HandSettings{}.encoder_step;
+        reading.motion.pose.translation = {std::round(way_ / step) * step, height_, 0.0f};
+        reading.sample = ++sample_;
+        return reading;
+    }
+
+  private:
+    float height_, speed_;
+    int from_, to_;
+    int cycle_ = 0;
+    float way_ = 0.0f;  // [m]
     std::uint64_t sample_ = 0;
 };
 
@@ -151,6 +196,7 @@ class Server {
         for (std::size_t i = 0; i < out.proxy.contacts; ++i) {
             out.proxy.normals[i] = result.contacts[i].normal;
         }
+        out.proxy.contact_centre = centre_of(result.contacts);
         out.blade = scope_.capsules;
         out.tissue.count = 0;
         out.tissue.wrench = {};
@@ -161,6 +207,16 @@ class Server {
     }
 
   private:
+    static Vec3f centre_of(const std::vector<rigid::Contact>& contacts) {
+        Vec3f weighted = Vec3f::Zero();
+        float force = 0.0f;
+        for (const rigid::Contact& contact : contacts) {
+            weighted += contact.force * contact.position;
+            force += contact.force;
+        }
+        return force > 0.0f ? Vec3f(weighted / force) : weighted;
+    }
+
     static constexpr int rows = 8,
                          columns = 3;  // of particles under the blade, few enough that all touch at once
 
@@ -195,12 +251,63 @@ class Server {
     float per_particle_ = 0.0f;  // [N/m]
 };
 
+/// The server behind the channel of the case: what comes of it is in `newest`.
+class FarServer {
+  public:
+    FarServer(const LoopCase& loop, const Laryngoscope& scope, const RigidTransform& start)
+        : loop_(loop), server_(loop, scope, start), random_(loop.seed) {}
+
+    /// The clock shows `now`: the server steps when it is time, and what has arrived is newest.
+    void advance(std::int64_t now) {
+        if (next_step_ <= now) {
+            next_step_ += step_ns;
+            if (loop_.gaps.longest > 0.0 && next_step_ >= next_gap_) {
+                const double gap = loop_.gaps.shortest + (loop_.gaps.longest - loop_.gaps.shortest) *
+                                                             static_cast<double>(random_.uniform());
+                next_step_ += static_cast<std::int64_t>(1e9 * gap) - step_ns;
+                next_gap_ = next_step_ + static_cast<std::int64_t>(1e9 * loop_.gaps.every);
+            }
+            RigidTransform device;
+            if (up_.receive(now, device)) {
+                server_.hear(device);
+            }
+            server_.step(state_);
+            down_.send(state_, now, loop_.channel, random_);
+        }
+        if (down_.receive(now, arrived_)) {
+            arrived_.proxy_arrived = arrived_.tissue_arrived = now;
+            newest.write(arrived_);
+        }
+    }
+    void send(const RigidTransform& device, std::int64_t now) {
+        up_.send(device, now, loop_.channel, random_);
+    }
+
+    TripleBuffer<SceneState> newest;
+
+  private:
+    const LoopCase& loop_;
+    Server server_;
+    Random random_;
+    Line<RigidTransform> up_;
+    Line<SceneState> down_;
+    SceneState state_, arrived_;
+    std::int64_t next_step_ = origin_ns, next_gap_ = origin_ns;
+};
+
 devices::RenderSettings settings_of(const LoopCase& loop) {
     devices::RenderSettings settings;
     settings.soft_force = loop.law;
     settings.passivity.on = loop.passivity;
     settings.safety = loop.safety;
-    if (loop.medium == Medium::wall) {
+    if (loop.motors == Motors::three) {
+        settings.torque = false;
+        settings.gimbal = gimbal;
+        settings.coupling.torque_limit = 0.0f;
+    }
+    if (loop.move == Move::lever) {
+        settings.coupling.rotational_stiffness = loop.stiffness;
+    } else if (loop.medium == Medium::wall) {
         settings.coupling.stiffness = loop.stiffness;
     } else {
         settings.coupling.tissue_gain =
@@ -237,18 +344,11 @@ double Stillness::dip() const {
 
 LoopOutcome run_loop(const LoopCase& loop) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
-    const float surface = scope.capsules[1].radius;
-    Random random(loop.seed);
-    PlannedHand hand(loop.grip, surface);
-    auto newest = std::make_unique<TripleBuffer<SceneState>>();
-    devices::HapticCycle cycle(hand, *newest, settings_of(loop));
-    Server server(loop, scope, {Quatf::Identity(), {0.0f, surface + above, 0.0f}});
-    Line<RigidTransform> up;
-    Line<SceneState> down;
+    PlannedHand hand(loop, scope);
+    const auto server = std::make_unique<FarServer>(loop, scope, hand.start());
+    devices::HapticCycle cycle(hand, server->newest, settings_of(loop));
 
     LoopOutcome out;
-    std::int64_t next_step = origin_ns, next_gap = origin_ns;
-    SceneState state, arrived;
     static_assert(deeper_at - held_from == Stillness::length_ms);
     Stillness still;
     std::uint64_t stale_before = 0;
@@ -258,31 +358,14 @@ LoopOutcome run_loop(const LoopCase& loop) {
         const std::int64_t now = origin_ns + i * ms;
         // Forces engage while the hand waits above the surface.
         hand.want(std::max(0, i - 700));
-        if (next_step <= now) {
-            next_step += step_ns;
-            if (loop.gaps.longest > 0.0 && next_step >= next_gap) {
-                const double gap = loop.gaps.shortest + (loop.gaps.longest - loop.gaps.shortest) *
-                                                            static_cast<double>(random.uniform());
-                next_step += static_cast<std::int64_t>(1e9 * gap) - step_ns;
-                next_gap = next_step + static_cast<std::int64_t>(1e9 * loop.gaps.every);
-            }
-            RigidTransform device;
-            if (up.receive(now, device)) {
-                server.hear(device);
-            }
-            server.step(state);
-            down.send(state, now, loop.channel, random);
-        }
-        if (down.receive(now, arrived)) {
-            arrived.proxy_arrived = arrived.tissue_arrived = now;
-            newest->write(arrived);
-        }
+        server->advance(now);
         if (const auto pose = cycle.run(now)) {
-            up.send(pose->pose, now, loop.channel, random);
+            server->send(pose->pose, now);
         }
         const auto height = static_cast<double>(hand.height());
         const auto given = static_cast<double>(cycle.wrench().force.y());
         out.most_force = std::max(out.most_force, cycle.wrench().force.norm());
+        out.most_torque = std::max(out.most_torque, cycle.wrench().torque.norm());
         if (crossed < 0.0 && height <= 0.0) {
             crossed = i;
         }
@@ -315,6 +398,36 @@ LoopOutcome run_loop(const LoopCase& loop) {
     return out;
 }
 
+StopOutcome stop_in_free_air(const LoopCase& loop, float speed) {
+    constexpr float height = 0.05f;                              // [m], far above the floor
+    constexpr int moving_from = 800, phases = 6, watched = 400;  // cycles; a server's step is 5.6 of them
+    const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
+    StopOutcome out;
+    for (int phase = 0; phase < phases; ++phase) {
+        const int stops = moving_from + 300 + phase;
+        CarriedDevice device(height, speed, moving_from, stops);
+        const auto server =
+            std::make_unique<FarServer>(loop, scope, RigidTransform{Quatf::Identity(), {0.0f, height, 0.0f}});
+        devices::HapticCycle cycle(device, server->newest, settings_of(loop));
+        for (int i = 0; i < stops + watched; ++i) {
+            const std::int64_t now = origin_ns + i * ms;
+            server->advance(now);
+            if (const auto pose = cycle.run(now)) {
+                server->send(pose->pose, now);
+            }
+            const float force = cycle.wrench().force.norm();
+            if (i >= moving_from + 100 && i <= stops) {
+                out.moving = std::max(out.moving, force);
+            }
+            if (i > stops) {
+                out.stopped = std::max(out.stopped, force);
+            }
+        }
+        out.engaged = out.engaged && cycle.record().engaged_cycles > static_cast<std::uint64_t>(watched);
+    }
+    return out;
+}
+
 double largest_stable_stiffness(LoopCase loop) {
     constexpr double lowest = 50.0, highest = 20'000.0, precision = 1.15;
     const auto stable = [&](double stiffness) {
@@ -333,6 +446,19 @@ double largest_stable_stiffness(LoopCase loop) {
         (stable(middle) ? good : bad) = middle;
     }
     return good;
+}
+
+double levered_without_limit_cycle(LoopCase loop) {
+    constexpr float lowest = 0.1f, highest = 20.0f, step = 1.42f;
+    loop.move = Move::lever;
+    float good = 0.0f;
+    for (loop.stiffness = lowest; loop.stiffness <= highest; loop.stiffness *= step) {
+        if (run_loop(loop).excursion > most_excursion) {
+            break;
+        }
+        good = loop.stiffness;
+    }
+    return static_cast<double>(good);
 }
 
 }  // namespace eti::validation

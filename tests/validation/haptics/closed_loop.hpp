@@ -17,6 +17,18 @@ enum class Medium : std::uint8_t {
     tissue,  ///< an elastic half-space of the server; what is set is its stiffness as rendered
 };
 
+/// How the hand brings the blade there.
+enum class Move : std::uint8_t {
+    press,  ///< flat, by moving the whole blade
+    lever,  ///< by its end, turning it about the grip, on a wall; what is set is the stiffness in turning
+};
+
+/// What the device can pull with.
+enum class Motors : std::uint8_t {
+    six,    ///< force and torque
+    three,  ///< a force at its gimbal, 60 mm up the handle, in whose joints the tool turns freely
+};
+
 /// The way between device and server; half of the delay each way.
 struct Channel {
     double delay = 0.0;   ///< [s], there and back
@@ -27,9 +39,10 @@ struct Channel {
 struct Grip {
     std::string_view name;
     float stiffness, damping;  ///< [N/m], [N s/m]
+    float share;               ///< of HandSettings' stiffness and damping in turning, where the hand levers
 };
-inline constexpr Grip firm{"firm grip", 900.0f, 18.0f};  ///< as in HandSettings
-inline constexpr Grip light{"light grip", 150.0f, 3.0f};
+inline constexpr Grip firm{"firm grip", 900.0f, 18.0f, 1.0f};  ///< as in HandSettings
+inline constexpr Grip light{"light grip", 150.0f, 3.0f, 1.0f / 6.0f};
 
 /// A server that now and then computes nothing for a while, beside a machine's other work.
 struct Gaps {
@@ -40,7 +53,9 @@ struct Gaps {
 struct LoopCase {
     Medium medium = Medium::wall;
     devices::SoftForce law = devices::SoftForce::constraint;
-    float stiffness = CouplingSettings{}.stiffness;  ///< [N/m]
+    Move move = Move::press;
+    Motors motors = Motors::six;
+    float stiffness = CouplingSettings{}.stiffness;  ///< [N/m]; of a lever [N m/rad]
     bool passivity = true;
     Channel channel;
     Gaps gaps;
@@ -50,16 +65,25 @@ struct LoopCase {
 };
 
 struct LoopOutcome {
-    /// [m], peak to peak of the device, pressed and held still for a second: the least of five windows, for
-    /// a limit cycle goes on and on.
+    /// [m], peak to peak of the device (levered: of the blade's end), pressed and held still for a second:
+    /// the least of five windows, for a limit cycle goes on and on.
     double excursion = 0.0;
     double dip = 0.0;       ///< [m], the most of those windows: where messages are missing, the force lets go
     double faded = 0.0;     ///< share of that second with less than all force for want of messages
-    double rendered = 0.0;  ///< [N/m], force over depth between two depths held still
+    double rendered = 0.0;  ///< [N/m], force over depth between two depths held still; of a lever nothing
     double onset = 0.0;     ///< [s], from the blade's reaching the surface to a force of 0.05 N
     double energy_lowest = 0.0;  ///< [J], the observer's
     double dissipated = 0.0;     ///< [J], by the controller
     float most_force = 0.0f;     ///< [N]
+    float most_torque = 0.0f;    ///< [N m]
+};
+
+/// What a hand feels that moves through free air and stops at once; the most of six phases of the server's
+/// step.
+struct StopOutcome {
+    float moving = 0.0f;   ///< [N], most while it moves steadily
+    float stopped = 0.0f;  ///< [N], most after it has stopped
+    bool engaged = true;   ///< forces were on
 };
 
 /// Ten encoder steps of the simulated device: what a limit cycle exceeds, and a hand held still does not.
@@ -87,10 +111,19 @@ class Stillness {
 /// The haptic loop's own cycle with a simulated device in a hand, and the server's rigid layer or an
 /// elastic half-space at 180 Hz behind a channel with delay, jitter and loss; by a virtual clock, so that
 /// it is exact and repeatable. The hand goes from 5 mm above the surface to 4 mm below it at 50 mm/s, is
-/// bumped after two seconds, and holds still; then it goes 2 mm deeper, for the stiffness.
+/// bumped after two seconds, and holds still; then it goes 2 mm deeper, for the stiffness. A lever's blade
+/// goes by its end, as far and as fast.
 [[nodiscard]] LoopOutcome run_loop(const LoopCase& loop);
+
+/// The same loop with a device that is carried through free air at `speed` [m/s] whatever it feels, and
+/// stopped from one cycle to the next, which no hand can do faster.
+[[nodiscard]] StopOutcome stop_in_free_air(const LoopCase& loop, float speed);
 
 /// Largest stiffness [N/m] that shows no limit cycle, to 15 %, between 50 and 20,000 N/m; 0 if none does.
 [[nodiscard]] double largest_stable_stiffness(LoopCase loop);
+
+/// Of a lever [N m/rad], the largest below which none shows one either, from 0.1 in 15 steps by 1.42 to 20:
+/// where the torque's limit ends a cycle, stiffer ones hold still again.
+[[nodiscard]] double levered_without_limit_cycle(LoopCase loop);
 
 }  // namespace eti::validation

@@ -122,6 +122,86 @@ TEST(ClosedLoop, TheControllerNeverLowersTheStableStiffness) {
     }
 }
 
+LoopCase shipped_lever(Motors motors, const Grip& grip) {
+    LoopCase loop;
+    loop.move = Move::lever;
+    loop.motors = motors;
+    loop.grip = grip;
+    loop.stiffness = CouplingSettings{}.rotational_stiffness;
+    return loop;
+}
+
+TEST(ClosedLoop, LeveringWithTheShippedDefaultsShowsNoLimitCycleAtTenMillisecondsAndOnePercentLoss) {
+    for (const Motors motors : {Motors::six, Motors::three}) {
+        for (const Grip& grip : {firm, light}) {
+            for (const double jitter : {0.001, 0.005}) {
+                for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+                    LoopCase loop = shipped_lever(motors, grip);
+                    loop.channel = {.delay = 0.010, .jitter = jitter, .loss = 0.01};
+                    loop.seed = seed;
+                    const LoopOutcome outcome = run_loop(loop);
+                    EXPECT_LE(outcome.excursion, most_excursion)
+                        << grip.name << ", motors " << static_cast<int>(motors) << ", jitter " << jitter
+                        << ", seed " << seed;
+                    EXPECT_GT(outcome.most_force, 0.2f) << "nothing was felt";
+                    EXPECT_EQ(outcome.most_torque > 0.01f, motors == Motors::six);
+                }
+            }
+        }
+    }
+}
+
+/// Of a device in a hand with a torque that is late by `delay` as a whole: K < (b + B) / (T / 2 + delay)
+/// (Gil, Sanchez, Hulin, Preusche & Hirzinger 2009), in turning [N m/rad].
+double delayed_bound(const Grip& grip, double delay) {
+    const HandSettings hand;
+    const float damping = hand.device_rotational_damping + grip.share * hand.hand_rotational_damping +
+                          CouplingSettings{}.rotational_damping;
+    return static_cast<double>(damping) / (0.5e-3 + delay);
+}
+
+// The proxy's turning is the server's, late, but where the wall holds it, it hardly follows the device.
+TEST(ClosedLoop, LeveringUpToTheDelayedBoundShowsNoneWithoutTheControllerEither) {
+    for (const Motors motors : {Motors::six, Motors::three}) {
+        for (const Grip& grip : {firm, light}) {
+            for (const double delay : {0.010, 0.020, 0.050}) {
+                LoopCase loop = shipped_lever(motors, grip);
+                loop.stiffness = static_cast<float>(delayed_bound(grip, delay));
+                loop.passivity = false;
+                loop.channel = {.delay = delay, .jitter = 0.1 * delay, .loss = 0.01};
+                EXPECT_LE(run_loop(loop).excursion, most_excursion)
+                    << grip.name << ", motors " << static_cast<int>(motors) << ", " << delay << " s";
+            }
+        }
+    }
+}
+
+// The shipped 1.5 N m/rad are seven times that bound in a light grip at 50 ms.
+TEST(ClosedLoop, LeveringFarBeyondTheBoundShowsOneThatTheControllerHolds) {
+    for (const Motors motors : {Motors::six, Motors::three}) {
+        LoopCase loop = shipped_lever(motors, light);
+        loop.channel = {.delay = 0.050, .jitter = 0.005, .loss = 0.01};
+        ASSERT_GT(static_cast<double>(loop.stiffness), 7.0 * delayed_bound(light, loop.channel.delay));
+        loop.passivity = false;
+        EXPECT_GT(run_loop(loop).excursion, most_excursion) << static_cast<int>(motors);
+        loop.passivity = true;
+        EXPECT_LE(run_loop(loop).excursion, most_excursion) << static_cast<int>(motors);
+    }
+}
+
+// The bound of a hand that moves on (FeelsAlmostNothing). By its present speed alone the trailing proxy
+// pulled on it at 0.2 m/s with 0.37 to 0.40 N, and for 32 to 90 ms with more than a tenth of a newton.
+TEST(ClosedLoop, AHandThatStopsInFreeAirIsNotPulledOn) {
+    for (const double delay : {0.0, 0.005, 0.010, 0.020, 0.050}) {
+        LoopCase loop;
+        loop.channel = {delay, 0.1 * delay, delay > 0.0 ? 0.01 : 0.0};
+        const StopOutcome outcome = stop_in_free_air(loop, 0.2f);
+        EXPECT_TRUE(outcome.engaged);
+        EXPECT_LT(outcome.moving, 0.1f) << delay << " s";
+        EXPECT_LT(outcome.stopped, 0.1f) << delay << " s";
+    }
+}
+
 // Two encoder steps over the 1 to 2 mm between the two depths: 5 %.
 TEST(ClosedLoop, RendersTheStiffnessThatIsSet) {
     for (const auto& [medium, law] : surfaces) {

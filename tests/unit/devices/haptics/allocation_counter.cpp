@@ -19,6 +19,28 @@ void* operator new(std::size_t size) {
     }
     throw std::bad_alloc();
 }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    ++count;
+    const auto multiple = static_cast<std::size_t>(alignment);
+    if (void* memory = std::aligned_alloc(multiple, (size + multiple - 1) / multiple * multiple)) {
+        return memory;
+    }
+    throw std::bad_alloc();
+}
+// The library's own would call the first, a sanitizer's would not.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    ++count;
+    return std::malloc(size == 0 ? 1 : size);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    std::free(memory);
+}
 void operator delete(void* memory) noexcept {
     std::free(memory);
 }

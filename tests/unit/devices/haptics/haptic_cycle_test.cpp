@@ -2,9 +2,14 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "allocation_counter.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/sensor/hand_sensor.hpp"
+#include "devices/sensor/sensor_watch.hpp"
 
 namespace eti::devices {
 namespace {
@@ -30,29 +35,125 @@ SensorSetup setup_with_script() {
     return setup;
 }
 
+/// A device that a hand shakes as it presses it, so that forces give energy and the controller has work.
+class Shaken final : public Sensor {
+  public:
+    Reading exchange(const Wrench& wrench, float) override {
+        torque = std::max(torque, wrench.torque.norm());
+        const float phase = 0.05f * static_cast<float>(++cycle_);
+        Reading reading;
+        reading.motion.pose = {quaternion_from({0.05f * std::sin(phase), 0, 0}),
+                               {0, -3e-3f + 2e-3f * std::sin(phase), 0}};
+        reading.motion.velocity = {0, 0.1f * std::cos(phase), 0};
+        reading.motion.angular_velocity = {2.5f * std::cos(phase), 0, 0};
+        reading.sample = static_cast<std::uint64_t>(cycle_);
+        return reading;
+    }
+    float torque = 0.0f;  // [N m], most
+
+  private:
+    int cycle_ = 0;
+};
+
+/// The blade in a corner of the shell and on tissue, turned back; a message late and after the hand.
+SceneState pressed(int cycle) {
+    SceneState state;
+    state.blade = make_laryngoscope(Blade::miller_1).capsules;
+    // Forces begin while nothing is felt.
+    if (cycle < 600) {
+        state.proxy.device.translation = state.proxy.proxy.pose.translation = {0, -3e-3f, 0};
+        return state;
+    }
+    state.proxy.proxy.pose.rotation =
+        quaternion_from({0.05f * std::sin(0.01f * static_cast<float>(cycle)), 0, 0});
+    state.proxy.proxy.angular_velocity = {0.5f, 0, 0};
+    state.proxy.device.translation = {0, -3e-3f, 0};
+    state.proxy.contacts = ProxyReport::most_contacts;
+    for (std::size_t i = 0; i < state.proxy.contacts; ++i) {
+        state.proxy.normals[i] = Vec3f(0.1f * static_cast<float>(i), 1.0f, 0).normalized();
+    }
+    state.proxy.contact_centre = {0, 0, 0.05f};
+    state.tissue.wrench = {{0, 0.5f + 0.4f * std::sin(0.03f * static_cast<float>(cycle)), 0}, {0.01f, 0, 0}};
+    state.tissue.count = TissueReport::most_points;
+    for (std::size_t i = 0; i < state.tissue.count; ++i) {
+        const float z = 1e-3f * static_cast<float>(i);
+        state.tissue.points[i] = {{0, -2e-3f, z}, {0, 1e-3f, z}, 1e-3f, Tissue::tongue, {0, 0.005f, 0}};
+    }
+    return state;
+}
+
+/// Allocations of so many cycles, each with the messages that `scene` gives for it.
+template <class Scene>
+std::uint64_t allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneState>& newest,
+                             const Scene& scene) {
+    const std::uint64_t before = allocations();
+    for (int i = 1; i <= cycles; ++i) {
+        if (i % 6 == 0) {
+            SceneState state = scene(i);
+            state.proxy_arrived = state.tissue_arrived = 1'000 * ms + i * ms;
+            newest.write(state);
+        }
+        (void)cycle.run(1'000 * ms + i * ms);
+    }
+    return allocations() - before;
+}
+
 TEST(HapticCycle, AllocatesNothing) {
     const SensorSetup setup = setup_with_script();
     HandSensor sensor(setup);
     auto scene = std::make_unique<TripleBuffer<SceneState>>();
     HapticCycle cycle(sensor, *scene, {});
-    SceneState state;
-    state.seen = setup.start;
-    state.blade = make_laryngoscope(Blade::miller_1).capsules;
-    state.tissue.count = TissueReport::most_points;
+    const auto free = [&](int i) {
+        // Half-way another session begins and the script starts anew.
+        SceneState state;
+        state.seen = setup.start;
+        state.session = i < 3000 ? 0 : 1;
+        state.seen.time = 1e-3 * (i < 3000 ? i : i - 3000);
+        return state;
+    };
+    EXPECT_EQ(allocations_of(6000, cycle, *scene, free), 0u);
     const std::uint64_t before = allocations();
-    for (int i = 1; i <= 6000; ++i) {
-        if (i % 6 == 0) {
-            // Half-way another session begins and the script starts anew.
-            state.session = i < 3000 ? 0 : 1;
-            state.seen.time = 1e-3 * (i < 3000 ? i : i - 3000);
-            state.proxy_arrived = state.tissue_arrived = 1'000 * ms + i * ms;
-            scene->write(state);
-        }
-        (void)cycle.run(1'000 * ms + i * ms);
-    }
-    EXPECT_EQ(allocations(), before);
     const auto proof = std::make_unique<int>(1);
     EXPECT_EQ(allocations(), before + 1) << "allocations are not counted";
+}
+
+TEST(HapticCycle, AllocatesNothingInContact) {
+    for (const SoftForce law : {SoftForce::constraint, SoftForce::displacement}) {
+        for (const bool torque : {true, false}) {
+            RenderSettings settings;
+            settings.soft_force = law;
+            settings.torque = torque;
+            settings.gimbal = {0, 0.06f, 0};
+            Shaken device;
+            SensorWatch watch(device);
+            auto scene = std::make_unique<TripleBuffer<SceneState>>();
+            HapticCycle cycle(watch, *scene, settings);
+            EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed), 0u);
+            // What is not computed allocates nothing either.
+            EXPECT_GT(cycle.record().force_max, 1.0f);
+            EXPECT_GT(cycle.renderer().passivity().active_cycles(), 0u);
+            EXPECT_EQ(device.torque > 0.01f, torque);
+        }
+    }
+}
+
+TEST(HapticCycle, AllocatesNothingWhereAForceIsLetGo) {
+    Shaken device;
+    auto scene = std::make_unique<TripleBuffer<SceneState>>();
+    HapticCycle cycle(device, *scene, {});
+    const auto not_finite = [](int i) {
+        SceneState state = pressed(i);
+        state.tissue.wrench.force.x() = i % 500 < 100 ? std::numeric_limits<float>::quiet_NaN() : 0.0f;
+        return state;
+    };
+    EXPECT_EQ(allocations_of(3000, cycle, *scene, not_finite), 0u);
+    EXPECT_GT(cycle.renderer().not_finite(), 0u);
+    const std::uint64_t before = allocations();
+    for (int i = 3000; i < 3100; ++i) {
+        (void)cycle.run(1'000 * ms + i * ms, i % 2 == 0);  // silence, and the panic key
+    }
+    EXPECT_EQ(allocations(), before);
+    EXPECT_GT(cycle.record().stale_cycles, 0u);
 }
 
 /// A device that may be away.

@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #include "devices/haptics/haptic_loop.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "bus_fixture.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/hand_sensor.hpp"
@@ -23,6 +26,8 @@ class Answering {
     }
     std::atomic<float> push{0.0f};    // [m]
     std::atomic<float> tissue{0.0f};  // [N]
+    /// [m], height under which the device presses on tissue, particles on springs of 160 N/m in all.
+    std::atomic<float> surface{-1.0f};
     std::atomic<std::uint64_t> heard{0};
 
   private:
@@ -51,10 +56,35 @@ class Answering {
                 contacts.header(state.header());
                 contacts.proxy(state.proxy());
                 contacts.force(bus::to_msg(Vec3f(0.0f, tissue, 0.0f)));
+                press(proxy, contacts);
                 tissues_.publish(contacts);
             }
             std::this_thread::sleep_for(std::chrono::microseconds(5556));
         }
+    }
+
+    void press(const RigidTransform& blade, msg::TissueContacts& contacts) const {
+        constexpr int particles = 20;
+        const float depth = surface - blade.translation.y();
+        contacts.contacts().clear();
+        if (depth <= 0.0f) {
+            return;
+        }
+        const float force = 160.0f * depth / static_cast<float>(particles);
+        Vec3f torque = Vec3f::Zero();
+        for (int i = 0; i < particles; ++i) {
+            const Vec3f arm(0.0f, 0.0f, 2e-3f * static_cast<float>(i));
+            const Vec3f position = blade.translation + arm;
+            msg::TissueContactPoint& point = contacts.contacts().emplace_back();
+            point.position(bus::to_msg(position));
+            point.rest(bus::to_msg(Vec3f(position + Vec3f(0.0f, depth, 0.0f))));
+            point.radius(1e-3f);
+            point.tissue(static_cast<std::uint8_t>(Tissue::tongue));
+            point.force(bus::to_msg(Vec3f(0.0f, force, 0.0f)));
+            torque += arm.cross(Vec3f(0.0f, force, 0.0f));
+        }
+        contacts.force(bus::to_msg(Vec3f(0.0f, static_cast<float>(particles) * force, 0.0f)));
+        contacts.torque(bus::to_msg(torque));
     }
 
     bus::Node node_{options("answering")};
@@ -116,6 +146,50 @@ TEST(HapticLoop, ComesBackWhenTheServerDoes) {
     server = std::make_unique<Answering>();
     server->tissue = 2.0f;
     EXPECT_TRUE(eventually([&] { return device.loop.force() > 1.8f; }, 20s));
+}
+
+/// A device that is carried to where the test wants it, at 20 mm/s, whatever it feels.
+class Carried final : public Sensor {
+  public:
+    Reading exchange(const Wrench& wrench, float elapsed) override {
+        const float reach = 0.02f * std::min(elapsed, 2e-3f);
+        const float way = std::clamp(wanted - at_, -reach, reach);
+        at_ += way;
+        force = wrench.force.y();
+        torque = wrench.torque.x();
+        Reading reading;
+        reading.motion.pose.translation = {0.0f, at_, 0.0f};
+        reading.motion.velocity = {0.0f, elapsed > 0.0f ? way / elapsed : 0.0f, 0.0f};
+        reading.sample = ++sample_;
+        return reading;
+    }
+    std::atomic<float> wanted{0.0f}, force{0.0f}, torque{0.0f};  // [m], [N], [N m]
+
+  private:
+    float at_ = 0.0f;
+    std::uint64_t sample_ = 0;
+};
+
+// Pressed into tissue on springs behind DDS: the hand feels them, where it presses them, and lets go of them.
+TEST(HapticLoop, TissueIsPressedOverTheBus) {
+    Answering server;
+    bus::Node node(options("pressing"));
+    SceneLink link(node, SceneLink::Feel::tissue);
+    Carried device;
+    HapticLoop loop(node, device, link.newest(), soon());
+    server.surface = -1e-3f;
+    ASSERT_TRUE(eventually([&] { return server.heard > 200; }));
+    std::this_thread::sleep_for(800ms);  // quiet cycles, and the ramp
+    EXPECT_EQ(device.force, 0.0f);
+    device.wanted = -6e-3f;
+    // 5 mm deep at 160 N/m, to half a particle's share.
+    ASSERT_TRUE(eventually([&] { return std::abs(device.force - 0.8f) < 0.02f; }, 20s)) << device.force;
+    // The particles' middle is 19 mm along the blade: r x F = -z F about x.
+    EXPECT_TRUE(eventually([&] { return std::abs(device.torque + 0.019f * 0.8f) < 0.019f * 0.02f; }, 20s))
+        << device.torque;
+    device.wanted = 0.0f;
+    EXPECT_TRUE(eventually([&] { return device.force == 0.0f; }, 20s)) << device.force;
+    loop.stop();
 }
 
 TEST(HapticLoop, PublishesPosesAtItsRate) {

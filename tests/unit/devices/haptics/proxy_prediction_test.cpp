@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace eti::devices {
 namespace {
@@ -54,6 +56,45 @@ TEST(PredictedProxy, LeavesOutWhatAFreeProxyTrailsBy) {
     EXPECT_NEAR(offset(0.09f, 0.5f), 0.0f, 1e-8f);      // at half the pace 1 mm
     EXPECT_EQ(offset(0.3f, 1.0f), 0.0f);
     EXPECT_NEAR(offset(0.009f, 0.0f), -0.5e-3f, 1e-8f);  // a tenth of the pace at the least
+}
+
+// A report about the time before a stop: the proxy trails by a step's motion at the speed of then.
+TEST(PredictedProxy, DoesNotPullOnAHandThatHasStoppedInFreeAir) {
+    ProxyReport report;
+    report.proxy.pose.translation = {-0.2f / 180.0f, 0, 0};
+    report.proxy.pose.rotation = quaternion_from({0, -2.0f / 180.0f, 0});
+    Motion device = device_at(Vec3f::Zero(), {0.2f, 0, 0});
+    device.angular_velocity = {0, 2.0f, 0};
+    RecentSpeeds speeds(bounds);
+    for (int i = 0; i < 300; ++i) {
+        (void)speeds.update(device, false, 1e-3f);
+    }
+    device.velocity = device.angular_velocity = Vec3f::Zero();
+    const auto after = [&](bool touching) {
+        return *predicted_proxy(device, report, 0, 1.0f, bounds, speeds.update(device, touching, 1e-3f));
+    };
+    // A hundredth of a step's motion is forgotten in a cycle.
+    EXPECT_LT(after(false).pose.translation.norm(), 0.011f * 0.2f / 180.0f);
+    EXPECT_LT(rotation_vector(after(false).pose.rotation).norm(), 0.021f * 2.0f / 180.0f);
+    // Where something is touched, what holds the proxy off is felt.
+    EXPECT_EQ(after(true).pose.translation, report.proxy.pose.translation);
+    EXPECT_EQ(after(false).pose.translation, report.proxy.pose.translation) << "touched a moment ago";
+}
+
+TEST(RecentSpeeds, ForgetAndSurviveWhatIsNoSpeed) {
+    RecentSpeeds speeds(bounds);
+    for (int i = 0; i < 300; ++i) {
+        (void)speeds.update(device_at(Vec3f::Zero()), false, 1e-3f);
+    }
+    (void)speeds.update(device_at(Vec3f::Zero(), {0, 0.3f, 0}), false, 1e-3f);
+    Speeds now;
+    for (int i = 0; i < 100; ++i) {
+        now = speeds.update(device_at(Vec3f::Zero(), {0, 0.01f, 0}), false, 1e-3f);
+    }
+    EXPECT_NEAR(now.moving, 0.3f * std::exp(-0.1f / bounds.speed_memory), 1e-4f);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    (void)speeds.update(device_at(Vec3f::Zero(), {nan, 0, 0}), false, 1e-3f);
+    EXPECT_EQ(speeds.update(device_at(Vec3f::Zero(), {0.1f, 0, 0}), false, 1e-3f).moving, 0.1f);
 }
 
 TEST(PredictedProxy, StaysOnTheFloorWhileTheDeviceIsBeneathAndLeavesItWithIt) {

@@ -26,7 +26,12 @@ std::string refusal(const SensorSetup& setup) {
 /// The cycle that a haptic loop would run: exchange through a watch, in whatever thread calls.
 class Cycle final : public ServoCycle {
   public:
-    explicit Cycle(Sensor& device) : watch(device) {}
+    explicit Cycle(Sensor& device) : watch(device, limits()) {}
+    static WatchLimits limits() {
+        WatchLimits limits;
+        limits.frozen_after = 0.3f;  // so that the test need not wait for 5 s
+        return limits;
+    }
     void servo_cycle() noexcept override {
         const Wrench wrench{{pull.load(), 0.0f, 0.0f}, Vec3f::Zero()};
         const auto now = std::chrono::steady_clock::now();
@@ -56,7 +61,7 @@ class OpenHapticsDriver : public ::testing::Test {
     void SetUp() override {
         state_.plugged = state_.servo_calls = true;
         state_.servo_period_us = 1000;
-        state_.not_finite = state_.left_handed = false;
+        state_.not_finite = state_.left_handed = state_.frozen = false;
         state_.shift_mm = 0.0;
         setup_.library = STAND_IN_OPENHAPTICS;
         device_ = open_openhaptics(setup_);
@@ -117,6 +122,20 @@ TEST_F(OpenHapticsDriver, AServoThreadThatStopsCallingIsNoticed) {
     state_.servo_calls = true;
     const int before = cycle_->cycles;
     EXPECT_TRUE(tended_until([&] { return cycle_->cycles > before + 10; }));
+}
+
+TEST_F(OpenHapticsDriver, APoseThatFreezesWhileTheServoCallsIsNoticedUnderAForce) {
+    state_.frozen = true;
+    const int before = cycle_->cycles;
+    ASSERT_TRUE(eventually([&] { return cycle_->cycles > before + 600; }));
+    EXPECT_TRUE(cycle_->present) << "at rest";
+    cycle_->pull = 1.0f;
+    EXPECT_TRUE(eventually([&] { return !cycle_->present; }));
+    EXPECT_TRUE(cycle_->watch.health().frozen);
+    cycle_->pull = 0.0f;
+    state_.frozen = false;
+    EXPECT_TRUE(eventually([&] { return cycle_->present.load(); }));
+    EXPECT_FALSE(cycle_->watch.health().lost);
 }
 
 TEST_F(OpenHapticsDriver, TenHertzIsReported) {

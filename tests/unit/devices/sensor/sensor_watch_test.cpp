@@ -116,6 +116,50 @@ TEST_F(Watched, AFrozenDeviceGetsNoForceAfterAFewCyclesAndIsLostAfterHalfASecond
     EXPECT_FALSE(watch_.health().lost);
 }
 
+/// Cycles of a device of 1 kHz that pushes with `force` [N].
+Reading pushed(SensorWatch& watch, int cycles, float force) {
+    Reading out;
+    for (int i = 0; i < cycles; ++i) {
+        out = watch.exchange({{force, 0, 0}, Vec3f::Zero()}, dt);
+    }
+    return out;
+}
+
+TEST(SensorWatch, APoseThatStandsStillUnderAForceForSecondsIsFrozenUntilItMoves) {
+    Told device;
+    device.rate = 1000.0f;
+    SensorWatch watch(device);
+    EXPECT_TRUE(pushed(watch, 4990, 2.0f).present) << "a still hand";
+    EXPECT_FALSE(watch.health().lost);
+    EXPECT_FALSE(pushed(watch, 20, 2.0f).present);
+    EXPECT_TRUE(watch.health().frozen);
+    EXPECT_TRUE(watch.health().lost);
+    EXPECT_EQ(watch.health().losses, 1u);
+    EXPECT_FALSE(pushed(watch, 5000, 0.0f).present) << "let go, it stays lost";
+    device.reading.motion.pose.translation.x() += 0.03e-3f;
+    EXPECT_TRUE(pushed(watch, 1, 0.0f).present);
+    EXPECT_FALSE(watch.health().frozen);
+    EXPECT_FALSE(watch.health().lost);
+}
+
+TEST(SensorWatch, AHandThatHoldsStillIsNotFrozen) {
+    Told device;
+    device.rate = 1000.0f;
+    SensorWatch watch(device);
+    // At rest, nothing is felt, for a minute.
+    EXPECT_TRUE(pushed(watch, 60'000, 0.1f).present);
+    // Pushed on, it moves by an encoder's step every four seconds.
+    for (int i = 0; i < 15; ++i) {
+        EXPECT_TRUE(pushed(watch, 4000, 3.0f).present);
+        device.reading.motion.pose.translation.x() += i % 2 == 0 ? 0.03e-3f : -0.03e-3f;
+    }
+    EXPECT_EQ(watch.health().losses, 0u);
+    // A simulated hand does not tremble. It has no rate of its own.
+    Told simulated;
+    SensorWatch over(simulated);
+    EXPECT_TRUE(pushed(over, 60'000, 3.0f).present);
+}
+
 TEST_F(Watched, AnUnpluggedDeviceIsLostAtOnceAndKeepsItsPlace) {
     device_.reading.motion.pose.translation = {0.1f, 0.2f, 0.3f};
     device_.reading.buttons = 1;

@@ -2,10 +2,11 @@
 // Copyright the NeoETI authors
 //
 // The entry points of OpenHaptics' HD layer, as the vendor documents them, with a simulated device in a
-// hand that holds it still behind them. Shares no declaration with the driver that it tests.
+// hand that holds it behind them. Shares no declaration with the driver that it tests.
 #include "tests/unit/devices/sensor/stand_in/openhaptics.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <thread>
 
@@ -25,6 +26,7 @@ Servo servo;
 eti::HandDevice hand{eti::HandSettings{}, {eti::Quatf::Identity(), {0.01f, 0.02f, 0.03f}}};
 eti::Wrench wrench;
 unsigned int last_error = 0;
+int frames = 0;
 
 }  // namespace
 
@@ -56,7 +58,11 @@ void hdEnable(unsigned int what) {
     state.forces_on = state.forces_on || what == 0x4000;
 }
 void hdBeginFrame(unsigned int) {
-    hand.step({eti::Quatf::Identity(), {0.01f, 0.02f, 0.03f}}, wrench, 1e-3f);
+    if (!state.frozen) {
+        // Trembles by a tenth of a millimetre at 10 Hz, as hands do.
+        const float tremble = 1e-4f * std::sin(0.063f * static_cast<float>(++frames));
+        hand.step({eti::Quatf::Identity(), {0.01f, 0.02f + tremble, 0.03f}}, wrench, 1e-3f);
+    }
     if (!state.plugged) {
         last_error = 0x0302;
     }
