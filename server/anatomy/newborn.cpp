@@ -281,9 +281,10 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums, fl
                                 {-8.6f, -72, 3.2f, 1.6f},
                                 {-12.0f, -96, 3.2f, 1.6f}}),
                        0.5f);
-    // The larynx stands in the pharynx; arytenoids and aryepiglottic folds bound its inlet.
-    const float arytenoid = ellipsoid(q, {2.9f, 1.4f, -33.4f}, {2.2f, 1.8f, 2.8f});
-    const float interarytenoid = ellipsoid(p, {0, 0.7f, -36.2f}, {3.2f, 1.6f, 3.0f});
+    // The larynx stands in the pharynx; arytenoids and aryepiglottic folds bound its inlet. Behind them a
+    // slit stays free, by which a tube that is pushed blindly finds the gullet.
+    const float arytenoid = ellipsoid(q, {2.9f, 2.2f, -33.4f}, {2.2f, 1.8f, 2.8f});
+    const float interarytenoid = ellipsoid(p, {0, 1.5f, -36.2f}, {3.2f, 1.6f, 3.0f});
     const float fold = round_cone(q, {4.6f, 6.2f, -27.2f}, {3.6f, 2.2f, -32.2f}, 0.9f, 1.2f);
     const float box = smooth_intersection(ellipsoid(p, {0, 5.3f, -39}, {6.6f, 6.4f, 8.5f}), p.z() + 31.5f, 2);
     float larynx = smooth_union(smooth_union(arytenoid, smooth_union(fold, interarytenoid, 1), 1), box, 1.5f);
