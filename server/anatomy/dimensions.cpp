@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "common/math/units.hpp"
 #include "common/model/landmark.hpp"
@@ -137,29 +138,20 @@ Jaw measure_jaw(const Patient& patient) {
     return {static_cast<double>(side[0] + side[1]), static_cast<double>((to - to.dot(line) * line).norm())};
 }
 
-struct Lumen {
-    double diameter = 0.0;  // [m], mean of the ways to the nearest walls along two axes
-    double area = 0.0;      // [m^2]
-};
-
-Lumen lumen_at(const Patient& patient, const Vec3f& at) {
+/// Area [m^2] of the lumen about a point, in a horizontal cut.
+double lumen_area(const Patient& patient, const Vec3f& at) {
     const auto body = std::ranges::find(patient.surfaces, "body", &Surface::name);
     if (body == patient.surfaces.end()) {
-        return {};
+        return 0.0;
     }
-    std::array<float, 4> reach;
-    reach.fill(std::numeric_limits<float>::max());
     std::vector<Eigen::Vector2f> wall;
+    float nearest = std::numeric_limits<float>::max();
     for (const Eigen::Vector2f& p : cut(body->mesh, at.z())) {
         wall.emplace_back(p - at.head<2>());
-        const Eigen::Vector2f& d = wall.back();
-        const std::size_t quarter =
-            std::fabs(d.x()) > std::fabs(d.y()) ? (d.x() > 0 ? 0 : 1) : (d.y() > 0 ? 2 : 3);
-        reach[quarter] = std::min(reach[quarter], d.norm());
+        nearest = std::min(nearest, wall.back().norm());
     }
     // The gullet and the neck's skin are cut, too, and lie beyond the wall.
-    const float beyond = 1.8f * std::ranges::min(reach);
-    std::erase_if(wall, [&](const Eigen::Vector2f& d) { return d.norm() > beyond; });
+    std::erase_if(wall, [&](const Eigen::Vector2f& d) { return d.norm() > 1.8f * nearest; });
     std::ranges::sort(wall, {}, [](const Eigen::Vector2f& d) { return std::atan2(d.y(), d.x()); });
     double twice = 0.0;
     for (std::size_t i = 0; i < wall.size(); ++i) {
@@ -167,7 +159,12 @@ Lumen lumen_at(const Patient& patient, const Vec3f& at) {
         const Eigen::Vector2f& b = wall[(i + 1) % wall.size()];
         twice += static_cast<double>(a.x() * b.y() - a.y() * b.x());
     }
-    return {0.5 * static_cast<double>(reach[0] + reach[1] + reach[2] + reach[3]), 0.5 * twice};
+    return 0.5 * twice;
+}
+
+/// [m], of the circle of that area.
+double diameter_of(double area) {
+    return 2.0 * std::sqrt(area / std::numbers::pi);
 }
 
 double polygon_area(const std::vector<CarriedPoint>& contour) {
@@ -268,14 +265,15 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
     const Vec3f below =
         rest_of(patient, Landmark::glottis) +
         0.2f * (rest_of(patient, Landmark::trachea_mid) - rest_of(patient, Landmark::glottis));
-    const Lumen subglottis = lumen_at(patient, below);
-    of_term("subglottis, diameter", 1e3 * subglottis.diameter, "mm", 4.5, 5.0, 1,
+    const double subglottis = lumen_area(patient, below);
+    of_term("subglottis, diameter", 1e3 * diameter_of(subglottis), "mm", 4.5, 5.0, 1,
             "no published range at hand; usual teaching");
     // Of all weights from the fifth month to birth together, and so not carried to one.
-    list.push_back({"cricoid, area of the lumen", 1e6 * subglottis.area, "mm^2", 19.27 - 9.62, 19.27 + 9.62,
+    list.push_back({"cricoid, area of the lumen", 1e6 * subglottis, "mm^2", 19.27 - 9.62, 19.27 + 9.62,
                     "19 stillborn and newborn of 5-9 months, Ann Otol Rhinol Laryngol 2008;117:774, 1 SD"});
-    of_term("trachea, diameter", 1e3 * lumen_at(patient, rest_of(patient, Landmark::trachea_mid)).diameter,
-            "mm", 4.5, 5.5, 1, "no published range at hand; usual teaching");
+    of_term("trachea, diameter",
+            1e3 * diameter_of(lumen_area(patient, rest_of(patient, Landmark::trachea_mid))), "mm", 4.5, 5.5,
+            1, "no published range at hand; usual teaching");
     const BonePoses ready = pose_bones(patient.skeleton, {26.0f * degree, 29.0f * degree});
     const double to_glottis = static_cast<double>(
         (posed(patient, Landmark::mouth_opening, ready) - posed(patient, Landmark::glottis, ready)).norm());

@@ -109,7 +109,7 @@ void map_levering(const HapticsOptions& options) {
                         table.row(fmt::format(
                             "{},{},{},{:g},{:g},{:g},{:.2f},{:.4f}", motors == Motors::six ? 6 : 3, grip.name,
                             passivity ? 1 : 0, 1e3 * delay, 1e3 * loop.channel.jitter, 1e2 * loss,
-                            levered_without_limit_cycle(loop), 1e3 * run_loop(loop).excursion));
+                            largest_stable_stiffness(loop), 1e3 * run_loop(loop).excursion));
                     }
                 }
             }
@@ -148,6 +148,24 @@ void compare_stiffness(const HapticsOptions& options) {
 
 void run_beside_a_server(const HapticsOptions& options) {
     Table table(options.out, "haptics-live.csv", "run,quantity,value,unit");
+    const auto loop_rows = [&](std::string_view run, const LoopTiming& t) {
+        const auto row = [&](std::string_view quantity, double value, std::string_view unit) {
+            table.row(fmt::format("\"{}\",{},{:.6g},{}", run, quantity, value, unit));
+        };
+        row("period_p50", 1e3 * t.period_p50, "ms");
+        row("period_p99", 1e3 * t.period_p99, "ms");
+        row("period_p99_9", 1e3 * t.period_p999, "ms");
+        row("period_max", 1e3 * t.period_max, "ms");
+        row("late_share", 1e2 * t.late_share, "%");
+        row("compute_p99", 1e6 * t.compute_p99, "us");
+        row("real_time", t.real_time ? 1.0 : 0.0, "1");
+    };
+    // Against what the machine allows, the same way at the same time.
+    spdlog::info("nothing but a timer, and the loop without a server: {:.0f} s", options.live_seconds);
+    loop_rows("empty loop", run_empty_loop(0.5 * options.live_seconds, false));
+    loop_rows("loop without a server", run_loop_alone(0.5 * options.live_seconds));
+    spdlog::info("a timer beside a server: {:.0f} s", 0.5 * options.live_seconds);
+    loop_rows("empty loop beside a server", run_empty_loop(0.5 * options.live_seconds, true));
     const std::vector<LiveCase> runs = {
         {"bus alone", std::nullopt, options.live_seconds},
         {"10 ms, 1 % lost", Channel{0.010, 0.001, 0.01}, 0.5 * options.live_seconds},
@@ -158,12 +176,7 @@ void run_beside_a_server(const HapticsOptions& options) {
         const auto row = [&](std::string_view quantity, double value, std::string_view unit) {
             table.row(fmt::format("\"{}\",{},{:.6g},{}", live.name, quantity, value, unit));
         };
-        row("period_p50", 1e3 * o.period_p50, "ms");
-        row("period_p99", 1e3 * o.period_p99, "ms");
-        row("period_p99_9", 1e3 * o.period_p999, "ms");
-        row("period_max", 1e3 * o.period_max, "ms");
-        row("late_share", 1e2 * o.late_share, "%");
-        row("compute_p99", 1e6 * o.compute_p99, "us");
+        loop_rows(live.name, o.loop);
         row("round_trip_p50", 1e3 * o.round_trip_p50, "ms");
         row("round_trip_p99", 1e3 * o.round_trip_p99, "ms");
         row("force_mean", o.force_mean, "N");
@@ -178,7 +191,6 @@ void run_beside_a_server(const HapticsOptions& options) {
         row("dissipated", 1e3 * o.dissipated, "mJ");
         row("passivity_share", 1e2 * o.passivity_share, "%");
         row("server_behind", o.server_behind, "s");
-        row("real_time", o.real_time ? 1.0 : 0.0, "1");
     }
     spdlog::info("wrote {}", table.path().string());
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -58,6 +60,16 @@ laryngoscope:
     speed_mm_per_s: 40
     hold_s: 119
 )";
+
+LoopTiming timing_of(const devices::CycleStatistics& intervals) {
+    LoopTiming timing;
+    timing.period_p50 = intervals.percentile(0.5);
+    timing.period_p99 = intervals.percentile(0.99);
+    timing.period_p999 = intervals.percentile(0.999);
+    timing.period_max = intervals.longest();
+    timing.late_share = intervals.share_over(1.2e-3);
+    return timing;
+}
 
 /// Remembers what the hand did, for the end.
 class Watched final : public devices::Sensor {
@@ -144,7 +156,53 @@ class RoundTrips {
     std::vector<double> trips_;
 };
 
+LoopTiming timing_of(const devices::HapticLoop& loop) {
+    const devices::HapticRecord& record = loop.cycle().record();
+    LoopTiming timing = timing_of(record.intervals);
+    timing.compute_p99 = record.computing.percentile(0.99);
+    timing.real_time = loop.priority_refusal().empty();
+    return timing;
+}
+
 }  // namespace
+
+LoopTiming run_empty_loop(double seconds, bool beside_a_server) {
+    std::optional<ServerProcess> server;
+    if (beside_a_server) {
+        const std::string session = "bench-" + std::to_string(::getpid());
+        server.emplace("term", session, bench_domain());
+        bus::Node node(place(session, bench_domain(), "listener"));
+        const devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
+        (void)server->scene(link);
+    }
+    devices::CycleStatistics intervals;
+    bool real_time = false;
+    std::thread([&] {
+        real_time = devices::become_real_time(80).empty();
+        std::int64_t last = devices::monotonic_ns(), next = last;
+        const std::int64_t end = last + static_cast<std::int64_t>(1e9 * seconds);
+        while (last < end) {
+            next += 1'000'000 * (1 + std::max<std::int64_t>(0, last - next) / 1'000'000);
+            devices::sleep_until_ns(next);
+            const std::int64_t now = devices::monotonic_ns();
+            intervals.record(now - last);
+            last = now;
+        }
+    }).join();
+    LoopTiming timing = timing_of(intervals);
+    timing.real_time = real_time;
+    return timing;
+}
+
+LoopTiming run_loop_alone(double seconds) {
+    bus::Node node(place("bench-" + std::to_string(::getpid()), bench_domain(), "eti-haptics"));
+    devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
+    devices::HandSensor sensor(devices::SensorSetup{});
+    devices::HapticLoop loop(node, sensor, link.newest(), {});
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    loop.stop();
+    return timing_of(loop);
+}
 
 LiveOutcome run_live(const LiveCase& live) {
     const int domain = bench_domain();
@@ -181,12 +239,7 @@ LiveOutcome run_live(const LiveCase& live) {
 
     const devices::HapticRecord& record = loop.cycle().record();
     const auto count = static_cast<double>(record.intervals.count() + 1);
-    out.period_p50 = record.intervals.percentile(0.5);
-    out.period_p99 = record.intervals.percentile(0.99);
-    out.period_p999 = record.intervals.percentile(0.999);
-    out.period_max = record.intervals.longest();
-    out.late_share = record.intervals.share_over(1.2e-3);
-    out.compute_p99 = record.computing.percentile(0.99);
+    out.loop = timing_of(loop);
     out.round_trip_p50 = trips.percentile(0.5);
     out.round_trip_p99 = trips.percentile(0.99);
     out.force_mean = record.force_sum / count;
@@ -199,7 +252,6 @@ LiveOutcome run_live(const LiveCase& live) {
     out.energy_lowest = passivity.lowest();
     out.dissipated = passivity.dissipated();
     out.passivity_share = static_cast<double>(passivity.active_cycles()) / count;
-    out.real_time = loop.priority_refusal().empty();
     return out;
 }
 

@@ -17,10 +17,15 @@ struct LiveCase {
     double seconds = 60.0;
 };
 
-struct LiveOutcome {
+struct LoopTiming {
     double period_p50 = 0.0, period_p99 = 0.0, period_p999 = 0.0, period_max = 0.0;  ///< [s]
-    double late_share = 0.0;                            ///< of cycles later than 1.2 ms
-    double compute_p99 = 0.0;                           ///< [s]
+    double late_share = 0.0;   ///< of cycles later than 1.2 ms
+    double compute_p99 = 0.0;  ///< [s]
+    bool real_time = false;
+};
+
+struct LiveOutcome {
+    LoopTiming loop;
     double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  ///< [s], pose out to the proxy that answers it
     double force_mean = 0.0, force_max = 0.0;           ///< [N]
     double message_p99 = 0.0, message_max = 0.0;        ///< [s], from one message to the next
@@ -31,8 +36,13 @@ struct LiveOutcome {
     double energy_lowest = 0.0, dissipated = 0.0;  ///< [J]
     double passivity_share = 0.0;
     double server_behind = 0.0;  ///< [s], at the end
-    bool real_time = false;
 };
+
+/// What the machine allows: a loop that wakes every millisecond and does nothing else.
+[[nodiscard]] LoopTiming run_empty_loop(double seconds, bool beside_a_server);
+
+/// The real haptic loop with a simulated device held still, and no server anywhere.
+[[nodiscard]] LoopTiming run_loop_alone(double seconds);
 
 /// The real haptic loop in real time with a simulated device, the real server beside it as a process of its
 /// own over DDS. A scripted hand goes in over the tongue, levers on the upper gum, and holds still.

@@ -429,7 +429,9 @@ StopOutcome stop_in_free_air(const LoopCase& loop, float speed) {
 }
 
 double largest_stable_stiffness(LoopCase loop) {
-    constexpr double lowest = 50.0, highest = 20'000.0, precision = 1.15;
+    const bool lever = loop.move == Move::lever;
+    const double lowest = lever ? 0.1 : 50.0, highest = lever ? 20.0 : 20'000.0;
+    constexpr double step = 1.42, precision = 1.15;
     const auto stable = [&](double stiffness) {
         loop.stiffness = static_cast<float>(stiffness);
         return run_loop(loop).excursion <= most_excursion;
@@ -437,28 +439,19 @@ double largest_stable_stiffness(LoopCase loop) {
     if (!stable(lowest)) {
         return 0.0;
     }
-    double good = lowest, bad = highest;
-    if (stable(highest)) {
-        return highest;
+    // From below: where the force's limit ends a cycle, stiffer ones hold still again.
+    double good = lowest, bad = lowest;
+    while (bad == good && good < highest) {
+        bad = std::min(step * good, highest);
+        if (stable(bad)) {
+            good = bad;
+        }
     }
     while (bad / good > precision) {
         const double middle = std::sqrt(good * bad);
         (stable(middle) ? good : bad) = middle;
     }
     return good;
-}
-
-double levered_without_limit_cycle(LoopCase loop) {
-    constexpr float lowest = 0.1f, highest = 20.0f, step = 1.42f;
-    loop.move = Move::lever;
-    float good = 0.0f;
-    for (loop.stiffness = lowest; loop.stiffness <= highest; loop.stiffness *= step) {
-        if (run_loop(loop).excursion > most_excursion) {
-            break;
-        }
-        good = loop.stiffness;
-    }
-    return static_cast<double>(good);
 }
 
 }  // namespace eti::validation
