@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <span>
 
 #include "common/math/transform.hpp"
@@ -68,5 +69,18 @@ struct Station {
 
 /// A duct through stations with elliptical sections.
 [[nodiscard]] float duct(const Vec3f& p, std::span<const Station> stations);
+
+[[nodiscard]] inline float chain(const Vec3f& p, std::initializer_list<Vec3f> points, float r0, float r1) {
+    return chain(p, std::span(points.begin(), points.size()), r0, r1);
+}
+
+[[nodiscard]] inline float duct(const Vec3f& p, std::initializer_list<Station> stations) {
+    return duct(p, std::span(stations.begin(), stations.size()));
+}
+
+/// To the left half, for what is the same on both sides.
+[[nodiscard]] inline Vec3f mirrored(const Vec3f& p) {
+    return {std::fabs(p.x()), p.y(), p.z()};
+}
 
 }  // namespace eti::anatomy
