@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+//
+// Replaces the program's allocation functions by counting ones. In a file of its own, because a
+// compiler that sees them inlined beside their use takes malloc and delete for a mismatch.
 #include "tests/support/allocations.hpp"
 
 #include <atomic>
@@ -8,10 +11,16 @@
 
 namespace {
 std::atomic<long> count{0};
+thread_local long count_here = 0;
+
+void add() {
+    ++count;
+    ++count_here;
 }
+}  // namespace
 
 void* operator new(std::size_t size) {
-    ++count;
+    add();
     if (void* memory = std::malloc(size > 0 ? size : 1)) {
         return memory;
     }
@@ -19,7 +28,7 @@ void* operator new(std::size_t size) {
 }
 
 void* operator new(std::size_t size, std::align_val_t alignment) {
-    ++count;
+    add();
     const auto multiple = static_cast<std::size_t>(alignment);
     if (void* memory = std::aligned_alloc(multiple, (size + multiple - 1) / multiple * multiple)) {
         return memory;
@@ -29,7 +38,7 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
 
 // The library's own would call the above, a sanitizer's would not.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    ++count;
+    add();
     return std::malloc(size > 0 ? size : 1);
 }
 
@@ -57,6 +66,10 @@ namespace eti::test {
 
 long allocations() {
     return count;
+}
+
+long allocations_here() {
+    return count_here;
 }
 
 }  // namespace eti::test

@@ -7,4 +7,7 @@ namespace eti::test {
 /// How often this test program has called operator new so far.
 [[nodiscard]] long allocations();
 
+/// The same of the calling thread alone, where others go on beside it.
+[[nodiscard]] long allocations_here();
+
 }  // namespace eti::test

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "allocation_counter.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/sensor/hand_sensor.hpp"
 #include "devices/sensor/sensor_watch.hpp"
+#include "tests/support/allocations.hpp"
 
 namespace eti::devices {
 namespace {
@@ -84,9 +84,8 @@ SceneState pressed(int cycle) {
 
 /// Allocations of so many cycles, each with the messages that `scene` gives for it.
 template <class Scene>
-std::uint64_t allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneState>& newest,
-                             const Scene& scene) {
-    const std::uint64_t before = allocations();
+long allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneState>& newest, const Scene& scene) {
+    const long before = test::allocations_here();
     for (int i = 1; i <= cycles; ++i) {
         if (i % 6 == 0) {
             SceneState state = scene(i);
@@ -95,7 +94,7 @@ std::uint64_t allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneS
         }
         (void)cycle.run(1'000 * ms + i * ms);
     }
-    return allocations() - before;
+    return test::allocations_here() - before;
 }
 
 TEST(HapticCycle, AllocatesNothing) {
@@ -111,10 +110,10 @@ TEST(HapticCycle, AllocatesNothing) {
         state.seen.time = 1e-3 * (i < 3000 ? i : i - 3000);
         return state;
     };
-    EXPECT_EQ(allocations_of(6000, cycle, *scene, free), 0u);
-    const std::uint64_t before = allocations();
+    EXPECT_EQ(allocations_of(6000, cycle, *scene, free), 0);
+    const long before = test::allocations_here();
     const auto proof = std::make_unique<int>(1);
-    EXPECT_EQ(allocations(), before + 1) << "allocations are not counted";
+    EXPECT_EQ(test::allocations_here(), before + 1) << "allocations are not counted";
 }
 
 TEST(HapticCycle, AllocatesNothingInContact) {
@@ -128,7 +127,7 @@ TEST(HapticCycle, AllocatesNothingInContact) {
             SensorWatch watch(device);
             auto scene = std::make_unique<TripleBuffer<SceneState>>();
             HapticCycle cycle(watch, *scene, settings);
-            EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed), 0u);
+            EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed), 0);
             // What is not computed allocates nothing either.
             EXPECT_GT(cycle.record().force_max, 1.0f);
             EXPECT_GT(cycle.renderer().passivity().active_cycles(), 0u);
@@ -146,13 +145,13 @@ TEST(HapticCycle, AllocatesNothingWhereAForceIsLetGo) {
         state.tissue.wrench.force.x() = i % 500 < 100 ? std::numeric_limits<float>::quiet_NaN() : 0.0f;
         return state;
     };
-    EXPECT_EQ(allocations_of(3000, cycle, *scene, not_finite), 0u);
+    EXPECT_EQ(allocations_of(3000, cycle, *scene, not_finite), 0);
     EXPECT_GT(cycle.renderer().not_finite(), 0u);
-    const std::uint64_t before = allocations();
+    const long before = test::allocations_here();
     for (int i = 3000; i < 3100; ++i) {
         (void)cycle.run(1'000 * ms + i * ms, i % 2 == 0);  // silence, and the panic key
     }
-    EXPECT_EQ(allocations(), before);
+    EXPECT_EQ(test::allocations_here(), before);
     EXPECT_GT(cycle.record().stale_cycles, 0u);
 }
 
