@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/math/units.hpp"
@@ -257,14 +258,25 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     sample(anatomy, epiglottis,
            [&](std::size_t i, const Fields& f, const Vec3f&) { epiglottis.value[i] = f.epiglottis; });
 
-    patient.surfaces.push_back(surface_from(anatomy, body, "body", Tissue::soft, settings.body_triangles));
-    patient.surfaces.push_back(surface_from(anatomy, tongue, "tongue", Tissue::tongue, 6000));
-    patient.surfaces.push_back(surface_from(anatomy, epiglottis, "epiglottis", Tissue::epiglottis, 3000));
-    patient.surfaces.push_back(surface_from(anatomy, skull, "skull", Tissue::skull, 16000));
-    patient.surfaces.push_back(surface_from(anatomy, mandible, "mandible", Tissue::mandible, 4000));
-    patient.surfaces.push_back(surface_from(anatomy, spine, "spine", Tissue::spine, 8000));
-    // Hangs in the soft tissue and goes with it.
-    patient.surfaces.push_back(surface_from(anatomy, hyoid, "hyoid", Tissue::hyoid, 1500));
+    struct Wanted {
+        const char* name;
+        Tissue tissue;
+        std::size_t triangles;
+        const DistanceGrid& grid;
+    };
+    // The body takes as long as all others. The hyoid hangs in the soft tissue and goes with it.
+    const std::array wanted = {Wanted{"body", Tissue::soft, settings.body_triangles, body},
+                               Wanted{"tongue", Tissue::tongue, 6000, tongue},
+                               Wanted{"epiglottis", Tissue::epiglottis, 3000, epiglottis},
+                               Wanted{"skull", Tissue::skull, 16000, skull},
+                               Wanted{"mandible", Tissue::mandible, 4000, mandible},
+                               Wanted{"spine", Tissue::spine, 8000, spine},
+                               Wanted{"hyoid", Tissue::hyoid, 1500, hyoid}};
+    patient.surfaces.resize(wanted.size());
+    parallel::for_each(wanted.size(), 1, [&](std::size_t i) {
+        const auto& [name, tissue, triangles, grid] = wanted[i];
+        patient.surfaces[i] = surface_from(anatomy, grid, name, tissue, triangles);
+    });
 }
 
 void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
@@ -339,8 +351,8 @@ Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings, con
         patient.surfaces = formed->surfaces;
         patient.shell = formed->shell;
     } else {
-        build_surfaces(anatomy, settings, patient);
-        build_shell(anatomy, settings, patient);
+        parallel::both([&] { build_surfaces(anatomy, settings, patient); },
+                       [&] { build_shell(anatomy, settings, patient); });
     }
     skin_surfaces(anatomy, settings, patient);
     build_landmarks(anatomy, settings, patient);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
+#include "server/parallel/loops.hpp"
 #include "server/segmentation/label_distance.hpp"
 
 namespace eti::segmentation {
@@ -49,6 +50,16 @@ Registration checked(const Registration& found) {
     return found;
 }
 
+struct Wanted {
+    DistanceGrid& to;
+    Bits member;
+};
+
+void find_distances(const imaging::Geometry& geometry, const std::vector<Wanted>& wanted) {
+    parallel::for_each(wanted.size(), 1,
+                       [&](std::size_t i) { wanted[i].to = distance_of(geometry, wanted[i].member); });
+}
+
 }  // namespace
 
 LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points& given, const Told& told)
@@ -83,13 +94,13 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
             }
             (usual.spine < near && usual.spine < usual.skull ? spine : skull)[i] = 1;
         }
-        skin_ = distance_of(g, inside);
-        skull_ = distance_of(g, skull);
+        std::vector<Wanted> wanted = {{skin_, std::move(inside)}, {skull_, std::move(skull)}};
         if (any_spine) {
-            spine_ = distance_of(g, spine);
+            wanted.push_back({spine_.emplace(), std::move(spine)});
         } else {
             remarks_.push_back("no label of the spine: a newborn's was put in its place");
         }
+        find_distances(g, wanted);
     }
     tell(0.5f, "distances to airway, jaw and tongue");
     const float size = newborn_.scale() / millimetre;
@@ -105,26 +116,27 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
     part.high += room;
     const imaging::Mask labels = upright_labels(given_labels, finest, &part);
     const imaging::Geometry& g = labels.geometry;
-    airway_ = distance_of(g, select(labels, {Label::airway}));
-    require_larynx(labels);
-    mandible_ = distance_of(g, select(labels, {Label::mandible}));
+    std::vector<Wanted> wanted = {{airway_, select(labels, {Label::airway})},
+                                  {mandible_, select(labels, {Label::mandible})}};
     const auto voxels = [&](Label label) {
         return std::count(labels.value.begin(), labels.value.end(), value_of(label));
     };
     if (voxels(Label::tongue) > 0) {
-        tongue_ = distance_of(g, select(labels, {Label::tongue}));
+        wanted.push_back({tongue_.emplace(), select(labels, {Label::tongue})});
     } else {
         remarks_.push_back("no label of the tongue: a newborn's was put in its place");
     }
     // The plate is about 1.6 mm thick at term: two voxels across it, or its own shape is lost.
     const double thickness = 1.6e-3 * static_cast<double>(size);
     if (voxels(Label::epiglottis) > 0 && given_labels.geometry.spacing().maxCoeff() <= 0.5 * thickness) {
-        epiglottis_ = distance_of(g, select(labels, {Label::epiglottis}));
+        wanted.push_back({epiglottis_.emplace(), select(labels, {Label::epiglottis})});
     } else {
         remarks_.push_back(voxels(Label::epiglottis) > 0
                                ? "the epiglottis is thinner than two voxels: a newborn's was put in its place"
                                : "no label of the epiglottis: a newborn's was put in its place");
     }
+    find_distances(g, wanted);
+    require_larynx(labels);
     place_landmarks(given);
 }
 
