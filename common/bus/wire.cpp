@@ -26,7 +26,7 @@ bool within_bounds(const msg::TissueContacts& message) {
     return message.contacts().size() <= 96;
 }
 bool within_bounds(const msg::Command& message) {
-    return message.kind() <= msg::COMMAND_SECRETION;
+    return message.kind() <= msg::COMMAND_HEAD_SCALE;
 }
 bool within_bounds(const msg::LiveMetrics& message) {
     return message.landmarks().size() <= 32 && message.parameters().size() <= msg::PARAMETER_COUNT;

@@ -116,6 +116,10 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         [](auto& r) -> auto& { return r.table_angle; });
 
     add(
+        "skeleton/head_scale", "1", "size of the cranium, 1 is usual for weight and age",
+        [](auto& r) -> auto& { return r.head_scale; });
+
+    add(
         "tissue/tongue_scale", "1", "size of the tongue, 1 is usual",
         [](auto& r) -> auto& { return r.tongue_scale; });
     add(

@@ -48,7 +48,7 @@ struct PointRecord {
 
 /// What does not change during a session, so that a replay needs neither server nor scenario.
 struct SceneRecord {
-    std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, then clusters
+    std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, clusters, the head's
     std::vector<SurfaceRecord> surfaces;
     std::vector<PointRecord> landmarks;
     std::vector<PointRecord> glottis_contour;
@@ -88,6 +88,7 @@ struct StepRecord {
     float jaw_opening = 0.0f;     ///< [rad]
     // What else commands change; not-a-number in files from before they did.
     double table_angle = 0.0;  ///< [rad], positive head-up
+    double head_scale = 1.0;
     double tongue_scale = 1.0;
     double tissue_stiffness = 0.0;  ///< [Pa], Young's modulus of tongue and mucosa
     double secretion = 0.0;         ///< of what the glands usually give

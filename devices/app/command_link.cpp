@@ -26,10 +26,11 @@ struct Key {
 };
 
 // Ranges are told here and enforced by the server, which knows what its patient bears.
-constexpr std::array<Key, 7> keys = {
+constexpr std::array<Key, 8> keys = {
     {{"head_elevation_deg", msg::COMMAND_HEAD_ELEVATION, degree, "0 to 30"},
      {"jaw_opening_deg", msg::COMMAND_JAW_OPENING, degree, "0 to 35"},
      {"table_angle_deg", msg::COMMAND_TABLE_ANGLE, degree, "-20 to 20, positive head-up"},
+     {"head_scale", msg::COMMAND_HEAD_SCALE, 1.0f, "0.85 to 1.15"},
      {"tongue_scale", msg::COMMAND_TONGUE_SCALE, 1.0f, "0.8 to 1.4"},
      {"tissue_stiffness_kpa", msg::COMMAND_TISSUE_STIFFNESS, 1e3f, "1 to what the solver bears"},
      {"secretion", msg::COMMAND_SECRETION, 1.0f, "0 to 10, 1 is usual"},

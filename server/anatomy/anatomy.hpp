@@ -40,6 +40,9 @@ class Anatomy {
     /// How much trunk, skull and mandible carry a point of the given tissue.
     [[nodiscard]] virtual BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const = 0;
 
+    /// How a point of skin or skull moves [m] per unit of the cranium's growth over its own size.
+    [[nodiscard]] virtual Vec3f head_growth(const Vec3f& point) const = 0;
+
     /// How far [m] inside the tissue the offset shell lies at a point: what gives way under a tool before
     /// the rigid shell holds it. Mucosa over bone hardly gives; cords and gullet widen for a tube.
     [[nodiscard]] virtual float shell_offset(const Vec3f& point, const Fields& fields) const = 0;

@@ -199,6 +199,14 @@ Surface surface_from(const Anatomy& anatomy, const DistanceGrid& field, std::str
     return surface;
 }
 
+bool by_skull_alone(const SkinWeights& skin) {
+    float weight = 0.0f;
+    for (std::size_t k = 0; k < skin.frame.size(); ++k) {
+        weight += skin.frame[k] == static_cast<std::uint16_t>(Bone::skull) ? skin.weight[k] : 0.0f;
+    }
+    return weight > 0.999f;
+}
+
 Vec3f cluster_centre(const Patient& patient, std::size_t c) {
     Vec3f sum = Vec3f::Zero();
     const ClusterSet& clusters = patient.clusters;
@@ -208,6 +216,49 @@ Vec3f cluster_centre(const Patient& patient, std::size_t c) {
     return sum / static_cast<float>(clusters.first[c + 1] - clusters.first[c]);
 }
 
+/// Gives what the skull alone carries its share of the frames by which the cranium grows.
+void let_head_grow(const Anatomy& anatomy, Patient& patient) {
+    constexpr auto skull = static_cast<std::uint16_t>(Bone::skull);
+    struct Growing {
+        SkinWeights& skin;
+        std::array<float, head_frame_count> by;  // [m] per unit, to the left, right, front, back and up
+    };
+    std::vector<Growing> growing;
+    float reach = 0.0f;  // [m], the longest way
+    for (Surface& surface : patient.surfaces) {
+        for (std::size_t i = 0; i < surface.skin.size(); ++i) {
+            SkinWeights& skin = surface.skin[i];
+            const Vec3f by = anatomy.head_growth(surface.mesh.vertices[i]);
+            const bool bound = by_skull_alone(skin);
+            if (bound && !by.isZero()) {
+                growing.push_back({skin,
+                                   {std::max(by.x(), 0.0f), std::max(-by.x(), 0.0f), std::max(by.y(), 0.0f),
+                                    std::max(-by.y(), 0.0f), std::max(by.z(), 0.0f)}});
+                reach = std::max(reach, by.lpNorm<1>());
+            }
+        }
+    }
+    const auto first = static_cast<std::uint16_t>(bone_count + patient.clusters.size());
+    const std::array<Vec3f, head_frame_count> ways = {Vec3f::UnitX(), -Vec3f::UnitX(), Vec3f::UnitY(),
+                                                      -Vec3f::UnitY(), Vec3f::UnitZ()};
+    for (std::size_t k = 0; k < head_frame_count; ++k) {
+        patient.frame_rest_centre[first + k] = reach * ways[k];
+    }
+    for (auto& [skin, by] : growing) {
+        skin = {{skull}, {1.0f}};
+        std::size_t next = 1;
+        for (std::size_t k = 0; k < head_frame_count; ++k) {
+            if (by[k] > 0.0f) {
+                skin.frame[next] = static_cast<std::uint16_t>(first + k);
+                skin.weight[next] = by[k] / reach;
+                skin.weight[0] -= skin.weight[next];
+                ++next;
+            }
+        }
+        skin.weight[0] = std::max(skin.weight[0], 0.0f);
+    }
+}
+
 }  // namespace
 
 void build_frames(Patient& patient) {
@@ -215,6 +266,7 @@ void build_frames(Patient& patient) {
     for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
         patient.frame_rest_centre.push_back(cluster_centre(patient, c));
     }
+    patient.frame_rest_centre.resize(patient.frame_rest_centre.size() + head_frame_count, Vec3f::Zero());
 }
 
 void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
@@ -226,6 +278,7 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
             surface.skin.push_back(skinner(v, soft ? lining_tissue(anatomy, v) : surface.tissue));
         }
     }
+    let_head_grow(anatomy, patient);
 }
 
 void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {

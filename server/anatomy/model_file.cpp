@@ -22,7 +22,7 @@ using hdf5::read_rows;
 using hdf5::write_rows;
 
 constexpr std::string_view file_kind = "NeoETI patient model";
-constexpr std::uint64_t schema = 3;
+constexpr std::uint64_t schema = 4;
 
 void write_carried(const Group& parent, const std::string& name, std::span<const CarriedPoint> points) {
     const Group group = parent.create(name);
@@ -234,7 +234,7 @@ void write(const Group& root, const Patient& patient) {
     write(root.create("clusters"), patient.clusters);
     write(root.create("tetrahedra"), patient.tetrahedra);
     write(root.create("links"), patient.links);
-    write_rows(root, "frame_rest_centre", patient.frame_rest_centre, {"m", "bones first, then clusters"});
+    write_rows(root, "frame_rest_centre", patient.frame_rest_centre, {"m", "bones first, then clusters, then the head's"});
     const Group surfaces = root.create("surfaces");
     surfaces.set_integer("count", patient.surfaces.size());
     for (std::size_t i = 0; i < patient.surfaces.size(); ++i) {
@@ -268,7 +268,8 @@ Patient read(const Group& root) {
     patient.tetrahedra = read_tetrahedra(root.open("tetrahedra"), patient.particles.size());
     patient.links = read_links(root.open("links"), patient.particles.size());
     const std::size_t frames = bone_count + patient.clusters.size();
-    patient.frame_rest_centre = read_rows<Vec3f>(root, "frame_rest_centre", frames);
+    const std::size_t all_frames = frames + head_frame_count;
+    patient.frame_rest_centre = read_rows<Vec3f>(root, "frame_rest_centre", all_frames);
     require_finite(root, "frame_rest_centre", numbers_of(patient.frame_rest_centre));
     const Group surfaces = root.open("surfaces");
     const std::size_t count = surfaces.integer("count");
@@ -277,7 +278,7 @@ Patient read(const Group& root) {
                                       surfaces.members().size(), count));
     }
     for (std::size_t i = 0; i < count; ++i) {
-        patient.surfaces.push_back(read_surface(surfaces.open(std::to_string(i)), frames));
+        patient.surfaces.push_back(read_surface(surfaces.open(std::to_string(i)), all_frames));
     }
     patient.shell = read_shell(root.open("shell"));
     const auto landmarks = read_carried(root.open("landmarks"), landmark_count, frames);

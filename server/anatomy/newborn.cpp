@@ -43,15 +43,33 @@ Vec3f turn_back_about_jaw(Vec3f p, float degrees) {
 constexpr float cranium_floor = 26.0f;
 constexpr float cranium_axis_y = -18.0f;
 
+/// What a cranium of `size` is wider by, at a height above its floor.
+float cranium_width(float above, float size) {
+    return 1.0f + (size - 1.0f) * smoothstep(0.0f, 22.0f, above);
+}
+
 /// From a head whose cranium is `size` times the usual one to the usual head.
 Vec3f usual_cranium(const Vec3f& p, float size) {
     if (size == 1.0f || p.z() <= cranium_floor) {
         return p;
     }
     const float above = p.z() - cranium_floor;
-    const float wide = 1.0f + (size - 1.0f) * smoothstep(0.0f, 22.0f, above);
+    const float wide = cranium_width(above, size);
     return {p.x() / wide, cranium_axis_y + (p.y() - cranium_axis_y) / wide,
             p.z() - (1.0f - 1.0f / size) * above * above / (above + 12.0f)};
+}
+
+/// Back to the head whose cranium is of `size`.
+Vec3f sized_cranium(const Vec3f& p, float size) {
+    if (p.z() <= cranium_floor) {
+        return p;
+    }
+    // The height above the floor solves above^2 / size + (12 - usual) above = 12 usual.
+    const float usual = p.z() - cranium_floor;
+    const float half = 0.5f * (12.0f - usual);
+    const float above = size * (std::sqrt(half * half + 12.0f * usual / size) - half);
+    const float wide = cranium_width(above, size);
+    return {p.x() * wide, cranium_axis_y + (p.y() - cranium_axis_y) * wide, cranium_floor + above};
 }
 
 float skin_field(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
@@ -435,6 +453,15 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
         }
     }
     return {1 - head, head * (1 - jaw), head * jaw};
+}
+
+Vec3f Newborn::head_growth(const Vec3f& point) const {
+    // Over the range of head_scale, which the growth is not quite straight in.
+    constexpr float most = 0.15f;
+    const Vec3f usual = usual_cranium(to_model(point), cranium_);
+    return (from_model(sized_cranium(usual, (1.0f + most) * cranium_)) -
+            from_model(sized_cranium(usual, (1.0f - most) * cranium_))) /
+           (2.0f * most);
 }
 
 float Newborn::shell_offset(const Vec3f& point, const Fields& fields) const {

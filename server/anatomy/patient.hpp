@@ -21,6 +21,11 @@ namespace eti::anatomy {
 enum class Bone : std::uint8_t { trunk, skull, mandible };
 inline constexpr std::size_t bone_count = 3;
 
+/// The last frames of the model, after clusters, go with the skull and let the cranium grow: to the left, right,
+/// front, back and up. Their rest centres, seen from the origin, are how far each moves per unit of growth over
+/// the built size; a vertex is carried by the skull and by its share of these.
+inline constexpr std::size_t head_frame_count = 5;
+
 /// The skeleton: two joints, in the rest posture's patient frame.
 struct Skeleton {
     Vec3f neck_joint = Vec3f::Zero();   ///< [m]; the skull turns about the left-right axis here
@@ -115,7 +120,7 @@ struct Patient {
     ClusterSet clusters;
     TetrahedronSet tetrahedra;
     LinkSet links;
-    std::vector<Vec3f> frame_rest_centre;  ///< bones first (Bone order), then clusters
+    std::vector<Vec3f> frame_rest_centre;  ///< [m]; bones first (Bone order), then clusters, then the head's
     std::vector<Surface> surfaces;         ///< body, tongue, epiglottis, bones
     Shell shell;
     std::array<CarriedPoint, landmark_count> landmarks;

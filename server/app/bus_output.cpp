@@ -385,6 +385,7 @@ void BusOutput::publish_live(const Work& work) {
     patient.head_elevation(work.snapshot.head_elevation);
     patient.jaw_opening(work.snapshot.jaw_opening);
     patient.table_angle(work.snapshot.table_angle);
+    patient.head_scale(work.snapshot.head_scale);
     patient.tongue_scale(work.snapshot.tongue_scale);
     patient.tissue_stiffness(work.snapshot.tissue_stiffness);
     patient.secretion(work.snapshot.secretion);

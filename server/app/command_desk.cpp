@@ -50,16 +50,17 @@ std::string take(float value, const Bounds& bounds, float& to) {
 // Above ten times the usual flow (5 ml a minute in a term newborn) drops come out faster than ducts let them.
 constexpr float most_secretion = 10.0f;
 
-const ShapeField& tongue_field() {
-    return *std::ranges::find(shape_fields, &NewbornShape::tongue_scale, &ShapeField::value);
+const ShapeField& field_of(float NewbornShape::* value) {
+    return *std::ranges::find(shape_fields, value, &ShapeField::value);
 }
 
 }  // namespace
 
 std::string_view name_of(msg::CommandKind kind) {
-    constexpr std::array<std::string_view, 10> names = {
+    constexpr std::array<std::string_view, 11> names = {
         "start",   "stop",        "reset",        "head_elevation",   "jaw_opening",
-        "suction", "table_angle", "tongue_scale", "tissue_stiffness", "secretion"};
+        "suction", "table_angle", "tongue_scale", "tissue_stiffness", "secretion",
+        "head_scale"};
     const auto index = static_cast<std::size_t>(kind);
     return index < names.size() ? names[index] : "unknown";
 }
@@ -90,6 +91,9 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
         case msg::COMMAND_SUCTION:
             refusal = take(command.value, {0.0f, 1.0f, "suction"}, suction_);
             break;
+        case msg::COMMAND_HEAD_SCALE:
+            refusal = grow_head(command.value, inputs);
+            break;
         case msg::COMMAND_TONGUE_SCALE:
             refusal = grow_tongue(command.value, inputs);
             break;
@@ -112,8 +116,18 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
     }
 }
 
+std::string CommandDesk::grow_head(float scale, scene::Inputs& inputs) {
+    const ShapeField& field = field_of(&NewbornShape::head_scale);
+    float taken = 0.0f;
+    std::string refusal = take(scale, {field.low, field.high, "head scale"}, taken);
+    if (refusal.empty()) {
+        inputs.head_scale = taken;
+    }
+    return refusal;
+}
+
 std::string CommandDesk::grow_tongue(float scale, scene::Inputs& inputs) const {
-    const ShapeField& field = tongue_field();
+    const ShapeField& field = field_of(&NewbornShape::tongue_scale);
     const Bounds bounds{std::max(field.low, anatomy::least_growth * limits_.tongue_scale),
                         std::min(field.high, anatomy::most_growth * limits_.tongue_scale), "tongue scale"};
     if (std::string refusal = outside(scale, bounds); !refusal.empty()) {

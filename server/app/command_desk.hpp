@@ -31,6 +31,7 @@ class CommandDesk {
 
   private:
     // Each returns why not, or nothing.
+    [[nodiscard]] static std::string grow_head(float scale, scene::Inputs& inputs);
     [[nodiscard]] std::string grow_tongue(float scale, scene::Inputs& inputs) const;
     [[nodiscard]] std::string stiffen(float modulus, scene::Inputs& inputs) const;
     [[nodiscard]] std::string secrete(float flow, scene::Inputs& inputs) const;

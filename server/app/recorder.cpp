@@ -125,6 +125,7 @@ void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live
     step_.head_elevation = snapshot.head_elevation;
     step_.jaw_opening = snapshot.jaw_opening;
     step_.table_angle = static_cast<double>(snapshot.table_angle);
+    step_.head_scale = static_cast<double>(snapshot.head_scale);
     step_.tongue_scale = static_cast<double>(snapshot.tongue_scale);
     step_.tissue_stiffness = static_cast<double>(snapshot.tissue_stiffness);
     step_.secretion = static_cast<double>(snapshot.secretion);

@@ -30,6 +30,7 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
     }
     return {.substeps = substeps,
             .tissue_model = scenario.physics.tissue_model,
+            .head_scale = limits.head_scale,
             .tongue_scale = limits.tongue_scale,
             .stiffest = limits.stiffest,
             .rigid = {},
@@ -46,7 +47,9 @@ PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patien
     limits.saliva = scenario.saliva;
     limits.built_stiffness = patient.tissue_stiffness;
     // What a model file was built with counts as usual.
-    limits.tongue_scale = scenario.patient.model.empty() ? scenario.patient.shape.tongue_scale : 1.0f;
+    const NewbornShape built = scenario.patient.model.empty() ? scenario.patient.shape : NewbornShape();
+    limits.head_scale = built.head_scale;
+    limits.tongue_scale = built.tongue_scale;
     const anatomy::ParticleSet& set = patient.particles;
     const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
     if (scenario.physics.tissue_model == TissueModel::tetrahedra && tongue != set.tissue.end()) {

@@ -23,7 +23,8 @@ namespace eti::app {
 
 /// What may be asked of a session's patient while it runs.
 struct PatientLimits {
-    float tongue_scale = 1.0f;                      ///< that the model was built with
+    float head_scale = 1.0f;                        ///< that the model was built with
+    float tongue_scale = 1.0f;                      ///< the same
     float built_stiffness = 8e3f;                   ///< [Pa]
     float softest = 1e3f, stiffest_typed = 100e3f;  ///< [Pa], a scenario's range
     float stiffest =

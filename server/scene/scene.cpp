@@ -92,6 +92,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
 void Scene::reset(const Inputs& start) {
     posture_ = start.posture;
     turn_gravity();
+    head_ = wanted_head(start);
     secretion_ = start.secretion;
     if (const float growth = wanted_growth(start); growth != growth_) {
         if (!tissue_.knows_swelling()) {
@@ -143,6 +144,7 @@ void Scene::approach_wanted(const Inputs& inputs) {
     if (table_turns) {
         turn_gravity();
     }
+    head_ = approach(head_, wanted_head(inputs), settings_.head_rate * step_duration);
     secretion_ = approach(secretion_, inputs.secretion, settings_.secretion_rate * step_duration);
     approach_stiffness(wanted_stiffness(inputs));
     const bool tongue_grows = approach_tongue(wanted_growth(inputs));
@@ -321,7 +323,7 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     s.tube_force = grip.force;
     s.tube_torque = grip.torque;
     s.suction = inputs.suction;
-    tissue_.frames(s.frames);
+    tissue_.frames(s.frames, head_);
     const auto carried = [&](const anatomy::CarriedPoint& point) {
         return skin_point(point.rest, point.skin, patient_.frame_rest_centre, s.frames);
     };
@@ -335,6 +337,7 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     s.head_elevation = posture_.head_elevation;
     s.jaw_opening = posture_.jaw_opening;
     s.table_angle = posture_.table_angle;
+    s.head_scale = head_ * settings_.head_scale;
     s.tongue_scale = growth_ * settings_.tongue_scale;
     s.tissue_stiffness = stiffness_;
     s.secretion = secretion_;

@@ -33,6 +33,7 @@ struct Inputs {
     float suction = 0.0f;  ///< 0..1
     // Wanted, and approached smoothly.
     anatomy::Posture posture;
+    std::optional<float> head_scale;        ///< as a scenario's; by default that of the model
     std::optional<float> tongue_scale;      ///< as a scenario's; by default that of the model
     std::optional<float> tissue_stiffness;  ///< [Pa], tongue and mucosa; by default that of the model
     float secretion = 1.0f;                 ///< of what the glands usually give; 0: nothing
@@ -42,10 +43,12 @@ struct Settings {
     int substeps = 8;
     TissueModel tissue_model = TissueModel::tetrahedra;
     float posture_rate = 0.17f;   ///< [rad/s]; a nurse tilts a head at about 10 deg/s
+    float head_rate = 0.1f;       ///< [1/s], of the built cranium's size
     float tongue_rate = 0.1f;     ///< [1/s], of the built tongue's size
     float stiffness_rate = 1.0f;  ///< [1/s], of the stiffness itself
     float secretion_rate = 5.0f;  ///< [1/s], of the usual flow
-    float tongue_scale = 1.0f;    ///< that the model was built with
+    float head_scale = 1.0f;      ///< that the model was built with
+    float tongue_scale = 1.0f;    ///< the same
     /// [Pa], that the solver bears in the built tongue, and so much less as that grows. Stiffness and size
     /// wait for each other where both change.
     float stiffest = std::numeric_limits<float>::infinity();
@@ -95,6 +98,9 @@ class Scene {
     [[nodiscard]] bool approach_tongue(float wanted);
     /// What hangs on the table's angle.
     void turn_gravity();
+    [[nodiscard]] float wanted_head(const Inputs& inputs) const {
+        return inputs.head_scale ? *inputs.head_scale / settings_.head_scale : 1.0f;
+    }
     [[nodiscard]] float wanted_growth(const Inputs& inputs) const {
         return inputs.tongue_scale ? *inputs.tongue_scale / settings_.tongue_scale : 1.0f;
     }
@@ -116,6 +122,7 @@ class Scene {
     const anatomy::Patient& patient_;
     Settings settings_;
     anatomy::Posture posture_;
+    float head_ = 1.0f;    // size of the cranium against the built one; nothing meets it
     float growth_ = 1.0f;  // of the tongue against the built one
     float stiffness_;      // [Pa]
     float secretion_ = 1.0f;

@@ -66,13 +66,14 @@ struct Snapshot {
     float suction = 0.0f;               ///< 0..1
     SalivaState saliva;
 
-    std::vector<FramePose> frames;  ///< bones, then clusters; index as in the patient model
+    std::vector<FramePose> frames;  ///< bones, clusters, the head's; index as in the patient model
     Landmarks landmarks{};
     std::vector<Vec3f> glottis_contour;  ///< [m], closed polygon
 
     float head_elevation = 0.0f;  ///< [rad]
     float jaw_opening = 0.0f;     ///< [rad]
     float table_angle = 0.0f;     ///< [rad], positive head-up
+    float head_scale = 1.0f;
     float tongue_scale = 1.0f;
     float tissue_stiffness = 0.0f;  ///< [Pa], Young's modulus of tongue and mucosa
     float secretion = 1.0f;         ///< of what the glands usually give

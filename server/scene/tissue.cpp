@@ -190,14 +190,18 @@ void SoftTissue::update_moduli() {
     body_.links.set_stiffness(moduli_);
 }
 
-void SoftTissue::frames(std::vector<FramePose>& frames) {
-    frames.resize(anatomy::bone_count + cluster_turn_.size());
+void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
+    frames.resize(patient_.frame_rest_centre.size());
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
     frames_of(body_.shapes, held_clusters_, frames);
     fitted_.fit(body_.particles.position);
     frames_of(fitted_, fitted_clusters_, frames);
+    const RigidTransform& skull = bones_[static_cast<std::size_t>(anatomy::Bone::skull)];
+    for (std::size_t f = anatomy::bone_count + cluster_turn_.size(); f < frames.size(); ++f) {
+        frames[f] = {skull * (head_size * patient_.frame_rest_centre[f]), skull.rotation};
+    }
 }
 
 void SoftTissue::frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,

@@ -33,8 +33,9 @@ class SoftTissue {
     void set_stiffness(float soft);
 
     /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
-    /// that tetrahedra stand in for are fitted to the particles here.
-    void frames(std::vector<FramePose>& frames);
+    /// that tetrahedra stand in for are fitted to the particles here. `head_size` is the cranium's over that
+    /// of the built one.
+    void frames(std::vector<FramePose>& frames, float head_size = 1.0f);
 
     /// Edges of the mesh's surface whose ends both move: pairs of particles.
     [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> surface_edges() const;

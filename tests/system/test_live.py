@@ -22,6 +22,7 @@ DEGREE = numpy.pi / 180
 # As docs/scenarios.md says: per second.
 POSTURE_RATE = 0.17  # [rad/s]
 TONGUE_RATE = 0.1
+HEAD_RATE = 0.1
 STIFFNESS_RATE = 1.0  # of the stiffness itself
 
 
@@ -71,9 +72,9 @@ class Live(support.Case):
     def test_instructor_changes_the_patient(self):
         self.start_server("term")
         done = self.set("table_angle_deg=-10", "tongue_scale=1.1", "tissue_stiffness_kpa=12",
-                        "head_elevation_deg=20")
+                        "head_elevation_deg=20", "head_scale=0.9")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(json.loads(done.stdout)["accepted"], 4)
+        self.assertEqual(json.loads(done.stdout)["accepted"], 5)
         refused = self.set("tissue_stiffness_kpa=90", "secretion=2", "tongue_scale=1.2")
         self.assertEqual(refused.returncode, 1)
         self.assertEqual(json.loads(refused.stdout)["refused"], 2)
@@ -84,11 +85,12 @@ class Live(support.Case):
         with h5py.File(self.record, "r") as file:
             kinds = [kind.decode() for kind in file["inputs/commands/kind"]]
             self.assertEqual(kinds, ["table_angle", "tongue_scale", "tissue_stiffness", "head_elevation",
-                                     "tongue_scale"])
+                                     "head_scale", "tongue_scale"])
             numpy.testing.assert_allclose(file["inputs/commands/value"][:],
-                                          [-10 * DEGREE, 1.1, 12e3, 20 * DEGREE, 1.2], rtol=1e-6)
+                                          [-10 * DEGREE, 1.1, 12e3, 20 * DEGREE, 0.9, 1.2], rtol=1e-6)
             self.assert_ramped(file["skeleton/table_angle"][:], -10 * DEGREE, POSTURE_RATE)
             self.assert_ramped(file["skeleton/head_elevation"][:], 20 * DEGREE, POSTURE_RATE)
+            self.assert_ramped(file["skeleton/head_scale"][:], 0.9, HEAD_RATE)
             self.assert_ramped(file["tissue/tongue_scale"][:], 1.2, TONGUE_RATE)
             self.assert_ramped(file["tissue/stiffness"][:], 12e3, STIFFNESS_RATE, relative=True)
             first = file["inputs/commands/step"][0]

@@ -191,6 +191,7 @@ inline msg::LiveMetrics example() {
     out.patient().head_elevation(0.25f);
     out.patient().jaw_opening(0.5f);
     out.patient().table_angle(-0.125f);
+    out.patient().head_scale(0.875f);
     out.patient().tongue_scale(1.25f);
     out.patient().tissue_stiffness(9e3f);
     out.patient().secretion(2.0f);

@@ -98,6 +98,7 @@ inline StepRecord step(std::uint64_t number) {
     record.head_elevation = value(number, 120);
     record.jaw_opening = value(number, 121);
     record.table_angle = static_cast<double>(value(number, 125));
+    record.head_scale = static_cast<double>(value(number, 129));
     record.tongue_scale = static_cast<double>(value(number, 126));
     record.tissue_stiffness = static_cast<double>(value(number, 127));
     record.secretion = static_cast<double>(value(number, 128));

@@ -103,7 +103,7 @@ Patient random_patient(std::size_t particles, std::size_t clusters, int grid) {
         patient.links.stiffness.push_back(random.uniform());
     }
     const std::size_t frames = bone_count + clusters;
-    for (std::size_t i = 0; i < frames; ++i) {
+    for (std::size_t i = 0; i < frames + head_frame_count; ++i) {
         patient.frame_rest_centre.push_back(random_point(random));
     }
     for (const char* name : {"body", "tongue"}) {
@@ -115,7 +115,7 @@ Patient random_patient(std::size_t particles, std::size_t clusters, int grid) {
             surface.triangle_tissue.push_back(random_tissue(random));
         }
         for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
-            surface.skin.push_back(random_skin(random, frames));
+            surface.skin.push_back(random_skin(random, frames + head_frame_count));
         }
         patient.surfaces.push_back(std::move(surface));
     }

@@ -49,6 +49,9 @@ TEST(CommandDesk, AnswersWhatThePatientDoesNotBear) {
                           Case{msg::COMMAND_TABLE_ANGLE, 20.1f * degree, "20.1 deg, expected -20 to 20"},
                           Case{msg::COMMAND_TABLE_ANGLE, nan, "table angle"},
                           Case{msg::COMMAND_HEAD_ELEVATION, -0.1f * degree, "expected 0 to 30"},
+                          Case{msg::COMMAND_HEAD_SCALE, 1.15f, nullptr},
+                          Case{msg::COMMAND_HEAD_SCALE, 1.16f, "1.16, expected 0.85 to 1.15"},
+                          Case{msg::COMMAND_HEAD_SCALE, nan, "head scale"},
                           Case{msg::COMMAND_TONGUE_SCALE, 1.4f, nullptr},
                           Case{msg::COMMAND_TONGUE_SCALE, 0.79f, "0.79, expected 0.8 to 1.4"},
                           Case{msg::COMMAND_TONGUE_SCALE, nan, "tongue scale"},
@@ -65,7 +68,7 @@ TEST(CommandDesk, AnswersWhatThePatientDoesNotBear) {
         if (c.refusal != nullptr) {
             EXPECT_NE(reason.find(c.refusal), std::string::npos) << reason;
             EXPECT_LT(reason.size(), 199u) << "nothing was cut off";
-            EXPECT_FALSE(inputs.tongue_scale || inputs.tissue_stiffness);
+            EXPECT_FALSE(inputs.head_scale || inputs.tongue_scale || inputs.tissue_stiffness);
             EXPECT_EQ(inputs.posture, anatomy::Posture{});
         }
     }

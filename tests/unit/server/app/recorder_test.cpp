@@ -77,6 +77,7 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     snapshot.head_elevation = 0.4f;
     snapshot.jaw_opening = 0.3f;
     snapshot.table_angle = -0.2f;
+    snapshot.head_scale = 1.1f;
     snapshot.tongue_scale = 1.2f;
     snapshot.tissue_stiffness = 9e3f;
     snapshot.secretion = 3.0f;
@@ -117,6 +118,7 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(first.head_elevation, 0.4f);
     EXPECT_EQ(first.jaw_opening, 0.3f);
     EXPECT_EQ(first.table_angle, static_cast<double>(-0.2f));
+    EXPECT_EQ(first.head_scale, static_cast<double>(1.1f));
     EXPECT_EQ(first.tongue_scale, static_cast<double>(1.2f));
     EXPECT_EQ(first.tissue_stiffness, 9e3);
     EXPECT_EQ(first.secretion, 3.0);

@@ -252,6 +252,33 @@ TEST_F(SceneTest, ResetPutsALargerTongueInPlaceAtOnce) {
     EXPECT_NEAR(tongue_height(reset), tongue_height(swollen), 1e-4f);
 }
 
+TEST_F(SceneTest, TheHeadGrowsAndNothingMeetsIt) {
+    Scene usual = make();
+    Scene large = make({.head_scale = 0.9f, .rigid = {}});
+    Inputs inputs = away_;
+    Inputs grow = away_;
+    grow.head_scale = 1.08f;  // a fifth more
+    const std::size_t first = anatomy::bone_count + coarse_newborn().clusters.size();
+    const std::vector<FramePose> before = large.snapshot().frames;
+    ASSERT_EQ(before.size(), first + anatomy::head_frame_count);
+    for (int k = 0; k < 3 * steps_per_second; ++k) {
+        usual.step(inputs);
+        large.step(grow);
+        ASSERT_LE(large.snapshot().head_scale, 0.9f * (1.0f + 0.1001f * static_cast<float>(k + 1) * step_duration));
+    }
+    EXPECT_FLOAT_EQ(large.snapshot().head_scale, 1.08f);
+    EXPECT_EQ(large.state_hash(), usual.state_hash());
+    for (std::size_t f = 0; f < before.size(); ++f) {
+        const FramePose& now = large.snapshot().frames[f];
+        const float way = f < first ? 0.0f : 0.2f * coarse_newborn().frame_rest_centre[f].norm();
+        ASSERT_TRUE(f < first || way > 5e-3f);
+        EXPECT_NEAR((now.centre - usual.snapshot().frames[f].centre).norm(), way, 1e-6f) << "frame " << f;
+    }
+    Scene reset = make({.head_scale = 0.9f, .rigid = {}});
+    reset.reset(grow);
+    EXPECT_FLOAT_EQ(reset.snapshot().head_scale, 1.08f);
+}
+
 TEST_F(SceneTest, SizeAndStiffnessWaitForEachOtherWhereTheSolverBearsNotBoth) {
     Scene scene = make({.stiffest = 10e3f, .rigid = {}});
     Inputs both = away_;
