@@ -234,7 +234,8 @@ void write(const Group& root, const Patient& patient) {
     write(root.create("clusters"), patient.clusters);
     write(root.create("tetrahedra"), patient.tetrahedra);
     write(root.create("links"), patient.links);
-    write_rows(root, "frame_rest_centre", patient.frame_rest_centre, {"m", "bones first, then clusters, then the head's"});
+    write_rows(root, "frame_rest_centre", patient.frame_rest_centre,
+               {"m", "bones first, then clusters, then the head's"});
     const Group surfaces = root.create("surfaces");
     surfaces.set_integer("count", patient.surfaces.size());
     for (std::size_t i = 0; i < patient.surfaces.size(); ++i) {

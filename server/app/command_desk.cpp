@@ -50,17 +50,17 @@ std::string take(float value, const Bounds& bounds, float& to) {
 // Above ten times the usual flow (5 ml a minute in a term newborn) drops come out faster than ducts let them.
 constexpr float most_secretion = 10.0f;
 
-const ShapeField& field_of(float NewbornShape::* value) {
+const ShapeField& field_of(float NewbornShape::*value) {
     return *std::ranges::find(shape_fields, value, &ShapeField::value);
 }
 
 }  // namespace
 
 std::string_view name_of(msg::CommandKind kind) {
-    constexpr std::array<std::string_view, 11> names = {
-        "start",   "stop",        "reset",        "head_elevation",   "jaw_opening",
-        "suction", "table_angle", "tongue_scale", "tissue_stiffness", "secretion",
-        "head_scale"};
+    constexpr std::array<std::string_view, 11> names = {"start",          "stop",         "reset",
+                                                        "head_elevation", "jaw_opening",  "suction",
+                                                        "table_angle",    "tongue_scale", "tissue_stiffness",
+                                                        "secretion",      "head_scale"};
     const auto index = static_cast<std::size_t>(kind);
     return index < names.size() ? names[index] : "unknown";
 }

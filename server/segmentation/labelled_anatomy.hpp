@@ -30,9 +30,7 @@ class LabelledAnatomy final : public anatomy::Anatomy {
     [[nodiscard]] anatomy::BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override {
         return newborn_.bone_weights(point, tissue);
     }
-    [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override {
-        return newborn_.head_growth(point);
-    }
+    [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override { return newborn_.head_growth(point); }
     [[nodiscard]] float shell_offset(const Vec3f& point, const anatomy::Fields& fields) const override {
         return newborn_.shell_offset(point, fields);
     }

@@ -45,21 +45,21 @@ PatientLimits limits() {
 
 TEST(CommandDesk, AnswersWhatThePatientDoesNotBear) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    for (const Case& c : {Case{msg::COMMAND_TABLE_ANGLE, -20.0f * degree, nullptr},
-                          Case{msg::COMMAND_TABLE_ANGLE, 20.1f * degree, "20.1 deg, expected -20 to 20"},
-                          Case{msg::COMMAND_TABLE_ANGLE, nan, "table angle"},
-                          Case{msg::COMMAND_HEAD_ELEVATION, -0.1f * degree, "expected 0 to 30"},
-                          Case{msg::COMMAND_HEAD_SCALE, 1.15f, nullptr},
-                          Case{msg::COMMAND_HEAD_SCALE, 1.16f, "1.16, expected 0.85 to 1.15"},
-                          Case{msg::COMMAND_HEAD_SCALE, nan, "head scale"},
-                          Case{msg::COMMAND_TONGUE_SCALE, 1.4f, nullptr},
-                          Case{msg::COMMAND_TONGUE_SCALE, 0.79f, "0.79, expected 0.8 to 1.4"},
-                          Case{msg::COMMAND_TONGUE_SCALE, nan, "tongue scale"},
-                          Case{msg::COMMAND_TISSUE_STIFFNESS, 19.9e3f, nullptr},
-                          Case{msg::COMMAND_TISSUE_STIFFNESS, 20.2e3f, "tetrahedra of 2 mm bear at most 20"},
-                          Case{msg::COMMAND_TISSUE_STIFFNESS, 900.0f, "0.9 kPa, expected 1 to 100"},
-                          Case{msg::COMMAND_TISSUE_STIFFNESS, nan, "tissue stiffness"},
-                          Case{msg::COMMAND_SECRETION, 1.0f, "saliva: standby"}}) {
+    for (const Case& c :
+         {Case{msg::COMMAND_TABLE_ANGLE, -20.0f * degree, nullptr},
+          Case{msg::COMMAND_TABLE_ANGLE, 20.1f * degree, "20.1 deg, expected -20 to 20"},
+          Case{msg::COMMAND_TABLE_ANGLE, nan, "table angle"},
+          Case{msg::COMMAND_HEAD_ELEVATION, -0.1f * degree, "expected 0 to 30"},
+          Case{msg::COMMAND_HEAD_SCALE, 1.15f, nullptr},
+          Case{msg::COMMAND_HEAD_SCALE, 1.16f, "1.16, expected 0.85 to 1.15"},
+          Case{msg::COMMAND_HEAD_SCALE, nan, "head scale"}, Case{msg::COMMAND_TONGUE_SCALE, 1.4f, nullptr},
+          Case{msg::COMMAND_TONGUE_SCALE, 0.79f, "0.79, expected 0.8 to 1.4"},
+          Case{msg::COMMAND_TONGUE_SCALE, nan, "tongue scale"},
+          Case{msg::COMMAND_TISSUE_STIFFNESS, 19.9e3f, nullptr},
+          Case{msg::COMMAND_TISSUE_STIFFNESS, 20.2e3f, "tetrahedra of 2 mm bear at most 20"},
+          Case{msg::COMMAND_TISSUE_STIFFNESS, 900.0f, "0.9 kPa, expected 1 to 100"},
+          Case{msg::COMMAND_TISSUE_STIFFNESS, nan, "tissue stiffness"},
+          Case{msg::COMMAND_SECRETION, 1.0f, "saliva: standby"}}) {
         CommandDesk desk(limits());
         scene::Inputs inputs;
         desk.handle({"instructor", 1, c.kind, c.value}, inputs);

@@ -264,7 +264,8 @@ TEST_F(SceneTest, TheHeadGrowsAndNothingMeetsIt) {
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         usual.step(inputs);
         large.step(grow);
-        ASSERT_LE(large.snapshot().head_scale, 0.9f * (1.0f + 0.1001f * static_cast<float>(k + 1) * step_duration));
+        ASSERT_LE(large.snapshot().head_scale,
+                  0.9f * (1.0f + 0.1001f * static_cast<float>(k + 1) * step_duration));
     }
     EXPECT_FLOAT_EQ(large.snapshot().head_scale, 1.08f);
     EXPECT_EQ(large.state_hash(), usual.state_hash());
