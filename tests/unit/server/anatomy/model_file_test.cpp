@@ -242,7 +242,7 @@ TEST_F(ModelFile, RefusesWhatTheServerCouldNotUse) {
     expect_named("/frame_rest_centre", [](Patient& p) { p.frame_rest_centre.pop_back(); });
     expect_named("/surfaces/1/triangles", [](Patient& p) { p.surfaces[1].mesh.triangles[0][2] = 25; });
     expect_named("/surfaces/0/skin_frame", [](Patient& p) {
-        p.surfaces[0].skin[4] = {{8, 0, 0, 0}, {1, 0, 0, 0}};
+        p.surfaces[0].skin[4] = {{13, 0, 0, 0}, {1, 0, 0, 0}};
     });
     expect_named("/surfaces/0/skin_weight", [](Patient& p) {
         p.surfaces[0].skin[4].weight = {0.5f, 0, 0, 0};
@@ -251,6 +251,10 @@ TEST_F(ModelFile, RefusesWhatTheServerCouldNotUse) {
     expect_named("/shell/vertex_bones", [](Patient& p) { p.shell.vertex_bones.pop_back(); });
     expect_named("/shell/distance", [](Patient& p) { p.shell.distance.value[5] = INFINITY; });
     expect_named("/shell", [](Patient& p) { p.shell.distance.spacing = 0.0f; });
+    // Of these none goes with the head's frames.
+    expect_named("/landmarks/skin_frame", [](Patient& p) {
+        p.landmarks[3].skin = {{8, 0, 0, 0}, {1, 0, 0, 0}};
+    });
     expect_named("/landmarks/skin_weight", [](Patient& p) { p.landmarks[3].skin.weight = {0, 0, 0, 0}; });
     expect_named("/glottis_contour/rest", [](Patient& p) { p.glottis_contour[3].rest.x() = INFINITY; });
 }
