@@ -221,7 +221,7 @@ void let_head_grow(const Anatomy& anatomy, Patient& patient) {
     constexpr auto skull = static_cast<std::uint16_t>(Bone::skull);
     struct Growing {
         SkinWeights& skin;
-        std::array<float, head_frame_count> by;  // [m] per unit, to the left, right, front, back and up
+        std::array<float, head_frame_count> by;  // [m] per unit, to the left, right, back, front and up
     };
     std::vector<Growing> growing;
     float reach = 0.0f;  // [m], the longest way
@@ -229,8 +229,7 @@ void let_head_grow(const Anatomy& anatomy, Patient& patient) {
         for (std::size_t i = 0; i < surface.skin.size(); ++i) {
             SkinWeights& skin = surface.skin[i];
             const Vec3f by = anatomy.head_growth(surface.mesh.vertices[i]);
-            const bool bound = by_skull_alone(skin);
-            if (bound && !by.isZero()) {
+            if (by_skull_alone(skin) && !by.isZero()) {
                 growing.push_back({skin,
                                    {std::max(by.x(), 0.0f), std::max(-by.x(), 0.0f), std::max(by.y(), 0.0f),
                                     std::max(-by.y(), 0.0f), std::max(by.z(), 0.0f)}});

@@ -22,7 +22,7 @@ enum class Bone : std::uint8_t { trunk, skull, mandible };
 inline constexpr std::size_t bone_count = 3;
 
 /// The last frames of the model, after clusters, go with the skull and let the cranium grow: to the left,
-/// right, front, back and up. Their rest centres, seen from the origin, are how far each moves per unit of
+/// right, back, front and up. Their rest centres, seen from the origin, are how far each moves per unit of
 /// growth over the built size; a vertex is carried by the skull and by its share of these.
 inline constexpr std::size_t head_frame_count = 5;
 
