@@ -13,10 +13,10 @@ interrupted sweep goes on where it was.
 Whoever sees enough of the glottis and does not get the tube in may try again, up to three times, each with another
 tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
 intubated once its most difficult features, taken one after the other by how far they are from usual, are usual; a
-feature less than a tenth of the way to the difficult end of its range is no reason. It is also when the tube is thicker
-than the windpipe is wide. Whoever is left without a reason on coarse particles is examined anew on those of the
-scenarios. Anything else is a fault, as is a model that does not hold what eti-anatomy check tests; the
-sweep fails with a fault.
+feature less than a tenth of the way to the difficult end of its range is no reason. It is also when a usual newborn of
+that weight is not intubated either, and the tube is thicker than the windpipe is wide. Whoever is left without a reason
+on coarse particles is examined anew on those of the scenarios. Anything else is a fault, as is a model that does not
+hold what eti-anatomy check tests; the sweep fails with a fault.
 """
 
 import argparse
@@ -61,6 +61,10 @@ COLUMNS = ("number", "weight_kg", "gestational_age_weeks", "variant", "tongue_sc
            "glottis_seen_percent", "cormack_lehane_grade", "time_s", "reason", "because")
 
 
+class NotRun(Exception):
+    """The server did not run the newborn."""
+
+
 def random_shapes(count, seed):
     chance = random.Random(seed)
     for k in range(count):
@@ -82,15 +86,18 @@ def tube_for(weight):
     return 2.0 if weight < 0.8 else 2.5 if weight < 2 else 3.0
 
 
-def scenario_for(weight, model, folder):
+def scenario_for(weight, spacing, model, folder):
     """Head and mouth as in the shipped scenarios, blade and tube for the weight."""
     small = weight < 2
+    # The smallest particles do not bear the usual 8 substeps; spacings are those of a newborn of 3.5 kg.
+    substeps = 8 if spacing * (weight / 3.5) ** (1 / 3) > 1.1 else 12
     tube = tube_for(weight)
     file = folder / "scenario.yaml"
     file.write_text(f"""patient: {{model: {model}, head_elevation_deg: 26, jaw_opening_deg: 29}}
 laryngoscope: {{blade: {"miller_0" if small else "miller_1"}}}
 tube: {{inner_diameter_mm: {tube}, grip_from_tip_mm: {90 if small else 100}, curve_radius_mm: {60 if small else 70},
        youngs_modulus_mpa: 40}}
+physics: {{substeps: {substeps}}}
 """)
     return file
 
@@ -104,11 +111,12 @@ def build(shape, spacing, model):
     return (said, None) if code != 0 else ("", built["particles"])
 
 
-def attempt(weight, model, folder, seed):
-    _, result, said = run("eti-server", "--scenario", scenario_for(weight, model, folder), "--operator", "expert",
-                          "--threads", 1, "--fast", "--no-dds", "--finish-after-attempt", "--json", "--seed", seed)
+def attempt(weight, spacing, model, folder, seed):
+    scenario = scenario_for(weight, spacing, model, folder)
+    _, result, said = run("eti-server", "--scenario", scenario, "--operator", "expert", "--threads", 1, "--fast",
+                          "--no-dds", "--finish-after-attempt", "--json", "--seed", seed)
     if result is None:
-        return {"intubated": False, "reason": said.splitlines()[-1]}
+        raise NotRun(said.splitlines()[-1] if said else "the server said nothing")
     parameters = result["parameters"]
     return {"intubated": result["success"], "reason": result["reason"],
             "glottis_seen_percent": round(parameters["glottic_opening_percent"]["max"] or 0.0, 1),
@@ -116,22 +124,27 @@ def attempt(weight, model, folder, seed):
             "time_s": round(parameters["time_s"] or 0.0, 1)}
 
 
-def intubate(weight, model, folder):
+def intubate(weight, spacing, model, folder):
     """The attempt that succeeded, or the last."""
     result = {}
     for number in range(1, ATTEMPTS + 1):
-        result = {**attempt(weight, model, folder, number), "attempts": number}
+        result = {**attempt(weight, spacing, model, folder, number), "attempts": number}
         if result["intubated"] or result.get("glottis_seen_percent", 0) < WANTED_VIEW:
             break
     return result
 
 
-def too_thick(weight, dimensions):
-    """Said where the tube is wider than the airway that it has to pass."""
+def too_thick(weight, spacing, dimensions, folder):
+    """Said where the tube is wider than the airway that it has to pass, and a usual newborn of that weight is not
+    intubated either: mucosa gives way, so that a tube somewhat too wide passes."""
     outer = OUTER_DIAMETER_MM[tube_for(weight)]
     narrowest = min((d for d in dimensions if d["name"] in ("subglottis, diameter", "trachea, diameter")),
                     key=lambda d: d["value"])
     if narrowest["value"] >= outer:
+        return None
+    model = folder / "usual.h5"
+    fault, _ = build({"weight_kg": weight}, spacing, model)
+    if fault or intubate(weight, spacing, model, folder)["intubated"]:
         return None
     return f"the tube is {outer} mm thick, the {narrowest['name'].split(',')[0]} {narrowest['value']:.1f} mm wide"
 
@@ -148,7 +161,7 @@ def why_not(shape, spacing, folder):
         own[name] = DIFFICULT[name][0]
         model = folder / "easier.h5"
         fault, _ = build(own, spacing, model)
-        if not fault and intubate(own["weight_kg"], model, folder)["intubated"]:
+        if not fault and intubate(own["weight_kg"], spacing, model, folder)["intubated"]:
             return "intubated without " + ", ".join(blamed)
     return None
 
@@ -176,10 +189,14 @@ def examine_on(spacing, shape, to_intubate, folder):
     if code != 0:
         return {**result, "because": FAULT + "; ".join(faults)}
     if to_intubate:
-        result.update(intubate(shape["weight_kg"], model, folder))
-        if not result["intubated"]:
-            result["because"] = (why_not(shape, spacing, folder) or
-                                 too_thick(shape["weight_kg"], checked["dimensions"]) or UNEXPLAINED)
+        try:
+            result.update(intubate(shape["weight_kg"], spacing, model, folder))
+            if not result["intubated"]:
+                result["because"] = (why_not(shape, spacing, folder) or
+                                     too_thick(shape["weight_kg"], spacing, checked["dimensions"], folder) or
+                                     UNEXPLAINED)
+        except NotRun as refused:
+            result["because"] = FAULT + f"not run: {refused}"
     return result
 
 
@@ -210,8 +227,8 @@ def rows_of(file):
 def words(row):
     said = [str(row["because"])] if row.get("because") else ["sound"]
     if row.get("intubated") not in (None, ""):
-        seen = f"{row['glottis_seen_percent']} % seen" if "glottis_seen_percent" in row else "not run"
-        said.append(f"{'' if str(row['intubated']) == 'True' else 'not '}intubated, {seen}: {row['reason']}")
+        done = "intubated" if str(row["intubated"]) == "True" else "not intubated"
+        said.append(f"{done}, {row['glottis_seen_percent']} % seen: {row['reason']}")
     return "; ".join(said)
 
 
