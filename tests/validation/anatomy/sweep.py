@@ -129,7 +129,7 @@ def intubate(weight, spacing, model, folder):
     result = {}
     for number in range(1, ATTEMPTS + 1):
         result = {**attempt(weight, spacing, model, folder, number), "attempts": number}
-        if result["intubated"] or result.get("glottis_seen_percent", 0) < WANTED_VIEW:
+        if result["intubated"] or result["glottis_seen_percent"] < WANTED_VIEW:
             break
     return result
 
