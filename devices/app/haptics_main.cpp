@@ -94,8 +94,7 @@ void log(const nlohmann::ordered_json& s) {
     if (s["stale_share"].get<double>() > most_stale) {
         spdlog::warn(
             "messages were missing so long that forces were less than whole for {:.0f} % of the time; run "
-            "the "
-            "server on a faster machine, or bridge its gaps with --silence-ms",
+            "the server on a faster machine, or bridge longer gaps with --silence-ms",
             100.0 * s["stale_share"].get<double>());
     }
     if (s["messages_refused"].get<std::uint64_t>() > 0) {
@@ -118,6 +117,17 @@ void heed_panic(Terminal& terminal, HapticLoop& loop) {
         loop.panic(false);
         spdlog::info("forces come back when the device is free");
     }
+}
+
+/// From the gap that nothing is held for, to a second. Not CLI::Range, which takes not-a-number.
+CLI::Validator silence_range() {
+    const auto refusal = [](const std::string& text) {
+        float ms = 0.0f;
+        return CLI::detail::lexical_cast(text, ms) && ms >= 20.0f && ms <= 1000.0f
+                   ? std::string()
+                   : "'" + text + "' is no time from 20 to 1000 ms";
+    };
+    return CLI::Validator(refusal, "20 to 1000");
 }
 
 int run(const ProgramOptions& options, RenderSettings settings) {
@@ -196,10 +206,11 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"constraint", "displacement"}));
     app.add_option(
            "--silence-ms", silence_ms,
-           "Forces are gone after this time without a message [ms]; more bridges a late server's gaps, at "
-           "the cost of feeling an old scene for as long")
+           "Forces are gone after this time without a message [ms]; they are held whole for the first "
+           "third of it and fade over the rest. More bridges longer gaps of a late server, at the "
+           "cost of feeling an old scene for as long")
         ->capture_default_str()
-        ->check(CLI::Range(10.0f, 1000.0f));
+        ->check(silence_range());
     return run_program(app, argc, argv, [&] {
         settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
         settings.safety.silence_limit = 1e-3f * silence_ms;

@@ -32,6 +32,7 @@ ForceRenderer::ForceRenderer(const RenderSettings& settings)
     : settings_(settings),
       freshness_(settings.safety),
       tissue_freshness_(settings.safety),
+      regrowth_(settings.safety),
       engagement_(settings.safety),
       passivity_(settings.passivity),
       speeds_(settings.prediction) {}
@@ -40,15 +41,33 @@ Wrench ForceRenderer::rigid_wrench(const Motion& device, const Motion& proxy) co
     return settings_.tool == Tool::tube ? Wrench{} : coupling_wrench(device, proxy, settings_.coupling);
 }
 
-Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt) {
+bool ForceRenderer::after_gap(const SceneState& scene) {
+    const auto ns = [](float seconds) { return static_cast<std::int64_t>(1e9f * seconds); };
+    // What has begun to fade has to come back by the ramp, too.
+    const std::int64_t longest = ns(std::min(settings_.safety.gap, settings_.safety.stale_after()));
+    const std::int64_t newest = std::max(scene.proxy_arrived, scene.tissue_arrived);
+    const bool news = scene.proxy_arrived != proxy_arrived_ || scene.tissue_arrived != tissue_arrived_;
+    if (scene.proxy_arrived - proxy_arrived_ > longest || scene.tissue_arrived - tissue_arrived_ > longest) {
+        gap_ended_ = newest;
+    }
+    proxy_arrived_ = scene.proxy_arrived;
+    tissue_arrived_ = scene.tissue_arrived;
+    return news && newest - gap_ended_ <= ns(settings_.safety.settling_time);
+}
+
+Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt,
+                                  bool after_gap) {
     Wrench now = scene.tissue.wrench;
     if (settings_.tool == Tool::laryngoscope) {
         now = settings_.soft_force == SoftForce::constraint
                   ? constraint_wrench(scene.tissue, proxy)
                   : displacement_wrench(scene.tissue.touching(), scene.blade, proxy, tissue_stiffness());
     }
+    // After a gap all that it adds comes in by the slower way back.
     const float due =
-        std::min(message_interval / std::max(scene.pace, settings_.prediction.slowest_pace), 0.02f);
+        after_gap
+            ? 0.0f
+            : std::min(message_interval / std::max(scene.pace, settings_.prediction.slowest_pace), 0.02f);
     const Wrench smooth = soft_.update(now, scene.tissue_arrived, due, dt);
     // When the whole scene falls silent the fade of the sum is enough; twice would be too steep.
     const float all = freshness_.share();
@@ -81,6 +100,7 @@ Motion ForceRenderer::felt(const Motion& device) const {
 
 void ForceRenderer::release() {
     engagement_.disengage();
+    regrowth_.forget();
     last_ = {};
     passivity_.exerted({});
 }
@@ -91,20 +111,22 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
     const Speeds lately = speeds_.update(device, touching, dt);
     std::optional<Motion> proxy;
     if (age >= 0.0f) {
-        proxy = settings_.tool == Tool::tube ? device
-                                             : predicted_proxy(device, scene.proxy, age * scene.pace,
-                                                               scene.pace, settings_.prediction, lately);
+        proxy = settings_.tool == Tool::tube
+                    ? device
+                    : predicted_proxy(device, scene.proxy, age * scene.pace, scene.pace, settings_.prediction,
+                                      lately, age > settings_.safety.gap);
     }
     // However late a cycle is, the hand gets no more than one in time would have given it.
     const float counted = std::min(dt, settings_.safety.longest_cycle);
     const float fresh_before = freshness_.share(), tissue_before = tissue_freshness_.share();
-    const float fresh = freshness_.update(age, counted);
-    const float tissue_fresh = tissue_freshness_.update(age_of(scene.tissue_arrived, now), counted);
+    const float fresh = freshness_.update(age);
+    const float tissue_fresh = tissue_freshness_.update(age_of(scene.tissue_arrived, now));
+    const bool returned = after_gap(scene);
 
     Wrench raw;
     if (proxy) {
         const Wrench rigid = rigid_wrench(device, *proxy);
-        const Wrench soft = soft_wrench(scene, proxy->pose, dt);
+        const Wrench soft = soft_wrench(scene, proxy->pose, dt, returned);
         const Wrench sum = for_device({rigid.force + soft.force, rigid.torque + soft.torque}, device, scene);
         if (!finite(sum)) {
             ++not_finite_;
@@ -116,16 +138,16 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
     const bool served = dt <= settings_.safety.longest_pause;
     const float would_exert = std::max(raw.force.norm(), raw.torque.norm() / settings_.passivity.arm);
     const float share = engagement_.update(proxy.has_value() && served, would_exert, counted);
-    const bool steady = share >= 1.0f && fresh == fresh_before && tissue_fresh == tissue_before;
-    const Wrench passive =
-        limited(passivity_.apply(scaled(raw, share), felt(device), dt, steady), settings_.coupling);
-    last_ = rate_limited(passive, last_, counted, settings_.coupling);
+    const Wrench grown = regrowth_.update(scaled(raw, share), last_, returned, counted, settings_.coupling);
+    const bool steady =
+        share >= 1.0f && fresh == fresh_before && tissue_fresh == tissue_before && !regrowth_.growing();
+    const Wrench passive = limited(passivity_.apply(grown, felt(device), dt, steady), settings_.coupling);
+    last_ = rate_limited(scaled(passive, fresh), last_, counted, settings_.coupling);
     if (fresh == 0.0f || share == 0.0f) {
         last_ = {};
     }
-    const Wrench out = scaled(last_, fresh);
-    passivity_.exerted(out);
-    return out;
+    passivity_.exerted(last_);
+    return last_;
 }
 
 }  // namespace eti::devices

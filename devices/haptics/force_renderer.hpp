@@ -23,7 +23,7 @@ struct RenderSettings {
 };
 
 /// From the device's motion and the newest scene to the wrench that the hand feels; one call a cycle.
-/// Pure but for the memory of ramp, fade and last wrench; allocates nothing, reads no clock.
+/// Pure but for the memory of ramp, return and last wrench; allocates nothing, reads no clock.
 class ForceRenderer {
   public:
     explicit ForceRenderer(const RenderSettings& settings);
@@ -36,7 +36,8 @@ class ForceRenderer {
     void release();
 
     [[nodiscard]] const PassivityController& passivity() const { return passivity_; }
-    [[nodiscard]] bool stale() const { return freshness_.share() < 1.0f; }
+    /// Less than all force for want of messages.
+    [[nodiscard]] bool stale() const { return freshness_.share() < 1.0f || regrowth_.growing(); }
     [[nodiscard]] bool engaged() const { return engagement_.share() > 0.0f; }
     [[nodiscard]] std::uint64_t not_finite() const {
         return not_finite_;
@@ -44,7 +45,11 @@ class ForceRenderer {
 
   private:
     [[nodiscard]] Wrench rigid_wrench(const Motion& device, const Motion& proxy) const;
-    [[nodiscard]] Wrench soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt);
+    [[nodiscard]] Wrench soft_wrench(const SceneState& scene, const RigidTransform& proxy, float dt,
+                                     bool after_gap);
+    /// This cycle is the first with a message that came after a gap, or so soon after one that the proxy has
+    /// not yet come to where the device is now.
+    [[nodiscard]] bool after_gap(const SceneState& scene);
     /// What moves where the device pulls: the tool, or, without torque, the gimbal alone.
     [[nodiscard]] Motion felt(const Motion& device) const;
     [[nodiscard]] Wrench for_device(const Wrench& wrench, const Motion& device,
@@ -52,11 +57,14 @@ class ForceRenderer {
 
     RenderSettings settings_;
     Freshness freshness_, tissue_freshness_;
+    Regrowth regrowth_;
     Engagement engagement_;
     SmoothSoftForce soft_;
     PassivityController passivity_;
     RecentSpeeds speeds_;
-    Wrench last_;  // before the fade
+    Wrench last_;
+    std::int64_t proxy_arrived_ = 0, tissue_arrived_ = 0;  // [ns], as of the last cycle
+    std::int64_t gap_ended_ = 0;                           // [ns]
     std::uint64_t not_finite_ = 0;
 };
 

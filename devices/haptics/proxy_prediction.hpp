@@ -11,7 +11,7 @@ namespace eti::devices {
 /// How far a reported proxy is carried on.
 struct PredictionBounds {
     /// [m] that the device may have moved since the pose the report answers to. Beyond it the report
-    /// is about another device, or older than the stale limit: 1 m/s for 30 ms.
+    /// is about another device, or about another place: no plane of an infant's mouth is larger.
     float travel = 0.030f;
     float slowest_pace = 0.1f;    ///< below it a proxy is not taken to trail any farther
     float turning_time = 0.012f;  ///< [s] of angular velocity while in contact; two simulation steps
@@ -58,8 +58,13 @@ class RecentSpeeds {
 /// VRAIS 1995): it slides along them and stays on them while the device is behind, so the wall acts at the
 /// loop's rate and gives back no more than was put in. `age` [s]: since the report arrived, in simulation
 /// time; `pace`: simulation seconds per second.
+///
+/// `held`: messages are missing, and what the report tells stands still and only resists. Turning is held
+/// as places are, by what turns the contacts' centre into the planes. What held the proxy off the device
+/// besides the planes is used up by as much as the device goes along it, so that it pushes to where it was
+/// reported and not on and on.
 [[nodiscard]] std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& report,
                                                     float age, float pace, const PredictionBounds& bounds,
-                                                    const Speeds& lately = {});
+                                                    const Speeds& lately = {}, bool held = false);
 
 }  // namespace eti::devices

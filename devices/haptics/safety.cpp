@@ -14,26 +14,40 @@ Vec3f approached(const Vec3f& last, const Vec3f& wanted, float most) {
     return length > most ? Vec3f(last + way * (most / length)) : wanted;
 }
 
+/// `force` without its part along `part`, of which no more than `part` itself.
+Vec3f without(const Vec3f& force, const Vec3f& part) {
+    const float length = part.norm();
+    if (length <= 0.0f) {
+        return force;
+    }
+    const Vec3f along = part / length;
+    return force - std::clamp(force.dot(along), 0.0f, length) * along;
+}
+
 }  // namespace
 
-float Freshness::update(float age, float dt) {
-    const bool fresh = age >= 0.0f && age <= settings_.stale_after();
-    if (!fresh) {
-        // By the age and not by the cycles, which may come late themselves.
-        const float left = (settings_.silence_limit - age) / settings_.fade_time;
-        share_ = age >= 0.0f ? std::min(share_, std::max(left, 0.0f)) : 0.0f;
-        calm_ = 0.0f;
-        return share_;
-    }
-    if (!heard_) {
-        heard_ = true;
-        share_ = 1.0f;
-    }
-    calm_ += dt;
-    if (calm_ > settings_.recovery_wait) {
-        share_ = std::min(share_ + dt / settings_.recovery_time, 1.0f);
-    }
+float Freshness::update(float age) {
+    // By the age and not by the cycles, which may come late themselves.
+    const float held = settings_.stale_after();
+    const float left = (settings_.silence_limit - age) / (settings_.silence_limit - held);
+    share_ = age >= 0.0f ? std::clamp(left, 0.0f, 1.0f) : 0.0f;
     return share_;
+}
+
+Wrench Regrowth::update(const Wrench& wanted, const Wrench& exerted, bool after_gap, float dt,
+                        const CouplingSettings& coupling) {
+    if (after_gap) {
+        lacking_ = {without(wanted.force, exerted.force), without(wanted.torque, exerted.torque)};
+    }
+    const float share = dt / settings_.return_time;
+    lacking_ = {approached(lacking_.force, Vec3f::Zero(), share * coupling.force_limit),
+                approached(lacking_.torque, Vec3f::Zero(), share * coupling.torque_limit)};
+    return {without(wanted.force, lacking_.force), without(wanted.torque, lacking_.torque)};
+}
+
+bool Regrowth::growing() const {
+    constexpr float force = 0.05f, torque = 0.0025f;  // [N], [N m] at 50 mm
+    return lacking_.force.norm() > force || lacking_.torque.norm() > torque;
 }
 
 float Engagement::update(bool there, float force, float dt) {
@@ -47,12 +61,14 @@ float Engagement::update(bool there, float force, float dt) {
         return share_;
     }
     needs_quiet_ = false;
-    share_ = std::min(1.0f, share_ + dt / settings_.ramp_time);
+    share_ = std::min(1.0f, share_ + dt / (back_ ? settings_.return_time : settings_.ramp_time));
+    back_ = back_ || share_ >= 1.0f;
     return share_;
 }
 
 void Engagement::disengage() {
     needs_quiet_ = true;
+    back_ = false;
     cycles_ = 0;
     share_ = 0.0f;
 }

@@ -347,6 +347,91 @@ def draw_haptics_stability(file, to):
     plt.close(figure)
 
 
+# How long forces are held [ms] where they are let go of at once, and where they are held on.
+LET_GO, HELD_ON = 17.0, 10000.0
+GRIPS = ("firm grip", "light grip")
+PATTERNS = ("regular", "random", "bursts")
+
+
+def held_in(rows):
+    """What of the gaps' table is as shipped: held for [ms], gone by [ms]."""
+    (held, gone), = {(float(row["held_ms"]), float(row["gone_ms"])) for row in rows} - \
+        {(LET_GO, 20.0), (HELD_ON, 11000.0)}
+    return held, gone
+
+
+def gap_line(rows, column, **wanted):
+    """Points of one line over the length of the gap [ms]; what is wanted of the other columns."""
+    return sorted((float(row["gap_ms"]), float(row[column])) for row in rows
+                  if all(row[key] == str(value) if isinstance(value, str) else float(row[key]) == value
+                         for key, value in wanted.items()))
+
+
+def holding_pays_until(rows, surface, grip, speed):
+    """The longest gap [ms] up to which, in the end, letting go at once moves the hand more than holding on does, where
+    the patient moves off at `speed` [mm/s]; None where it does so to the end of the table."""
+    held, gone = (dict(gap_line(rows, "excursion_mm", surface=surface, grip=grip, pattern="once", held_ms=hold,
+                                patient_mm_per_s=speed)) for hold in (HELD_ON, LET_GO))
+    pays = [gap for gap in held if held[gap] <= gone[gap]]
+    return max(pays) if max(pays) < max(held) else None
+
+
+def draw_haptics_gaps(file, to):
+    """One gap while the patient moves off: where holding on does more harm than letting go. Then gaps again and again:
+    how far the device is from where it would be, and how much of the time it has all of the force."""
+    plt = pyplot()
+    rows = rows_of(file)
+    held, gone = held_in(rows)
+    surfaces = list(dict.fromkeys(row["surface"] for row in rows))
+    figure, panels = plt.subplots(len(surfaces), 4, figsize=(15, 3.1 * len(surfaces) + 0.9), squeeze=False)
+    styles = dict(zip(PATTERNS, ("-", "--", ":")))
+    for line, surface in zip(panels, surfaces):
+        for number, grip in enumerate(GRIPS):
+            colour = f"C{number}"
+            of = dict(surface=surface, grip=grip)
+            for hold, style, text in ((HELD_ON, "-", "held on"), (LET_GO, "--", "let go of at once")):
+                line[0].plot(*zip(*gap_line(rows, "excursion_mm", pattern="once", held_ms=hold, patient_mm_per_s=20.0, **of)),
+                             color=colour, ls=style, label=f"{grip}, {text}")
+            for axes, speed in ((line[1], 0.0), (line[2], 20.0)):
+                for pattern in PATTERNS:
+                    axes.plot(*zip(*gap_line(rows, "excursion_mm", pattern=pattern, held_ms=held, patient_mm_per_s=speed,
+                                             **of)), color=colour, ls=styles[pattern], label=f"{grip}, {pattern}")
+                axes.plot(*zip(*gap_line(rows, "excursion_mm", pattern="regular", held_ms=LET_GO, patient_mm_per_s=speed,
+                                         **of)), color=colour, lw=4, alpha=0.25, label=f"{grip}, let go of at once")
+            for speed, marker in ((0.0, "o"), (20.0, "^")):
+                for pattern in PATTERNS:
+                    line[3].plot(*zip(*gap_line(rows, "whole_percent", pattern=pattern, held_ms=held,
+                                                patient_mm_per_s=speed, **of)), color=colour, ls=styles[pattern],
+                                 marker=marker, ms=3.5, lw=1)
+                line[3].plot(*zip(*gap_line(rows, "whole_percent", pattern="regular", held_ms=LET_GO,
+                                            patient_mm_per_s=speed, **of)), color=colour, lw=4, alpha=0.25)
+        for axes in line:
+            axes.axvline(held, color="gold", lw=3, zorder=0)
+        line[0].set_title(f"{surface}: one gap, patient moves off at 20 mm/s", fontsize=9)
+        line[1].set_title(f"{surface}: gaps, patient rests", fontsize=9)
+        line[2].set_title(f"{surface}: gaps, patient moves at 20 mm/s", fontsize=9)
+        line[3].set_title(f"{surface}: time with whole forces", fontsize=9)
+        for axes in line[:3]:
+            axes.set_ylabel("farthest from where it would be [mm]", fontsize=8)
+            axes.set_ylim(bottom=0)
+        line[3].set_ylabel("share of the time [%]", fontsize=8)
+    for axes in panels[-1]:
+        axes.set_xlabel("from one message to the next [ms]")
+    handles, labels = panels[0][1].get_legend_handles_labels()
+    for extra in panels[0][0].get_legend_handles_labels()[0]:
+        handles.append(extra)
+        labels.append(f"one gap: {extra.get_label()}")
+    for marker, text in (("o", "patient rests"), ("^", "patient moves at 20 mm/s")):
+        handles += panels[0][3].plot([], [], marker=marker, color="grey", ls="none")
+        labels.append(text)
+    handles += panels[0][3].plot([], [], color="gold", lw=3)
+    labels.append(f"as shipped: held for {held:g} ms, gone by {gone:g} ms")
+    figure.legend(handles, labels, loc="lower center", ncol=5, fontsize=8)
+    figure.tight_layout(rect=(0, 0.95 / figure.get_figheight(), 1, 1))
+    figure.savefig(to, metadata={"Date": None})
+    plt.close(figure)
+
+
 def draw_haptics_response(file, to):
     """Rendered against set stiffness, and how long a new contact takes to be felt."""
     plt = pyplot()
@@ -403,7 +488,7 @@ def draw_haptics_laws(file, to):
     plt.close(figure)
 
 
-HAPTICS = {"stability": draw_haptics_stability, "rendered": draw_haptics_response, "laws": draw_haptics_laws}
+HAPTICS = {"stability": draw_haptics_stability, "gaps": draw_haptics_gaps, "rendered": draw_haptics_response, "laws": draw_haptics_laws}
 
 
 def main(folder):

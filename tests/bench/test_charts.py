@@ -84,6 +84,36 @@ class Charts(unittest.TestCase):
             self.assertGreater(float(row["stable_n_per_m"]), 2 * shipped, row)
             self.assertGreater(float(row["stable_n_per_m"]), float(row["delayed_bound_n_per_m"]), row)
 
+    def test_forces_are_held_until_holding_may_do_harm(self):
+        """Up to the shipped time, holding moves the hand less than letting go at once on every surface, in either grip,
+        also where the patient moves off as fast as the server lets it; not far beyond it no longer."""
+        rows = plot.rows_of(CHARTS / "haptics-gaps.csv")
+        held, gone = plot.held_in(rows)
+        header = (ROOT / "devices/haptics/safety.hpp").read_text()
+        silence = 1000 * float(re.search(r"float silence_limit = ([\d.]+)f;", header)[1])
+        share = re.search(r"float held_share = ([\d.]+)f / ([\d.]+)f;", header)
+        self.assertAlmostEqual(gone, silence)
+        self.assertAlmostEqual(held, silence * float(share[1]) / float(share[2]))
+        surfaces = {row["surface"] for row in rows}
+        until = [plot.holding_pays_until(rows, surface, grip, 20.0) for surface in surfaces for grip in plot.GRIPS]
+        self.assertEqual(len(until), 6)
+        self.assertGreaterEqual(min(until), held)
+        self.assertLess(min(until), 1.25 * held)
+        for surface in surfaces:
+            for grip in plot.GRIPS:
+                for speed in (10.0, -20.0):
+                    self.assertIsNone(plot.holding_pays_until(rows, surface, grip, speed))
+
+    def test_gaps_that_are_held_take_nothing_from_a_patient_at_rest(self):
+        rows = plot.rows_of(CHARTS / "haptics-gaps.csv")
+        held, _ = plot.held_in(rows)
+        cells = [row for row in rows if row["patient_mm_per_s"] == "0" and float(row["held_ms"]) == held and
+                 float(row["gap_ms"]) <= held]
+        self.assertEqual(len(cells), 3 * 2 * 3 * 6)
+        for row in cells:
+            self.assertLessEqual(float(row["excursion_mm"]), 0.03, row)     # an encoder's step
+            self.assertEqual(float(row["whole_percent"]), 100, row)
+
     def test_shipped_stiffness_holds_still_over_the_bus(self):
         """The real loop against the real server over DDS, wherever that could be measured."""
         cells = [row for row in plot.rows_of(CHARTS / "haptics-grid.csv") if row["stiffness_n_per_m"] == "800"]
@@ -102,12 +132,17 @@ class Charts(unittest.TestCase):
 
     def test_haptics_tables_are_written(self):
         with tempfile.TemporaryDirectory() as folder:
-            for table in ("rendered", "laws"):
+            for table in ("gaps", "rendered", "laws"):
                 done = subprocess.run([BENCH, "haptics", "--quick", "--only", table, "--out", folder],
                                       stderr=subprocess.PIPE, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
             for row in plot.rows_of(Path(folder) / "haptics-rendered.csv"):
                 self.assertAlmostEqual(float(row["rendered_n_per_m"]) / float(row["set_n_per_m"]), 1, delta=0.1, msg=row)
+            gaps = plot.rows_of(Path(folder) / "haptics-gaps.csv")
+            self.assertGreater(len(gaps), 100)
+            for row, published in zip(gaps, plot.rows_of(CHARTS / "haptics-gaps.csv")):
+                self.assertEqual(list(row.values())[:7], list(published.values())[:7])
+                self.assertAlmostEqual(float(row["excursion_mm"]), float(published["excursion_mm"]), delta=0.03, msg=row)
 
     def test_launcher_knows_its_commands(self):
         done = subprocess.run([BENCH, "--help"], stdout=subprocess.PIPE, text=True)

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/devices/gaps.hpp"
 #include "tests/bench/devices/grid.hpp"
 #include "tests/bench/devices/live.hpp"
 #include "tests/bench/server/table.hpp"
@@ -237,7 +238,7 @@ void compare_laws(const HapticsOptions& options) {
 }  // namespace
 
 std::vector<std::string> haptics_table_names() {
-    return {"stability", "rendered", "laws", "grid", "live"};
+    return {"stability", "gaps", "rendered", "laws", "grid", "live"};
 }
 
 int haptics(const HapticsOptions& options) {
@@ -245,6 +246,9 @@ int haptics(const HapticsOptions& options) {
     if (wanted("stability")) {
         map_stability(options);
         map_levering(options);
+    }
+    if (wanted("gaps")) {
+        press_through_gaps({.out = options.out, .quick = options.quick});
     }
     if (wanted("rendered")) {
         compare_stiffness(options);

@@ -20,10 +20,11 @@ struct HapticsOptions {
 /// What `only` may name.
 [[nodiscard]] std::vector<std::string> haptics_table_names();
 
-/// Largest stable stiffness over delay and loss with and without the passivity controller; rendered against
-/// set stiffness; from touch to force; the real loop with the real server over DDS, pressing on a wall
-/// through delay, jitter and loss, and in an attempt; the device's force laws against finite elements. Writes
-/// haptics-*.csv. Returns the program's exit code.
+/// Largest stable stiffness over delay and loss with and without the passivity controller; what gaps between
+/// messages do to a hand that presses on something; rendered against set stiffness; from touch to force; the
+/// real loop with the real server over DDS, pressing on a wall through delay, jitter and loss, and in an
+/// attempt; the device's force laws against finite elements. Writes haptics-*.csv. Returns the program's exit
+/// code.
 [[nodiscard]] int haptics(const HapticsOptions& options);
 
 }  // namespace eti::bench

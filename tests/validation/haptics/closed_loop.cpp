@@ -151,6 +151,14 @@ class CarriedDevice final : public devices::Sensor {
     std::uint64_t sample_ = 0;
 };
 
+/// [m], where the patient's surface is.
+float surface_at(const Moving& patient, double time) {
+    const double moved = std::abs(patient.speed) * std::max(0.0, time - patient.from) / patient.reach;
+    const double phase = std::fmod(moved, 4.0);
+    const double away = phase < 1.0 ? phase : phase < 3.0 ? 2.0 - phase : phase - 4.0;
+    return static_cast<float>(-std::copysign(patient.reach, patient.speed) * away);
+}
+
 TriangleMesh floor_mesh() {
     TriangleMesh mesh;
     constexpr int n = 4;
@@ -188,7 +196,16 @@ class Server {
 
     void hear(const RigidTransform& device) { device_ = device; }
 
-    void step(SceneState& out) {
+    /// `surface` [m]: its height.
+    void step(SceneState& out, float surface) {
+        if (surface != surface_ && !soft_) {
+            TriangleMesh moved = shell_;
+            for (Vec3f& vertex : moved.vertices) {
+                vertex.y() += surface;
+            }
+            layer_.move_shell(moved.vertices);
+        }
+        surface_ = surface;
         const rigid::ProxyResult& result = layer_.step(device_, 1.0f / 180.0f);
         out.proxy.proxy = {result.pose, result.velocity, result.angular_velocity};
         out.proxy.device = device_;
@@ -227,13 +244,14 @@ class Server {
             for (int column = 0; column < columns; ++column) {
                 const float x = 0.5e-3f * static_cast<float>(column - 1);
                 const float z = 5e-3f * static_cast<float>(row + 1);
-                const float underside = pose.translation.y() - std::sqrt(blade.radius * blade.radius - x * x);
+                const float height = pose.translation.y() - std::sqrt(blade.radius * blade.radius - x * x);
+                const float underside = height - surface_;
                 if (underside >= 0.0f) {
                     continue;
                 }
                 devices::TissuePoint& point = report.points[report.count++];
-                point = {{x, underside, z},
-                         {x, 0.0f, z},
+                point = {{x, height, z},
+                         {x, surface_, z},
                          0.5e-3f,
                          Tissue::tongue,
                          {0.0f, -per_particle_ * underside, 0.0f}};
@@ -249,6 +267,7 @@ class Server {
     rigid::RigidLayer layer_;
     RigidTransform device_;
     float per_particle_ = 0.0f;  // [N/m]
+    float surface_ = 0.0f;       // [m]
 };
 
 /// The server behind the channel of the case: what comes of it is in `newest`.
@@ -260,18 +279,25 @@ class FarServer {
     /// The clock shows `now`: the server steps when it is time, and what has arrived is newest.
     void advance(std::int64_t now) {
         if (next_step_ <= now) {
+            const std::int64_t missed = loop_.gaps.caught_up ? (next_step_ - last_step_) / step_ns : 1;
+            last_step_ = next_step_;
             next_step_ += step_ns;
             if (loop_.gaps.longest > 0.0 && next_step_ >= next_gap_) {
                 const double gap = loop_.gaps.shortest + (loop_.gaps.longest - loop_.gaps.shortest) *
                                                              static_cast<double>(random_.uniform());
                 next_step_ += static_cast<std::int64_t>(1e9 * gap) - step_ns;
-                next_gap_ = next_step_ + static_cast<std::int64_t>(1e9 * loop_.gaps.every);
+                const bool again = ++gaps_ % loop_.gaps.in_a_row != 0;
+                next_gap_ = next_step_ + (again ? 0 : static_cast<std::int64_t>(1e9 * loop_.gaps.every));
             }
             RigidTransform device;
             if (up_.receive(now, device)) {
                 server_.hear(device);
             }
-            server_.step(state_);
+            for (std::int64_t step = missed - 1; step >= 0; --step) {
+                server_.step(state_,
+                             surface_at(loop_.patient,
+                                        1e-9 * static_cast<double>(last_step_ - origin_ns - step * step_ns)));
+            }
             down_.send(state_, now, loop_.channel, random_);
         }
         if (down_.receive(now, arrived_)) {
@@ -292,7 +318,9 @@ class FarServer {
     Line<RigidTransform> up_;
     Line<SceneState> down_;
     SceneState state_, arrived_;
-    std::int64_t next_step_ = origin_ns, next_gap_ = origin_ns;
+    std::int64_t last_step_ = origin_ns - step_ns, next_step_ = origin_ns;
+    std::int64_t next_gap_ = origin_ns + static_cast<std::int64_t>(1e9 * loop_.gaps.from);
+    int gaps_ = 0;
 };
 
 devices::RenderSettings settings_of(const LoopCase& loop) {
@@ -395,6 +423,51 @@ LoopOutcome run_loop(const LoopCase& loop) {
         (force[1] / counts[1] - force[0] / counts[0]) / (depth[1] / counts[1] - depth[0] / counts[0]);
     out.energy_lowest = cycle.renderer().passivity().lowest();
     out.dissipated = cycle.renderer().passivity().dissipated();
+    return out;
+}
+
+HeldHand hold_on(LoopCase loop) {
+    constexpr int settled_at = 1700, watched_for = 3000;  // cycles
+    loop.gaps.from = loop.patient.from = 1e-3 * settled_at;
+    const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
+    PlannedHand hand(loop, scope);
+    const auto server = std::make_unique<FarServer>(loop, scope, hand.start());
+    devices::HapticCycle cycle(hand, server->newest, settings_of(loop));
+    HeldHand out;
+    std::uint64_t stale_before = 0;
+    for (int i = 0; i < settled_at + watched_for; ++i) {
+        const std::int64_t now = origin_ns + i * ms;
+        hand.want(std::clamp(i - 700, 0, bumped_at - 1));
+        server->advance(now);
+        if (const auto pose = cycle.run(now)) {
+            server->send(pose->pose, now);
+        }
+        if (i < settled_at) {
+            stale_before = cycle.record().stale_cycles;
+            continue;
+        }
+        out.height.push_back(static_cast<double>(hand.height()));
+        out.force.push_back(static_cast<double>(cycle.wrench().force.norm()));
+    }
+    out.whole = 1.0 - static_cast<double>(cycle.record().stale_cycles - stale_before) / watched_for;
+    return out;
+}
+
+GapOutcome compare(const HeldHand& with_gaps, const HeldHand& without) {
+    constexpr std::size_t rise_window = 10;  // cycles
+    const auto cycles_watched = static_cast<double>(with_gaps.height.size());
+    GapOutcome out;
+    out.whole = with_gaps.whole;
+    for (std::size_t i = 0; i < with_gaps.height.size(); ++i) {
+        const double away = std::abs(with_gaps.height[i] - without.height[i]);
+        out.excursion = std::max(out.excursion, away);
+        out.away += away * away / cycles_watched;
+        out.force += with_gaps.force[i] / cycles_watched;
+        if (i >= rise_window) {
+            out.rise = std::max(out.rise, with_gaps.force[i] - with_gaps.force[i - rise_window]);
+        }
+    }
+    out.away = std::sqrt(out.away);
     return out;
 }
 

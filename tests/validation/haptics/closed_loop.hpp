@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "common/operator/hand.hpp"
 #include "devices/haptics/force_renderer.hpp"
@@ -48,6 +49,17 @@ inline constexpr Grip light{"light grip", 150.0f, 3.0f, 1.0f / 6.0f};
 struct Gaps {
     double shortest = 0.0, longest = 0.0;  ///< [s], from one message to the next, evenly distributed; 0: none
     double every = 0.0;                    ///< [s] of messages in time between two gaps; 0: gaps only
+    int in_a_row = 1;        ///< gaps, with a message between them, before messages come in time again
+    double from = 0.0;       ///< [s], before which there are none
+    bool caught_up = false;  ///< the steps that were missed are made up for, with the newest pose
+};
+
+/// A patient whose surface goes away from the hand along its normal at a constant speed, and comes back, and
+/// so on; at a negative speed it comes towards the hand first.
+struct Moving {
+    double speed = 0.0;     ///< [m/s]
+    double reach = 2.3e-3;  ///< [m], to either side
+    double from = 0.0;      ///< [s], before which it rests
 };
 
 struct LoopCase {
@@ -59,6 +71,7 @@ struct LoopCase {
     bool passivity = true;
     Channel channel;
     Gaps gaps;
+    Moving patient;
     Grip grip = firm;
     devices::SafetySettings safety;
     std::uint64_t seed = 1;
@@ -84,6 +97,22 @@ struct StopOutcome {
     float moving = 0.0f;   ///< [N], most while it moves steadily
     float stopped = 0.0f;  ///< [N], most after it has stopped
     bool engaged = true;   ///< forces were on
+};
+
+/// A hand that presses on something, cycle by cycle of the watch.
+struct HeldHand {
+    std::vector<double> height;  ///< [m]
+    std::vector<double> force;   ///< [N]
+    double whole = 0.0;          ///< share of the time with all of the force
+};
+
+/// What gaps between messages do to it.
+struct GapOutcome {
+    double excursion = 0.0;  ///< [m], most that the device is away from where it would be without gaps
+    double away = 0.0;       ///< [m], the same, root mean square
+    double whole = 0.0;      ///< share of the time with all of the force
+    double rise = 0.0;       ///< [N], most that the force grows by in 10 ms
+    double force = 0.0;      ///< [N], mean
 };
 
 /// Ten encoder steps of the simulated device: what a limit cycle exceeds, and a hand held still does not.
@@ -118,6 +147,13 @@ class Stillness {
 /// The same loop with a device that is carried through free air at `speed` [m/s] whatever it feels, and
 /// stopped from one cycle to the next, which no hand can do faster.
 [[nodiscard]] StopOutcome stop_in_free_air(const LoopCase& loop, float speed);
+
+/// The same loop with a hand that holds the blade pressed 4 mm in and on. The case's gaps and the patient's
+/// motion begin when it is held, and then it is watched.
+[[nodiscard]] HeldHand hold_on(LoopCase loop);
+
+/// What gaps did to the first hand, by the second, which had none.
+[[nodiscard]] GapOutcome compare(const HeldHand& with_gaps, const HeldHand& without);
 
 /// Largest stiffness up to which no limit cycle shows, to 15 %, in steps by 1.42 from 50 to 20,000 N/m, of a
 /// lever from 0.1 to 20 N m/rad; 0 if the lowest shows one.

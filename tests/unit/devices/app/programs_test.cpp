@@ -423,6 +423,14 @@ TEST(Haptics, HoldsTheTubeWhereItIsAsked) {
     EXPECT_GT(nlohmann::json::parse(program.out()).at("poses_published"), 40);
 }
 
+TEST(Haptics, ASilenceThatIsNoTimeIsRefused) {
+    for (const char* silence : {"nan", "19", "1001", "-300", "long"}) {
+        const Done done = run(ETI_HAPTICS, with("simulated", {"--silence-ms", silence, "--duration", "1"}));
+        EXPECT_GT(done.status, 0) << silence;
+        EXPECT_THAT(done.err, AllOf(HasSubstr("--silence-ms"), HasSubstr(silence)));
+    }
+}
+
 TEST(Haptics, AVendorsLibraryThatIsNotThereIsNamed) {
     const Done done = run(ETI_HAPTICS, with("openhaptics", {"--library", "/nowhere/libHD.so"}));
     EXPECT_GT(done.status, 0);

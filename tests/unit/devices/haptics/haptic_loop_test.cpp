@@ -95,25 +95,17 @@ class Answering {
     std::thread thread_;
 };
 
-/// Forces come back soon: a machine that runs many tests leaves gaps between messages all the time.
-RenderSettings soon() {
-    RenderSettings settings;
-    settings.safety.recovery_wait = 0.02f;
-    settings.safety.recovery_time = 0.1f;
-    return settings;
-}
-
 struct Device {
     bus::Node node{options("device")};
     SceneLink link{node, SceneLink::Feel::tissue};
     HandSensor sensor{SensorSetup{}};
     HapticLoop loop;
-    explicit Device(const RenderSettings& settings = soon()) : loop(node, sensor, link.newest(), settings) {}
+    Device() : loop(node, sensor, link.newest(), {}) {}
 };
 
-TEST(HapticLoop, ForceFallsToZeroWithin20msOfAServerThatStops) {
-    // The machine may be too busy to answer every 20 ms, and then the force fades in and out; what is
-    // tested is the end, so the start is given more time.
+TEST(HapticLoop, ForceIsHeldAndGoneWithin300msOfAServerThatStops) {
+    // The machine may be too busy to answer in time, and then the force fades in and out; what is tested is
+    // the end, so the start is given more time.
     auto server = std::make_unique<Answering>();
     Device device;
     ASSERT_TRUE(eventually([&] { return server->heard > 200; }));
@@ -130,8 +122,8 @@ TEST(HapticLoop, ForceFallsToZeroWithin20msOfAServerThatStops) {
     ASSERT_GT(record.last_force, record.last_message);
     // A cycle that came late adds its lateness.
     const double lateness = record.intervals.longest() - 1e-3;
-    EXPECT_LT(static_cast<double>(record.last_force - record.last_message) * 1e-9, 0.020 + lateness);
-    EXPECT_GT(static_cast<double>(record.last_force - record.last_message) * 1e-9, 0.010);
+    EXPECT_LT(static_cast<double>(record.last_force - record.last_message) * 1e-9, 0.300 + lateness);
+    EXPECT_GT(static_cast<double>(record.last_force - record.last_message) * 1e-9, 0.290 - lateness);
 }
 
 TEST(HapticLoop, ComesBackWhenTheServerDoes) {
@@ -176,7 +168,7 @@ TEST(HapticLoop, TissueIsPressedOverTheBus) {
     bus::Node node(options("pressing"));
     SceneLink link(node, SceneLink::Feel::tissue);
     Carried device;
-    HapticLoop loop(node, device, link.newest(), soon());
+    HapticLoop loop(node, device, link.newest(), {});
     server.surface = -1e-3f;
     ASSERT_TRUE(eventually([&] { return server.heard > 200; }));
     std::this_thread::sleep_for(800ms);  // quiet cycles, and the ramp

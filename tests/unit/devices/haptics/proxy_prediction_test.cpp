@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace eti::devices {
 namespace {
@@ -171,6 +172,66 @@ TEST(PredictedProxy, TurnsOnInContactForABoundedTime) {
     EXPECT_NEAR(angle(0.005f), 0.015f, 1e-6f);
     EXPECT_NEAR(angle(10.0f), 3.0f * bounds.turning_time, 1e-6f);
     EXPECT_NEAR(angle(-1.0f), 0.0f, 1e-7f);
+}
+
+std::optional<Motion> held(const Motion& device, const ProxyReport& report) {
+    return predicted_proxy(device, report, 0.1f, 1.0f, bounds, {}, true);
+}
+
+TEST(PredictedProxy, HeldPlanesStandStillAndOnlyResist) {
+    ProxyReport report = on_floor(3e-3f);
+    report.proxy.velocity = {0, 0.5f, 0};
+    for (const auto& [device_y, proxy_y] :
+         {std::pair{-5e-3f, 0.0f}, {-3e-3f, 0.0f}, {-1e-5f, 0.0f}, {2e-3f, 2e-3f}}) {
+        const auto proxy = held(device_at({0, device_y, 0}, {0.1f, -0.1f, 0}), report);
+        ASSERT_TRUE(proxy);
+        EXPECT_NEAR(proxy->pose.translation.y(), proxy_y, 1e-8f) << device_y;
+        EXPECT_EQ(proxy->velocity.x(), 0.1f) << "it slides";
+    }
+}
+
+// Friction of 0.4 mm against 800 N/m: a hand that gives way by as much is pushed no farther, and one that
+// goes on is held back by no more than before.
+TEST(PredictedProxy, WhatHeldItOffBesidesThePlanesIsUsedUpWhenHeld) {
+    ProxyReport report = on_floor(3e-3f);
+    report.proxy.pose.translation.x() = -0.4e-3f;
+    const auto offset = [&](float x) {
+        return held(device_at({x, -3e-3f, 0}), report)->pose.translation.x() - x;
+    };
+    EXPECT_NEAR(offset(0.0f), -0.4e-3f, 1e-8f);
+    EXPECT_NEAR(offset(-0.1e-3f), -0.3e-3f, 1e-8f);
+    EXPECT_NEAR(offset(-0.4e-3f), 0.0f, 1e-8f);
+    EXPECT_NEAR(offset(-2e-3f), 0.0f, 1e-8f);
+    EXPECT_NEAR(offset(2e-3f), -0.4e-3f, 1e-8f);
+    // A pressed proxy that had lifted off its contact for a step, likewise.
+    report.contacts = 0;
+    report.proxy.pose.translation = Vec3f::Zero();
+    const auto lift = [&](float y) { return held(device_at({0, y, 0}), report)->pose.translation.y() - y; };
+    EXPECT_NEAR(lift(-3e-3f), 3e-3f, 1e-8f);
+    EXPECT_NEAR(lift(-1e-3f), 1e-3f, 1e-8f);
+    EXPECT_NEAR(lift(1e-3f), 0.0f, 1e-8f);
+    EXPECT_NEAR(lift(-4e-3f), 3e-3f, 1e-8f);
+}
+
+// Levered on a floor 60 mm ahead of the grip, turned 0.02 rad into it about x.
+TEST(PredictedProxy, HeldTurningResistsIntoThePlanesAndIsFreeOutOfThem) {
+    ProxyReport report = on_floor(0.0f);
+    report.contact_centre = {0, 0, 0.06f};
+    report.device.rotation = quaternion_from({0.02f, 0, 0});
+    report.proxy.angular_velocity = {-1.0f, 0, 0};
+    const float ahead = -bounds.turning_time;  // that the report's turning went on for
+    const auto turn = [&](const Vec3f& device) {
+        Motion at = device_at(Vec3f::Zero());
+        at.pose.rotation = quaternion_from(device);
+        at.angular_velocity = {0.5f, 0, 0.3f};
+        return *held(at, report);
+    };
+    EXPECT_NEAR(rotation_vector(turn({0.02f, 0, 0}).pose.rotation).x(), ahead, 1e-5f);
+    EXPECT_NEAR(rotation_vector(turn({0.05f, 0, 0}).pose.rotation).x(), ahead, 1e-5f);
+    EXPECT_NEAR(rotation_vector(turn({-0.05f, 0, 0}).pose.rotation).x(), -0.05f, 1e-5f);
+    EXPECT_NEAR(rotation_vector(turn({0.02f, 0, 0.1f}).pose.rotation).z(), 0.1f, 1e-3f);
+    EXPECT_LT((turn({0.02f, 0, 0}).angular_velocity - Vec3f(0, 0, 0.3f)).norm(), 1e-6f)
+        << "it goes with the device where it may, and is not the report's any more";
 }
 
 TEST(PredictedProxy, KnowsNothingOutOfBounds) {

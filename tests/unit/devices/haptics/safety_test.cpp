@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace eti::devices {
 namespace {
@@ -12,70 +14,101 @@ namespace {
 constexpr float dt = 1e-3f;
 const SafetySettings settings;
 
-TEST(Freshness, FallsToNothingWithin20msOfTheLastMessage) {
+TEST(Freshness, IsWholeWhileHeldThenFallsToNothingBy300ms) {
     Freshness freshness(settings);
     EXPECT_EQ(freshness.share(), 0.0f);
-    EXPECT_EQ(freshness.update(0.0f, dt), 1.0f);
-    int cycles = 0;
-    for (float age = 0.0f; freshness.share() > 0.0f; age += dt, ++cycles) {
-        const float share = freshness.update(age, dt);
-        if (age <= settings.stale_after() - dt) {
-            EXPECT_EQ(share, 1.0f) << age;
-        }
-        ASSERT_LT(cycles, 100);
+    EXPECT_NEAR(settings.stale_after(), 0.1f, 1e-6f);
+    for (int age_ms = 0; age_ms <= 400; ++age_ms) {
+        const float age = 1e-3f * static_cast<float>(age_ms);
+        const float wanted = age_ms <= 100 ? 1.0f : std::max(0.0f, (0.3f - age) / 0.2f);
+        EXPECT_NEAR(freshness.update(age), wanted, 1e-5f) << age_ms;
     }
-    // The cycle at 20 ms gives nothing, to float rounding of the sum of ages.
-    EXPECT_GE(cycles, 20);
-    EXPECT_LE(cycles, 21);
+    EXPECT_EQ(freshness.update(0.3001f), 0.0f);
+    EXPECT_EQ(freshness.update(0.005f), 1.0f) << "what comes back slowly is the force, not the share";
 }
 
-TEST(Freshness, TwoMessagesInARowMayBeLostAtNoCost) {
-    Freshness freshness(settings);
-    (void)freshness.update(0.0f, dt);
-    EXPECT_EQ(freshness.update(3.0f / 180.0f, dt), 1.0f);
-}
-
-TEST(Freshness, WhatAGapTookComesBackSlowlyAfterAWhileWithoutAny) {
-    Freshness freshness(settings);
-    (void)freshness.update(0.0f, dt);
-    const float lowest = freshness.update(0.0185f, dt);
-    EXPECT_NEAR(lowest, 0.5f, 1e-5f) << "half of the fade from 17 to 20 ms";
-    const int wait = static_cast<int>(settings.recovery_wait / dt);
-    for (int i = 0; i < wait; ++i) {
-        ASSERT_EQ(freshness.update(0.005f, dt), lowest) << i;
-    }
-    // A cycle more or less by the rounding of the waited time.
-    int cycles = 0;
-    for (float last = lowest; freshness.share() < 1.0f && cycles < 5000; ++cycles) {
-        const float share = freshness.update(0.005f, dt);
-        EXPECT_LE(share - last, dt / settings.recovery_time + 1e-6f);
-        last = share;
-    }
-    EXPECT_NEAR(static_cast<float>(cycles) * dt, 0.5f * settings.recovery_time, 3.0f * dt);
-}
-
-TEST(Freshness, GapsThatRepeatThemselvesSettleAtWhatTheLongestLeft) {
-    Freshness freshness(settings);
-    (void)freshness.update(0.0f, dt);
-    float least = 1.0f;
-    for (int gap = 0; gap < 50; ++gap) {
-        const float longest = gap % 7 == 0 ? 0.019f : 0.018f;
-        for (float age = 0.0f; age < longest - 0.5f * dt; age += dt) {
-            const float share = freshness.update(age, dt);
-            ASSERT_LE(share, least) << gap;
-            least = share;
-        }
-        least = freshness.update(longest, dt);
-    }
-    EXPECT_NEAR(least, 1.0f / 3.0f, 1e-4f);
+TEST(Freshness, TheSilenceLimitMovesBothEnds) {
+    SafetySettings longer;
+    longer.silence_limit = 0.6f;
+    Freshness freshness(longer);
+    EXPECT_EQ(freshness.update(0.199f), 1.0f);
+    EXPECT_NEAR(freshness.update(0.4f), 0.5f, 1e-5f);
+    EXPECT_EQ(freshness.update(0.601f), 0.0f);
 }
 
 TEST(Freshness, NonsenseIsStale) {
     for (const float age :
          {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         Freshness freshness(settings);
-        EXPECT_EQ(freshness.update(age, dt), 0.0f);
+        EXPECT_EQ(freshness.update(age), 0.0f);
     }
+}
+
+Wrench pushing(const Vec3f& force) {
+    return {force, Vec3f::Zero()};
+}
+
+TEST(Regrowth, WhatAGapAddsIsBackWithin300msAndNeverFasterThanItsRamp) {
+    const CouplingSettings coupling;
+    Regrowth regrowth(settings);
+    const Wrench wanted{{0, coupling.force_limit, 0}, {coupling.torque_limit, 0, 0}};
+    constexpr float felt = 0.06f;  // [N]
+    Wrench last;
+    int cycles = 0;
+    for (; wanted.force.norm() - last.force.norm() > felt && cycles < 1000; ++cycles) {
+        EXPECT_EQ(regrowth.growing(), cycles > 0) << cycles;
+        // Messages go on to tell of the gap for a while, which holds nothing up.
+        const Wrench now = regrowth.update(wanted, last, cycles < 80 && cycles % 5 == 0, dt, coupling);
+        EXPECT_LE((now.force - last.force).norm(), 1.01f * coupling.force_limit * dt / settings.return_time);
+        EXPECT_LE((now.torque - last.torque).norm(),
+                  1.01f * coupling.torque_limit * dt / settings.return_time);
+        last = now;
+    }
+    EXPECT_NEAR(static_cast<float>(cycles) * dt, settings.return_time, 3.0f * dt);
+    EXPECT_LT(settings.return_time, 0.3f);
+    for (int i = 0; i < 3; ++i) {
+        last = regrowth.update(wanted, last, false, dt, coupling);
+    }
+    EXPECT_EQ(last.force, wanted.force);
+    EXPECT_EQ(last.torque, wanted.torque);
+    EXPECT_FALSE(regrowth.growing());
+}
+
+TEST(Regrowth, WhatAGapTakesAwayGoesAtOnceAndTheRestStays) {
+    const CouplingSettings coupling;
+    Regrowth regrowth(settings);
+    const Wrench had = pushing({4, 0, 0});
+    EXPECT_EQ(regrowth.update(pushing({1, 0, 0}), had, true, dt, coupling).force, Vec3f(1, 0, 0));
+    EXPECT_FALSE(regrowth.growing());
+    EXPECT_EQ(regrowth.update(pushing({0, 0, 0}), had, true, dt, coupling).force, Vec3f(0, 0, 0));
+    // A push from elsewhere is new, also where it is against the old one: of it a cycle's share of the ramp.
+    const float share = coupling.force_limit * dt / settings.return_time;
+    EXPECT_LT(
+        (regrowth.update(pushing({1, 3, 0}), had, true, dt, coupling).force - Vec3f(1, share, 0)).norm(),
+        1e-5f);
+    EXPECT_NEAR(regrowth.update(pushing({-2, 0, 0}), had, true, dt, coupling).force.x(), -share, 1e-5f);
+}
+
+// While 3 N of 4 are still lacking the hand feels all of the stiffness: a newton more or less of what is
+// wanted is a newton more or less, down to nothing, where it ends.
+TEST(Regrowth, LeavesTheStiffnessWholeAndNeverPulls) {
+    const CouplingSettings coupling;
+    Regrowth regrowth(settings);
+    (void)regrowth.update(pushing({0, 4, 0}), pushing({0, 1, 0}), true, 0.0f, coupling);
+    for (const auto& [wanted, felt] : {std::pair{4.0f, 1.0f}, {5.0f, 2.0f}, {3.5f, 0.5f}, {2.0f, 0.0f}}) {
+        EXPECT_NEAR(regrowth.update(pushing({0, wanted, 0}), {}, false, 0.0f, coupling).force.y(), felt,
+                    1e-6f);
+    }
+    EXPECT_EQ(regrowth.update(pushing({0, -1, 0}), {}, false, 0.0f, coupling).force.y(), -1.0f);
+}
+
+TEST(Regrowth, WithoutAGapNothingIsLacking) {
+    const CouplingSettings coupling;
+    Regrowth regrowth(settings);
+    EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, dt, coupling).force, Vec3f(0, 5, 0));
+    (void)regrowth.update(pushing({0, 5, 0}), {}, true, dt, coupling);
+    regrowth.forget();
+    EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, dt, coupling).force, Vec3f(0, 5, 0));
 }
 
 TEST(Engagement, NeedsQuietCyclesInARowThenRampsOverItsTime) {
@@ -116,7 +149,9 @@ TEST(Engagement, AfterAnOutageItRampsAgainWithoutAskingForQuiet) {
     for (int i = 0; i < settings.quiet_cycles; ++i) {
         EXPECT_EQ(engagement.update(true, 3.0f, dt), 0.0f);
     }
-    EXPECT_NEAR(engagement.update(true, 3.0f, dt), dt / settings.ramp_time, 1e-6f);
+    // By the faster way back, so that all of it is there within 0.3 s of the outage.
+    EXPECT_NEAR(engagement.update(true, 3.0f, dt), dt / settings.return_time, 1e-6f);
+    EXPECT_LT(static_cast<float>(settings.quiet_cycles) * dt + settings.return_time, 0.3f);
     engagement.disengage();
     for (int i = 0; i < 1000; ++i) {
         ASSERT_EQ(engagement.update(true, 3.0f, dt), 0.0f)
