@@ -11,6 +11,7 @@
 #include "client/app/stop_signal.hpp"
 #include "client/app/window.hpp"
 #include "client/render/headless_context.hpp"
+#include "common/process/priority.hpp"
 
 namespace eti::client {
 namespace {
@@ -27,6 +28,7 @@ bool lost(const SessionInput& input) {
 }  // namespace
 
 int run_windowed(const Options& options, nlohmann::json& result) {
+    yield_to_others(Yield::some);
     Window window(options.width, options.height, "NeoETI - " + options.bus.session, options.selection);
     spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);
