@@ -39,10 +39,13 @@ void become_ordinary() {
     ::sched_setscheduler(0, SCHED_OTHER, &none);
 }
 
-RealTimeThreads::RealTimeThreads(int priority) : refusal_(take_priority(SCHED_FIFO, priority)) {}
+RealTimeThreads::RealTimeThreads(int priority, bool wanted)
+    : wanted_(wanted), refusal_(wanted ? take_priority(SCHED_FIFO, priority) : std::string()) {}
 
 RealTimeThreads::~RealTimeThreads() {
-    become_ordinary();
+    if (wanted_) {
+        become_ordinary();
+    }
 }
 
 void yield_to_others(Yield yield) {

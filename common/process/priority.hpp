@@ -10,8 +10,9 @@ namespace eti {
 /// microseconds goes before what runs for milliseconds: the other way round it would be late every time,
 /// and this way it costs the longer work next to nothing. The haptic loop itself is at 80.
 namespace priority {
-inline constexpr int bus = 70;   ///< takes messages in and sends them
-inline constexpr int step = 60;  ///< the simulation
+inline constexpr int bus = 70;     ///< takes messages in, and sends what is felt
+inline constexpr int step = 60;    ///< the simulation, and what shares the bus's locks with the above
+inline constexpr int beside = 50;  ///< what a step may have to wait for
 }  // namespace priority
 
 /// Gives the calling thread a real-time priority; the threads that it starts have none. Returns an empty
@@ -25,7 +26,8 @@ void become_ordinary();
 /// those of a library, which cannot be asked. Afterwards the calling thread has an ordinary one.
 class RealTimeThreads {
   public:
-    explicit RealTimeThreads(int priority);
+    /// Not `wanted`: does nothing.
+    explicit RealTimeThreads(int priority, bool wanted = true);
     ~RealTimeThreads();
     RealTimeThreads(const RealTimeThreads&) = delete;
     RealTimeThreads& operator=(const RealTimeThreads&) = delete;
@@ -33,6 +35,7 @@ class RealTimeThreads {
     [[nodiscard]] const std::string& refusal() const { return refusal_; }
 
   private:
+    bool wanted_;
     std::string refusal_;
 };
 

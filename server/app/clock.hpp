@@ -12,20 +12,29 @@ namespace eti::app {
 
 /// Paces steps by the wall clock and keeps account of their cost. A step that comes late moves the
 /// whole schedule: simulation time falls behind the clock and never jumps or hurries to catch up.
+///
+/// `left_to_others`: of a late step's cost, how long to sleep before the next. A simulation of real-time
+/// priority that never sleeps would have the kernel take the processor from it, and from the haptic loop, for
+/// 50 ms at a time.
 class StepClock {
   public:
     using Time = std::chrono::steady_clock;
 
-    StepClock(double step_seconds, bool paced)
+    StepClock(double step_seconds, bool paced, double left_to_others = 0.0)
         : period_(std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(step_seconds))),
           paced_(paced),
+          left_to_others_(left_to_others),
           next_(Time::now()) {}
 
     /// Waits for the next step's time.
     void wait() {
         if (paced_) {
-            const auto now = Time::now();
+            auto now = Time::now();
             if (now > next_) {
+                if (left_to_others_ > 0.0) {
+                    std::this_thread::sleep_for(last_cost_ * left_to_others_);
+                    now = Time::now();
+                }
                 behind_ += now - next_;
                 ++late_;
                 next_ = now;
@@ -39,7 +48,8 @@ class StepClock {
 
     /// Call when the step's work is done.
     void done() {
-        const double cost = std::chrono::duration<double>(Time::now() - started_).count();
+        last_cost_ = Time::now() - started_;
+        const double cost = last_cost_.count();
         costs_[count_++ % costs_.size()] = static_cast<float>(cost);
         most_ = std::max(most_, cost);
         load_ += (cost / std::chrono::duration<double>(period_).count() - load_) / 180.0;
@@ -66,6 +76,8 @@ class StepClock {
   private:
     Time::duration period_;
     bool paced_;
+    double left_to_others_;
+    std::chrono::duration<double> last_cost_{};
     Time::time_point next_, started_;
     Time::duration behind_{};
     std::uint32_t late_ = 0;

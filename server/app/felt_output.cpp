@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/bus/convert.hpp"
-#include "common/process/priority.hpp"
 
 namespace eti::app {
 
@@ -76,8 +75,6 @@ std::uint64_t FeltOutput::skipped() const {
 }
 
 void FeltOutput::run() {
-    // The server says once what it was refused.
-    (void)become_real_time(priority::bus);
     bool ending = false;
     while (!ending) {
         bool proxy = false, forces = false;

@@ -14,9 +14,9 @@
 
 namespace eti::app {
 
-/// Publishes what hands feel, from a thread of its own that goes before the simulation's: each part leaves
-/// as soon as the step has it. The physics thread only leaves copies here and never waits for the network.
-/// A state that a newer one overtakes is replaced.
+/// Publishes what hands feel, from a thread of its own: each part leaves as soon as the step has it. The
+/// physics thread only leaves copies here and never waits for the network. A state that a newer one overtakes
+/// is replaced.
 class FeltOutput {
   public:
     explicit FeltOutput(bus::Node& node);

@@ -38,9 +38,11 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
+// The kernel keeps a twentieth of each second for ordinary threads; rather more, so that they have had it.
+constexpr double left_to_others = 1.0 / 15.0;  // of a late step
 
 /// While it lives, the simulation goes before whatever is not between a hand and what it feels. Not for runs
-/// that ignore the clock: they would leave nothing to anybody.
+/// that ignore the clock: they would leave nothing to others.
 class Foremost {
   public:
     explicit Foremost(bool wanted) {
@@ -66,19 +68,16 @@ class Session {
     explicit Session(const Options& options)
         : options_(options),
           scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
-          inputs_(parked(scenario_)) {
+          inputs_(parked(scenario_)),
+          live_(options.bus && !options.fast) {
         std::optional<OperatorScript> script;
         if (!options.operator_name.empty()) {
             script = load_operator(find_data_file(options.operator_name, "operators"));
         }
         if (options.bus) {
-            std::optional<RealTimeThreads> real_time;
-            if (!options.fast) {
-                real_time.emplace(priority::bus);
-                priority_refusal_ = real_time->refusal();
-            }
+            const RealTimeThreads real_time(priority::bus, live_);
+            priority_refusal_ = real_time.refusal();
             bus_.emplace(bus::Options{options.session, options.domain, "eti-server", options.profile});
-            real_time.reset();
             for (const std::string& warning :
                  bus::self_check(*bus_, true, std::chrono::milliseconds(600)).warnings) {
                 spdlog::warn("{}", warning);
@@ -107,16 +106,7 @@ class Session {
                               simulation_->snapshot().tube_nodes.size(), scenario_.saliva, options.fast);
             spdlog::info("recording to {}", options.record.string());
         }
-        if (bus_) {
-            input_.emplace(*bus_);
-            felt_.emplace(*bus_);
-            output_.emplace(*bus_, patient_, simulation_->scope(), scenario_.tube, scenario_.name,
-                            scenario_.saliva);
-            proxy_moved_ = [this](const scene::ProxySnapshot& proxy) { felt_->post_proxy(proxy); };
-        }
-        // An operator in this process looks before each step; everybody else only hears of what was seen.
-        judge_.emplace(simulation_->assessor(), recorder_ ? &*recorder_ : nullptr,
-                       output_ ? &*output_ : nullptr, !operator_);
+        start_threads();
     }
 
     int run() {
@@ -126,9 +116,10 @@ class Session {
         if (!priority_refusal_.empty()) {
             spdlog::warn("{}", priority_refusal_);
         }
-        StepClock clock(scene::step_duration, !options_.fast);
+        const bool real_time = live_ && priority_refusal_.empty();
+        StepClock clock(scene::step_duration, !options_.fast, real_time ? left_to_others : 0.0);
         {
-            const Foremost foremost(bus_ && !options_.fast);
+            const Foremost foremost(live_);
             while (!ended()) {
                 clock.wait();
                 step(clock);
@@ -154,6 +145,26 @@ class Session {
     }
 
   private:
+    void start_threads() {
+        if (bus_) {
+            input_.emplace(*bus_);
+            {
+                const RealTimeThreads real_time(priority::bus, live_);
+                felt_.emplace(*bus_);
+            }
+            // Ordinary, it could be held up while it holds the bus's locks, and what is felt with it.
+            const RealTimeThreads real_time(priority::step, live_);
+            output_.emplace(*bus_, patient_, simulation_->scope(), scenario_.tube, scenario_.name,
+                            scenario_.saliva);
+            proxy_moved_ = [this](const scene::ProxySnapshot& proxy) { felt_->post_proxy(proxy); };
+        }
+        const RealTimeThreads real_time(priority::beside, live_);
+        // An operator in this process looks before each step; everybody else only hears of what was seen.
+        const bool beside = !operator_;
+        judge_.emplace(simulation_->assessor(), recorder_ ? &*recorder_ : nullptr,
+                       output_ ? &*output_ : nullptr, beside);
+    }
+
     void latch() {
         if (operator_) {
             operator_->advance(simulation_->observation(), simulation_->snapshot());
@@ -290,6 +301,7 @@ class Session {
     Options options_;
     Scenario scenario_;
     scene::Inputs inputs_;
+    bool live_;  // others wait for it, by the clock
     anatomy::Patient patient_;
     std::unique_ptr<Simulation> simulation_;
     std::optional<LocalOperator> operator_;
