@@ -38,8 +38,9 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
-// The kernel keeps a twentieth of each second for ordinary threads; rather more, so that they have had it.
-constexpr double left_to_others = 1.0 / 15.0;  // of a late step
+// The kernel keeps a twentieth of each second for ordinary threads. Rather more, so that they have had it:
+// the solver's threads look for work a while before they sleep.
+constexpr double left_to_others = 0.15;  // of a step
 
 /// While it lives, the simulation goes before whatever is not between a hand and what it feels. Not for runs
 /// that ignore the clock: they would leave nothing to others.
