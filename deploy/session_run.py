@@ -23,7 +23,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 SPACE_NEEDED = 200e6     # [bytes] session file, pictures and video of a demo, with room to spare
 STALL_LIMIT = 180.0      # [s] without any simulation time passing before a server counts as hung
-END_BY_ITSELF = 20.0     # [s] that processes have to notice the session's end; a lease on the bus lasts 1.5 s
+END_BY_ITSELF = 60.0     # [s] that processes have to notice the session's end (a lease on the bus lasts 1.5 s), and
+                         # clients, which yield to others, to draw their last pictures
 END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
 LONGEST_SESSION = 120    # [s] of simulation time; an attempt should take 30 s
 SUCTION = (1.0, 2.0)     # [s] of simulation time, between which the assistant holds the pad's suction button

@@ -27,6 +27,7 @@ constexpr double gone_for_s = 1.0;
 constexpr double silent_for_s = 15.0;
 // Longer than this no picture is held in the video: simulation time that jumps is a new session.
 constexpr std::int64_t longest_hold_s = 20;
+constexpr int drawing_nice = 10;
 
 enum class End { none, finished, lost, stopped, enough_frames };
 
@@ -254,8 +255,8 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     prepare_folder(options.offscreen);
     bus::Node node(options.bus);
     // The software rasteriser would take every core, and nobody waits for these pictures. The bus's own
-    // threads are not held back, or messages would pile up at their writers.
-    yield_to_others(Yield::all);
+    // threads are held back less, or messages would pile up at their writers.
+    yield_to_others(drawing_nice);
     Offscreen offscreen(options, node);
     spdlog::info("drawing with {}", render::driver_name());
     if (!offscreen.wait_for_scene()) {
@@ -271,6 +272,7 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     if (offscreen.end() == End::lost) {
         spdlog::warn("the server is lost; keeping the last picture");
     }
+    yield_to_others(0);
     offscreen.finish();
     result = offscreen.report();
     spdlog::info("{}: {} pictures, {} frames drawn in {}", result["end"].get<std::string>(),

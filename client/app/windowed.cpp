@@ -18,6 +18,7 @@ namespace {
 
 // A lost connection shows at once; a server that only stumbles is not called lost.
 constexpr double lost_after_s = 1.0;
+constexpr int window_nice = 5;
 constexpr auto shortest_frame = std::chrono::milliseconds(11);
 
 bool lost(const SessionInput& input) {
@@ -28,7 +29,7 @@ bool lost(const SessionInput& input) {
 }  // namespace
 
 int run_windowed(const Options& options, nlohmann::json& result) {
-    yield_to_others(Yield::some);
+    yield_to_others(window_nice);
     Window window(options.width, options.height, "NeoETI - " + options.bus.session, options.selection);
     spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);

@@ -5,16 +5,16 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 
 namespace eti {
 
 namespace {
-
-constexpr int lower_nice = 5;
 
 std::string take_priority(int policy, int priority) {
     sched_param parameters{};
@@ -48,12 +48,10 @@ RealTimeThreads::~RealTimeThreads() {
     }
 }
 
-void yield_to_others(Yield yield) {
-    if (yield == Yield::some) {
-        ::setpriority(PRIO_PROCESS, 0, std::max(lower_nice, ::getpriority(PRIO_PROCESS, 0)));
-    } else {
-        const sched_param none{};
-        ::sched_setscheduler(0, SCHED_IDLE, &none);
+void yield_to_others(int nice) {
+    ::setpriority(PRIO_PROCESS, 0, std::max(nice, ::getpriority(PRIO_PROCESS, 0)));
+    if (::getsid(0) == ::getpid()) {
+        std::ofstream("/proc/self/autogroup") << nice;  // a kernel without them lacks the file
     }
 }
 

@@ -39,13 +39,10 @@ class RealTimeThreads {
     std::string refusal_;
 };
 
-/// For programs that only look on.
-enum class Yield {
-    some,  ///< to the simulation, where both want the processor
-    all    ///< run only while nobody else wants it
-};
-
-/// Lets others go before the calling thread and those that it starts later. Needs no rights.
-void yield_to_others(Yield yield);
+/// Lets others go before the calling thread and those that it starts later, by a nice value from 0 (as
+/// everybody) to 19. Needs no rights. A process that leads a session of its own yields as a whole, too, for
+/// there the kernel may share among sessions first (autogroups): that can be taken back by 0, a thread's own
+/// value cannot.
+void yield_to_others(int nice);
 
 }  // namespace eti
