@@ -27,7 +27,7 @@ constexpr double gone_for_s = 1.0;
 constexpr double silent_for_s = 15.0;
 // Longer than this no picture is held in the video: simulation time that jumps is a new session.
 constexpr std::int64_t longest_hold_s = 20;
-constexpr int drawing_nice = 10;
+constexpr int drawing_nice = 5;
 
 enum class End { none, finished, lost, stopped, enough_frames };
 
@@ -272,7 +272,6 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     if (offscreen.end() == End::lost) {
         spdlog::warn("the server is lost; keeping the last picture");
     }
-    yield_to_others(0);
     offscreen.finish();
     result = offscreen.report();
     spdlog::info("{}: {} pictures, {} frames drawn in {}", result["end"].get<std::string>(),

@@ -5,12 +5,10 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 namespace eti {
 
@@ -50,9 +48,6 @@ RealTimeThreads::~RealTimeThreads() {
 
 void yield_to_others(int nice) {
     ::setpriority(PRIO_PROCESS, 0, std::max(nice, ::getpriority(PRIO_PROCESS, 0)));
-    if (::getsid(0) == ::getpid()) {
-        std::ofstream("/proc/self/autogroup") << nice;  // a kernel without them lacks the file
-    }
 }
 
 }  // namespace eti

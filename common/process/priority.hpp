@@ -39,10 +39,9 @@ class RealTimeThreads {
     std::string refusal_;
 };
 
-/// Lets others go before the calling thread and those that it starts later, by a nice value from 0 (as
-/// everybody) to 19. Needs no rights. A process that leads a session of its own yields as a whole, too, for
-/// there the kernel may share among sessions first (autogroups): that can be taken back by 0, a thread's own
-/// value cannot.
+/// Lets others go before the calling thread and those that it starts later, by a nice value up to 19. Needs
+/// no rights. The kernel may share among sessions of processes first (autogroups), and then it counts in
+/// each.
 void yield_to_others(int nice);
 
 }  // namespace eti

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <string>
 #include <thread>
 
@@ -93,39 +92,8 @@ TEST(Priority, WhoOnlyLooksOnYieldsWithoutRights) {
         yield_to_others(5);
         EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), std::max(5, before));
         EXPECT_EQ(nice_of_a_new_thread(), std::max(5, before));
-        yield_to_others(0);
-        EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), std::max(5, before));
     }).join();
     EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), before);
-}
-
-TEST(Priority, ASessionOfItsOwnYieldsAsAWholeAndTakesItBack) {
-    const auto group = [] {
-        std::string name, word, nice;
-        std::ifstream("/proc/self/autogroup") >> name >> word >> nice;
-        return nice;
-    };
-    if (group().empty()) {
-        GTEST_SKIP() << "this kernel has no autogroups";
-    }
-    const std::string before = group();
-    const Guarded tried = run_guarded([&] {
-        yield_to_others(10);
-        if (group() != before) {
-            return 1;  // that of others
-        }
-        ::setsid();
-        yield_to_others(10);
-        if (group() != "10") {
-            return 2;
-        }
-        // The kernel bears one change in a tenth of a second from those without rights.
-        ::usleep(200'000);
-        yield_to_others(0);
-        return group() == "0" ? 0 : 3;
-    });
-    EXPECT_FALSE(tried.broken);
-    EXPECT_EQ(tried.status, 0);
 }
 
 }  // namespace
