@@ -23,7 +23,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 SPACE_NEEDED = 200e6     # [bytes] session file, pictures and video of a demo, with room to spare
 STALL_LIMIT = 180.0      # [s] without any simulation time passing before a server counts as hung
-END_BY_ITSELF = 20.0     # [s] that processes have to notice the session's end; a lease on the bus lasts 1.5 s
+END_BY_ITSELF = 60.0     # [s] that processes have to notice the session's end (a lease on the bus lasts 1.5 s), and
+                         # clients, which yield to others, to draw their last pictures
 END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
 LONGEST_SESSION = 120    # [s] of simulation time; an attempt should take 30 s
 SUCTION = (1.0, 2.0)     # [s] of simulation time, between which the assistant holds the pad's suction button
@@ -283,6 +284,22 @@ def prepare_folder(folder):
                  "Remedy: free some space, or --out DIR on another disk.")
 
 
+def pace(server, haptics):
+    """How well server and hand kept up, by what they printed at their end: lines of a table."""
+    rows = []
+    if haptics.get("cycles", 0) > 0:
+        rows.append(("Forces were whole", f"{100 * (1 - haptics['stale_share']):.1f} % of the time"))
+        rows.append(("Largest force felt", f"{haptics['force_n']['max']:.1f} N"))
+    if server.get("steps", 0) > 0:
+        simulated = server["steps"] * 1e-3 * server["step_budget_ms"]
+        behind = server["behind_s"]
+        rows.append(("The server fell behind", f"{100 * behind / (simulated + behind):.1f} % of the time "
+                                               f"({behind:.1f} s in {simulated + behind:.1f} s)"))
+        rows.append(("A step took", f"{server['step_ms']['p50']:.1f} ms, one in a hundred more than "
+                                    f"{server['step_ms']['p99']:.1f} ms, of {server['step_budget_ms']:.1f} ms"))
+    return [f"{name:<24}{value}" for name, value in rows]
+
+
 def show(session):
     """Prints what came of a session; True if the trachea was intubated and everything asked for is there."""
     try:
@@ -293,10 +310,9 @@ def show(session):
     print(table)
     intubated = "The trachea was intubated" if summary.get("success") else "The trachea was not intubated"
     print(f"{intubated}: {summary.get('reason')}.\n")
-    haptics, controller = session.said("haptics"), session.said("controller")
-    if haptics:
-        print(f"The hand felt at most {haptics['force_n']['max']:.1f} N; forces were less than whole for "
-              f"{100 * haptics['stale_share']:.0f} % of the time for want of messages.")
+    for line in pace(session.said("server"), session.said("haptics")):
+        print(line)
+    controller = session.said("controller")
     if controller:
         print(f"The assistant gave {controller['commands']} commands, {controller['accepted']} were accepted.\n")
     print(f"Session file  {session.record}")

@@ -3,7 +3,6 @@
 #include "client/app/offscreen.hpp"
 
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +14,7 @@
 #include "client/app/stop_signal.hpp"
 #include "client/render/headless_context.hpp"
 #include "client/render/video.hpp"
+#include "common/process/priority.hpp"
 
 namespace eti::client {
 namespace {
@@ -27,6 +27,7 @@ constexpr double gone_for_s = 1.0;
 constexpr double silent_for_s = 15.0;
 // Longer than this no picture is held in the video: simulation time that jumps is a new session.
 constexpr std::int64_t longest_hold_s = 20;
+constexpr int drawing_nice = 5;
 
 enum class End { none, finished, lost, stopped, enough_frames };
 
@@ -48,11 +49,10 @@ const char* name_of(End end) {
 
 class Offscreen {
   public:
-    explicit Offscreen(const Options& options)
+    Offscreen(const Options& options, bus::Node& node)
         : options_(options),
-          node_(options.bus),
           // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
-          input_(node_, options.frames_per_second > 30.0, !options.observe),
+          input_(node, options.frames_per_second > 30.0, !options.observe),
           compositor_(options.width, options.height,
                       options.samples > 0 ? options.samples : affordable_samples()),
           pictures_(options.offscreen) {
@@ -144,6 +144,7 @@ class Offscreen {
                               {"end", name_of(end_)},
                               {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
                               {"frames", frames_},
+                              {"frames_drawn", drawn_},
                               {"frames_held", held_},
                               {"draw_ms", times},
                               {"best_glottic_opening_percent", best_.percent()},
@@ -192,16 +193,20 @@ class Offscreen {
             return false;
         }
         const auto begin = Clock::now();
-        scene_.update();
         const bool picture_due =
             options_.every_s > 0.0 && (frames_ == 0 || time_s >= next_picture_s_ || tick < last_tick_);
+        // Surfaces are brought up to date where somebody will see them.
+        if (picture_due || video_) {
+            scene_.update();
+        }
         if (picture_due) {
             take_pictures(scene_, "");
             next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
-        if (video_ || options_.frames > 0) {
+        if (video_) {
             compositor_.draw(options_.selection, scene_, readout(), {}, true);
             add_to_video(tick);
+            ++drawn_;
         }
         input_.publish_eye(scene_);
         ++frames_;
@@ -212,9 +217,6 @@ class Offscreen {
     }
 
     void add_to_video(std::int64_t tick) {
-        if (!video_) {
-            return;
-        }
         const std::int64_t missed = frames_ > 0 ? tick - last_tick_ - 1 : 0;
         const auto longest = static_cast<std::int64_t>(options_.frames_per_second) * longest_hold_s;
         if (missed > 0 && missed <= longest) {
@@ -232,7 +234,6 @@ class Offscreen {
     }
 
     const Options& options_;
-    bus::Node node_;
     SessionInput input_;
     view::SceneView scene_;
     render::HeadlessContext context_;
@@ -241,7 +242,8 @@ class Offscreen {
     BestView best_;
     std::unique_ptr<render::Video> video_;
     render::Image last_image_;
-    std::uint64_t frames_ = 0, held_ = 0;
+    std::uint64_t frames_ = 0;            // that were due
+    std::uint64_t drawn_ = 0, held_ = 0;  // into the video
     std::int64_t last_tick_ = -1;
     double next_picture_s_ = 0.0;
     End end_ = End::none;
@@ -251,9 +253,11 @@ class Offscreen {
 
 int run_offscreen(const Options& options, nlohmann::json& result) {
     prepare_folder(options.offscreen);
-    // The software rasteriser would take every core; the simulation and the devices go first.
-    setpriority(PRIO_PROCESS, 0, 5);
-    Offscreen offscreen(options);
+    bus::Node node(options.bus);
+    // The software rasteriser would take every core, and nobody waits for these pictures. The bus's own
+    // threads are held back less, or messages would pile up at their writers.
+    yield_to_others(drawing_nice);
+    Offscreen offscreen(options, node);
     spdlog::info("drawing with {}", render::driver_name());
     if (!offscreen.wait_for_scene()) {
         spdlog::error(
@@ -271,7 +275,7 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     offscreen.finish();
     result = offscreen.report();
     spdlog::info("{}: {} pictures, {} frames drawn in {}", result["end"].get<std::string>(),
-                 result["pictures"].size(), result["frames"].get<std::uint64_t>(),
+                 result["pictures"].size(), result["frames_drawn"].get<std::uint64_t>(),
                  options.offscreen.string());
     return 0;
 }

@@ -11,12 +11,14 @@
 #include "client/app/stop_signal.hpp"
 #include "client/app/window.hpp"
 #include "client/render/headless_context.hpp"
+#include "common/process/priority.hpp"
 
 namespace eti::client {
 namespace {
 
 // A lost connection shows at once; a server that only stumbles is not called lost.
 constexpr double lost_after_s = 1.0;
+constexpr int window_nice = 5;
 constexpr auto shortest_frame = std::chrono::milliseconds(11);
 
 bool lost(const SessionInput& input) {
@@ -27,6 +29,7 @@ bool lost(const SessionInput& input) {
 }  // namespace
 
 int run_windowed(const Options& options, nlohmann::json& result) {
+    yield_to_others(window_nice);
     Window window(options.width, options.height, "NeoETI - " + options.bus.session, options.selection);
     spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);

@@ -5,9 +5,11 @@
 #include <csignal>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 
+#include "common/process/priority.hpp"
 #include "devices/app/program.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/sensor/terminal.hpp"
@@ -131,7 +133,11 @@ CLI::Validator silence_range() {
 }
 
 int run(const ProgramOptions& options, RenderSettings settings) {
+    // The bus's threads, too, are between the hand and what it feels.
+    std::optional<RealTimeThreads> real_time(priority::bus);
     Program program(options, settings.tool);
+    const std::string bus_refusal = real_time->refusal();
+    real_time.reset();
     const std::unique_ptr<Sensor> sensor = program.open_sensor();
     if (!sensor) {
         spdlog::info("ended ({}) before the server was heard", program.ended());
@@ -159,8 +165,9 @@ int run(const ProgramOptions& options, RenderSettings settings) {
     if (terminal.there()) {
         spdlog::info("any key lets go of the device at once (panic key); r gives forces back");
     }
-    if (!loop.priority_refusal().empty()) {
-        spdlog::warn("{}", loop.priority_refusal());
+    if (const std::string& refusal = loop.priority_refusal().empty() ? bus_refusal : loop.priority_refusal();
+        !refusal.empty()) {
+        spdlog::warn("{}", refusal);
     }
     while (!program.should_end()) {
         std::this_thread::sleep_for(poll_interval);

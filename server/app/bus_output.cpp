@@ -11,6 +11,7 @@
 #include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
 #include "common/math/units.hpp"
+#include "server/scene/scene.hpp"
 
 namespace eti::app {
 
@@ -27,6 +28,10 @@ constexpr std::uint32_t refresh_states = 45;
 // 24 bytes a frame; the first chunk also carries the tube's nodes. Each chunk fits 1300 bytes.
 constexpr std::size_t frames_per_chunk = 48;
 constexpr std::size_t frames_in_first_chunk = 24;
+
+constexpr std::uint64_t steps_per_state = scene::steps_per_second / 90;
+constexpr std::uint64_t steps_per_slow_state = scene::steps_per_second / 30;
+constexpr std::uint64_t steps_per_status = scene::steps_per_second / 10;
 
 // Longer than the lease after which a killed reader no longer counts.
 constexpr std::chrono::milliseconds farewell{2000};
@@ -76,9 +81,6 @@ BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Lar
     : session_(node.options().session),
       scenario_(std::move(scenario)),
       scene_(node, bus::topics::scene),
-      proxy_(node, bus::topics::proxy),
-      contacts_(node, bus::topics::tissue_contacts),
-      tube_force_(node, bus::topics::tube_force),
       deformation_(node, bus::topics::deformation),
       deformation_slow_(node, bus::topics::deformation_slow),
       live_(node, bus::topics::live_metrics),
@@ -157,14 +159,46 @@ void BusOutput::publish_scene(const anatomy::Patient& patient, const Laryngoscop
     }
 }
 
-void BusOutput::post(const scene::Snapshot& snapshot, const LiveValues& live, const StatusValues& status) {
+void BusOutput::post(const scene::Snapshot& snapshot, const StatusValues& status) {
+    if (snapshot.step % steps_per_state != 0) {
+        return;
+    }
     {
         const std::scoped_lock lock(mutex_);
         skipped_ += waiting_.fresh ? 1 : 0;
         waiting_.snapshot = snapshot;
-        waiting_.live = live;
         waiting_.status = status;
         waiting_.fresh = true;
+    }
+    wake_.notify_one();
+}
+
+void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveValues& live) {
+    msg::LiveMetrics message;
+    message.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
+    message.attempt(live.attempt);
+    message.attempt_running(live.attempt_running);
+    message.glottic_opening_percent(live.glottic_opening_percent);
+    message.gum_force_n(live.gum_force);
+    message.tube_depth_past_glottis(live.tube_depth_past_glottis);
+    message.tube_force_n(snapshot.tube_force.norm());
+    message.tube_tip(to_msg(snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : snapshot.tube_nodes.back()));
+    msg::PatientState& patient = message.patient();
+    patient.head_elevation(snapshot.head_elevation);
+    patient.jaw_opening(snapshot.jaw_opening);
+    patient.table_angle(snapshot.table_angle);
+    patient.head_scale(snapshot.head_scale);
+    patient.tongue_scale(snapshot.tongue_scale);
+    patient.tissue_stiffness(snapshot.tissue_stiffness);
+    patient.secretion(snapshot.secretion);
+    for (const Vec3f& p : snapshot.landmarks) {
+        message.landmarks().push_back(to_msg(p));
+    }
+    message.parameters(values_of(live.parameters));
+    message.message(live.message.substr(0, 199));
+    {
+        const std::scoped_lock lock(mutex_);
+        waiting_live_ = std::move(message);
     }
     wake_.notify_one();
 }
@@ -204,13 +238,15 @@ std::uint64_t BusOutput::skipped() const {
 void BusOutput::run() {
     std::deque<msg::CommandResult> results;
     std::deque<Summary> summaries;
+    std::optional<msg::LiveMetrics> live;
     bool ending = false;
     while (!ending) {
         bool fresh = false;
         {
             std::unique_lock lock(mutex_);
-            wake_.wait(lock,
-                       [&] { return waiting_.fresh || ending_ || !results_.empty() || !summaries_.empty(); });
+            wake_.wait(lock, [&] {
+                return waiting_.fresh || waiting_live_ || ending_ || !results_.empty() || !summaries_.empty();
+            });
             fresh = waiting_.fresh;
             ending = ending_;
             if (fresh || ending) {
@@ -219,8 +255,12 @@ void BusOutput::run() {
             }
             results.swap(results_);
             summaries.swap(summaries_);
+            live = std::exchange(waiting_live_, std::nullopt);
         }
         publish_events(results, summaries);
+        if (live) {
+            live_.publish(*live);
+        }
         if (fresh) {
             publish_step(current_);
         }
@@ -253,63 +293,17 @@ void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deq
 
 void BusOutput::publish_step(const Work& work) {
     const scene::Snapshot& s = work.snapshot;
-    ++number_;
-    msg::ProxyState proxy;
-    proxy.header(make_header(s.time_ns, number_));
-    proxy.device(to_msg(s.device));
-    proxy.proxy(to_msg(s.proxy));
-    proxy.last_free(to_msg(s.last_free));
-    proxy.velocity(to_msg(s.proxy_velocity));
-    proxy.angular_velocity(to_msg(s.proxy_angular_velocity));
-    proxy.shell_force(to_msg(s.shell_force));
-    proxy.shell_torque(to_msg(s.shell_torque));
-    for (std::size_t i = 0; i < std::min<std::size_t>(16, s.shell_contacts.size()); ++i) {
-        msg::ShellContact c;
-        c.position(to_msg(s.shell_contacts[i].position));
-        c.normal(to_msg(s.shell_contacts[i].normal));
-        c.force(s.shell_contacts[i].force);
-        c.tissue(static_cast<std::uint32_t>(s.shell_contacts[i].tissue));
-        proxy.contacts().push_back(c);
-    }
-    proxy_.publish(proxy);
-
-    msg::TissueContacts contacts;
-    contacts.header(proxy.header());
-    contacts.proxy(proxy.proxy());
-    contacts.force(to_msg(s.tissue_force));
-    contacts.torque(to_msg(s.tissue_torque));
-    const std::size_t sent = std::min<std::size_t>(96, s.tissue_contacts.size());
-    contacts.dropped(static_cast<std::uint32_t>(s.tissue_contacts.size() - sent));
-    // Evenly over all contacts, so that a bounded message still covers the whole blade.
-    for (std::size_t i = 0; i < sent; ++i) {
-        const scene::TissueContact& t = s.tissue_contacts[i * s.tissue_contacts.size() / sent];
-        msg::TissueContactPoint c;
-        c.position(to_msg(t.position));
-        c.rest(to_msg(t.rest));
-        c.force(to_msg(t.force));
-        c.radius(t.radius);
-        c.tissue(static_cast<std::uint32_t>(t.tissue));
-        contacts.contacts().push_back(c);
-    }
-    contacts_.publish(contacts);
-
-    msg::TubeForce tube;
-    tube.header(proxy.header());
-    tube.force(to_msg(s.tube_force));
-    tube.torque(to_msg(s.tube_torque));
-    tube_force_.publish(tube);
-
-    if (s.step % 2 == 0) {
-        publish_deformation(s, deformation_, sent_, refresh_, number_);
-        publish_fluid(s);
-    }
-    if (s.step % 6 == 0) {
+    publish_deformation(s, deformation_, sent_, refresh_);
+    publish_fluid(s);
+    // By what is due and not by this step's number: another may have taken its place.
+    if (s.step >= next_slow_) {
+        next_slow_ = (s.step / steps_per_slow_state + 1) * steps_per_slow_state;
         if (deformation_slow_.matched() > 0) {
-            publish_deformation(s, deformation_slow_, sent_slow_, refresh_slow_, number_);
+            publish_deformation(s, deformation_slow_, sent_slow_, refresh_slow_);
         }
-        publish_live(work);
     }
-    if (s.step % 18 == 0) {
+    if (s.step >= next_status_) {
+        next_status_ = (s.step / steps_per_status + 1) * steps_per_status;
         publish_status(work);
     } else {
         status_.assert_liveliness();
@@ -318,7 +312,7 @@ void BusOutput::publish_step(const Work& work) {
 
 void BusOutput::publish_deformation(const scene::Snapshot& snapshot,
                                     bus::Publisher<msg::DeformationState>& to, std::vector<FramePose>& sent,
-                                    std::uint32_t& refresh, std::uint32_t number) {
+                                    std::uint32_t& refresh) {
     const std::size_t count = snapshot.frames.size();
     const bool first = sent.size() != count;
     sent.resize(count);
@@ -338,7 +332,7 @@ void BusOutput::publish_deformation(const scene::Snapshot& snapshot,
     std::size_t next = 0;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
         msg::DeformationState state;
-        state.header(make_header(snapshot.time_ns, number));
+        state.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
         state.chunk(static_cast<std::uint16_t>(chunk));
         state.chunks(static_cast<std::uint16_t>(chunks));
         state.full(first);
@@ -363,38 +357,11 @@ void BusOutput::publish_fluid(const scene::Snapshot& snapshot) {
     }
     const bus::Liquid liquid{saliva.lower, saliva.upper, saliva.spacing, saliva.positions};
     msg::FluidState state;
-    state.header(make_header(snapshot.time_ns, number_));
+    state.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
     for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(saliva.positions.size()); ++chunk) {
         bus::put_fluid_chunk(liquid, chunk, state);
         fluid_->publish(state);
     }
-}
-
-void BusOutput::publish_live(const Work& work) {
-    msg::LiveMetrics message;
-    message.header(make_header(work.snapshot.time_ns, number_));
-    message.attempt(work.live.attempt);
-    message.attempt_running(work.live.attempt_running);
-    message.glottic_opening_percent(work.live.glottic_opening_percent);
-    message.gum_force_n(work.live.gum_force);
-    message.tube_depth_past_glottis(work.live.tube_depth_past_glottis);
-    message.tube_force_n(work.snapshot.tube_force.norm());
-    message.tube_tip(
-        to_msg(work.snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : work.snapshot.tube_nodes.back()));
-    msg::PatientState& patient = message.patient();
-    patient.head_elevation(work.snapshot.head_elevation);
-    patient.jaw_opening(work.snapshot.jaw_opening);
-    patient.table_angle(work.snapshot.table_angle);
-    patient.head_scale(work.snapshot.head_scale);
-    patient.tongue_scale(work.snapshot.tongue_scale);
-    patient.tissue_stiffness(work.snapshot.tissue_stiffness);
-    patient.secretion(work.snapshot.secretion);
-    for (const Vec3f& p : work.snapshot.landmarks) {
-        message.landmarks().push_back(to_msg(p));
-    }
-    message.parameters(values_of(work.live.parameters));
-    message.message(work.live.message.substr(0, 199));
-    live_.publish(message);
 }
 
 void BusOutput::publish_status(const Work& work) {
@@ -402,7 +369,7 @@ void BusOutput::publish_status(const Work& work) {
     gethostname(host, sizeof host - 1);
     msg::SessionStatus message;
     message.session(session_.substr(0, 47));
-    message.header(make_header(work.snapshot.time_ns, number_));
+    message.header(make_header(work.snapshot.time_ns, static_cast<std::uint32_t>(work.snapshot.step)));
     message.phase(work.status.phase);
     message.version(ETI_VERSION);
     message.scenario(scenario_.substr(0, 63));

@@ -37,8 +37,8 @@ struct StatusValues {
     std::uint32_t late_steps = 0;
 };
 
-/// Publishes the scene from its own thread; the physics thread only leaves copies here and never waits
-/// for the network. When publishing is slower than the simulation, the older copy is replaced: every
+/// Publishes what is seen and told from its own thread; the physics thread only leaves copies here and never
+/// waits for the network. When publishing is slower than the simulation, the older copy is replaced: every
 /// message is a state, not a difference, so nothing is lost but smoothness.
 class BusOutput {
   public:
@@ -48,7 +48,10 @@ class BusOutput {
     BusOutput(const BusOutput&) = delete;
     BusOutput& operator=(const BusOutput&) = delete;
 
-    void post(const scene::Snapshot& snapshot, const LiveValues& live, const StatusValues& status);
+    /// Of each step; what is drawn leaves in every second.
+    void post(const scene::Snapshot& snapshot, const StatusValues& status);
+    /// Of each look.
+    void post_live(const scene::Snapshot& snapshot, const LiveValues& live);
     void post_result(msg::CommandResult result);
     void post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters);
     /// Sends what waits, with the phase FINISHED, and ends the thread.
@@ -58,7 +61,6 @@ class BusOutput {
   private:
     struct Work {
         scene::Snapshot snapshot;
-        LiveValues live;
         StatusValues status;
         bool fresh = false;
     };
@@ -72,17 +74,13 @@ class BusOutput {
     void run();
     void publish_step(const Work& work);
     void publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
-                             std::vector<FramePose>& sent, std::uint32_t& refresh, std::uint32_t number);
+                             std::vector<FramePose>& sent, std::uint32_t& refresh);
     void publish_fluid(const scene::Snapshot& snapshot);
-    void publish_live(const Work& work);
     void publish_status(const Work& work);
     void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries);
 
     std::string session_, scenario_;
     bus::Publisher<msg::SceneDescription> scene_;
-    bus::Publisher<msg::ProxyState> proxy_;
-    bus::Publisher<msg::TissueContacts> contacts_;
-    bus::Publisher<msg::TubeForce> tube_force_;
     bus::Publisher<msg::DeformationState> deformation_, deformation_slow_;
     std::optional<bus::Publisher<msg::FluidState>> fluid_;  // only with secretions
     bus::Publisher<msg::LiveMetrics> live_;
@@ -93,14 +91,16 @@ class BusOutput {
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     Work waiting_, current_;
+    std::optional<msg::LiveMetrics> waiting_live_;
     std::deque<msg::CommandResult> results_;
     std::deque<Summary> summaries_;
     bool ending_ = false;
     std::uint64_t skipped_ = 0;
 
-    std::vector<FramePose> sent_, sent_slow_;       // as readers last got them
-    std::uint32_t refresh_ = 0, refresh_slow_ = 0;  // next frame of the slow full refresh
-    std::uint32_t number_ = 0;
+    std::vector<FramePose> sent_, sent_slow_;        // as readers last got them
+    std::uint32_t refresh_ = 0, refresh_slow_ = 0;   // next frame of the slow full refresh
+    std::uint64_t next_slow_ = 0, next_status_ = 0;  // steps
+    std::uint32_t number_ = 0;                       // of what does not come with a step
     std::thread thread_;
 };
 

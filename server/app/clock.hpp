@@ -12,25 +12,34 @@ namespace eti::app {
 
 /// Paces steps by the wall clock and keeps account of their cost. A step that comes late moves the
 /// whole schedule: simulation time falls behind the clock and never jumps or hurries to catch up.
+///
+/// `left_to_others`: share of the steps' cost to sleep at least, on the average over some tenths of a second.
+/// A simulation of real-time priority that hardly sleeps would have the kernel take the processor from it,
+/// and from the haptic loop, for 50 ms at a time.
 class StepClock {
   public:
     using Time = std::chrono::steady_clock;
 
-    StepClock(double step_seconds, bool paced)
+    StepClock(double step_seconds, bool paced, double left_to_others = 0.0)
         : period_(std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(step_seconds))),
           paced_(paced),
+          left_to_others_(left_to_others),
           next_(Time::now()) {}
 
     /// Waits for the next step's time.
     void wait() {
         if (paced_) {
             const auto now = Time::now();
-            if (now > next_) {
-                behind_ += now - next_;
+            rested_ -= last_cost_ * left_to_others_;
+            const auto start = std::max(next_, now + std::chrono::duration_cast<Time::duration>(-rested_));
+            if (start > now) {
+                std::this_thread::sleep_until(start);
+                rested_ = std::min<Seconds>(rested_ + (start - now), most_rested);
+            }
+            if (const auto begin = std::max(start, now); begin > next_) {
+                behind_ += begin - next_;
                 ++late_;
-                next_ = now;
-            } else {
-                std::this_thread::sleep_until(next_);
+                next_ = begin;
             }
             next_ += period_;
         }
@@ -39,7 +48,8 @@ class StepClock {
 
     /// Call when the step's work is done.
     void done() {
-        const double cost = std::chrono::duration<double>(Time::now() - started_).count();
+        last_cost_ = Time::now() - started_;
+        const double cost = last_cost_.count();
         costs_[count_++ % costs_.size()] = static_cast<float>(cost);
         most_ = std::max(most_, cost);
         load_ += (cost / std::chrono::duration<double>(period_).count() - load_) / 180.0;
@@ -64,8 +74,14 @@ class StepClock {
     [[nodiscard]] double most() const { return most_; }
 
   private:
+    using Seconds = std::chrono::duration<double>;
+    /// What it may owe to others; a few long steps are not made longer.
+    static constexpr Seconds most_rested{0.02};
+
     Time::duration period_;
     bool paced_;
+    double left_to_others_;
+    Seconds last_cost_{}, rested_ = most_rested;
     Time::time_point next_, started_;
     Time::duration behind_{};
     std::uint32_t late_ = 0;

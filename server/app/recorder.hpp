@@ -16,8 +16,8 @@
 
 namespace eti::app {
 
-/// Keeps the session file: turns what the server computes into records. Call from the physics thread;
-/// nothing waits for the disk. A failing disk is logged once with its remedy, and the session goes on.
+/// Keeps the session file: turns what the server computes into records. Call from one thread; nothing
+/// waits for the disk. A failing disk is logged once with its remedy, and the session goes on.
 class Recorder {
   public:
     /// `info`: start time, version and build are filled in where empty. `wait_when_full`: for runs that

@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -15,15 +16,19 @@
 #include "common/math/units.hpp"
 #include "common/model/parameters_json.hpp"
 #include "common/operator/operator.hpp"
+#include "common/process/priority.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 #include "server/app/bus_input.hpp"
 #include "server/app/bus_output.hpp"
 #include "server/app/clock.hpp"
 #include "server/app/command_desk.hpp"
+#include "server/app/felt_output.hpp"
+#include "server/app/judge.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/recorder.hpp"
 #include "server/app/simulation.hpp"
+#include "server/parallel/worker_start.hpp"
 
 namespace eti::app {
 
@@ -33,18 +38,46 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
+// The kernel keeps a twentieth of each second for ordinary threads. Rather more, so that they have had it:
+// the solver's threads look for work a while before they sleep.
+constexpr double left_to_others = 0.15;  // of a step
+
+/// While it lives, the simulation goes before whatever is not between a hand and what it feels. Not for runs
+/// that ignore the clock: they would leave nothing to others.
+class Foremost {
+  public:
+    explicit Foremost(bool wanted) {
+        if (wanted) {
+            (void)become_real_time(priority::step);
+            workers_.emplace([] { (void)become_real_time(priority::step); });
+        }
+    }
+    ~Foremost() {
+        if (workers_) {
+            become_ordinary();
+        }
+    }
+    Foremost(const Foremost&) = delete;
+    Foremost& operator=(const Foremost&) = delete;
+
+  private:
+    std::optional<parallel::WorkerStart> workers_;
+};
 
 class Session {
   public:
     explicit Session(const Options& options)
         : options_(options),
           scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
-          inputs_(parked(scenario_)) {
+          inputs_(parked(scenario_)),
+          live_(options.bus && !options.fast) {
         std::optional<OperatorScript> script;
         if (!options.operator_name.empty()) {
             script = load_operator(find_data_file(options.operator_name, "operators"));
         }
         if (options.bus) {
+            const RealTimeThreads real_time(priority::bus, live_);
+            priority_refusal_ = real_time.refusal();
             bus_.emplace(bus::Options{options.session, options.domain, "eti-server", options.profile});
             for (const std::string& warning :
                  bus::self_check(*bus_, true, std::chrono::milliseconds(600)).warnings) {
@@ -74,38 +107,34 @@ class Session {
                               simulation_->snapshot().tube_nodes.size(), scenario_.saliva, options.fast);
             spdlog::info("recording to {}", options.record.string());
         }
-        if (bus_) {
-            input_.emplace(*bus_);
-            output_.emplace(*bus_, patient_, simulation_->scope(), scenario_.tube, scenario_.name,
-                            scenario_.saliva);
-        }
+        start_threads();
     }
 
     int run() {
         spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps",
                      options_.session, scenario_.name, patient_.particles.size(), patient_.clusters.size(),
                      scenario_.physics.substeps);
-        StepClock clock(scene::step_duration, !options_.fast);
-        while (!ended()) {
-            clock.wait();
-            step();
-            clock.done();
-            publish(clock);
+        if (!priority_refusal_.empty()) {
+            spdlog::warn("{}", priority_refusal_);
         }
-        simulation_->metrics().finish();
-        post_summaries();
-        const metrics::AttemptSummary run = simulation_->metrics().run();
-        bool kept = true;
-        if (recorder_) {
-            note_events();
-            recorder_->summary(run);
-            kept = recorder_->finish();
+        const bool real_time = live_ && priority_refusal_.empty();
+        StepClock clock(scene::step_duration, !options_.fast, real_time ? left_to_others : 0.0);
+        {
+            const Foremost foremost(live_);
+            while (!ended()) {
+                clock.wait();
+                step(clock);
+                clock.done();
+                say(clock);
+            }
         }
+        judge_->finish();
+        const bool kept = !recorder_ || recorder_->finish();
         if (output_) {
-            output_->post_summary(0, run.outcome, run.parameters);
+            felt_->finish();
             output_->finish(status(clock));
-            if (output_->skipped() > 0) {
-                spdlog::info("{} states were replaced before they were sent", output_->skipped());
+            if (const std::uint64_t skipped = felt_->skipped() + output_->skipped(); skipped > 0) {
+                spdlog::info("{} states were replaced before they were sent", skipped);
             }
         }
         if (input_ && input_->refused() > 0) {
@@ -117,6 +146,26 @@ class Session {
     }
 
   private:
+    void start_threads() {
+        if (bus_) {
+            input_.emplace(*bus_);
+            {
+                const RealTimeThreads real_time(priority::bus, live_);
+                felt_.emplace(*bus_);
+            }
+            // Ordinary, it could be held up while it holds the bus's locks, and what is felt with it.
+            const RealTimeThreads real_time(priority::step, live_);
+            output_.emplace(*bus_, patient_, simulation_->scope(), scenario_.tube, scenario_.name,
+                            scenario_.saliva);
+            proxy_moved_ = [this](const scene::ProxySnapshot& proxy) { felt_->post_proxy(proxy); };
+        }
+        const RealTimeThreads real_time(priority::beside, live_);
+        // An operator in this process looks before each step; everybody else only hears of what was seen.
+        const bool beside = !operator_;
+        judge_.emplace(simulation_->assessor(), recorder_ ? &*recorder_ : nullptr,
+                       output_ ? &*output_ : nullptr, beside);
+    }
+
     void latch() {
         if (operator_) {
             operator_->advance(simulation_->observation(), simulation_->snapshot());
@@ -147,8 +196,8 @@ class Session {
             output_->post_result(desk_.answer());
             if (recorder_ && desk_.answer().accepted()) {
                 const scene::Snapshot& s = simulation_->snapshot();
-                recorder_->command(s.time_ns, s.step + 1, std::string(name_of(command.kind)),
-                                   static_cast<double>(command.value), command.sender, command.id);
+                judge_->note({s.time_ns, s.step + 1, std::string(name_of(command.kind)),
+                              static_cast<double>(command.value), command.sender, command.id});
             }
         }
         // Whoever asks for more: the hand's button, or a command.
@@ -158,49 +207,18 @@ class Session {
         }
     }
 
-    void step() {
+    void step(const StepClock& clock) {
         latch();
-        simulation_->step(inputs_,
-                          input_ && input_->eye() ? std::optional(input_->eye()->translation) : std::nullopt);
+        simulation_->scene().step(inputs_, proxy_moved_);
         const scene::Snapshot& s = simulation_->snapshot();
-        const metrics::Metrics& metrics = simulation_->metrics();
-        if (recorder_) {
-            // Rocking and smoothness look back over the attempt: once per look, not per step.
-            if (simulation_->looked()) {
-                parameters_ = metrics.live_parameters();
-            }
-            recorder_->record(s, metrics.live(), parameters_, input_ ? input_->eye() : std::nullopt);
-            note_events();
+        if (output_) {
+            felt_->post_forces(s);
+            output_->post(s, status(clock));
         }
-        if (metrics.attempts().size() > seen_attempts_) {
-            post_summaries();
-            attempt_ended_at_ = simulation_->time();
-        }
+        judge_->take(s, input_ ? input_->eye() : std::nullopt);
     }
 
-    void post_summaries() {
-        const std::span attempts = simulation_->metrics().attempts();
-        for (; seen_attempts_ < attempts.size(); ++seen_attempts_) {
-            const metrics::AttemptSummary& a = attempts[seen_attempts_];
-            spdlog::info("attempt {} ended after {:.1f} s: {}", a.number, a.ended - a.began,
-                         a.outcome.reason);
-            if (output_) {
-                output_->post_summary(a.number, a.outcome, a.parameters);
-            }
-            if (recorder_) {
-                recorder_->summary(a);
-            }
-        }
-    }
-
-    void note_events() {
-        const std::span events = simulation_->metrics().events();
-        for (; noted_ < events.size(); ++noted_) {
-            recorder_->event(events[noted_].time_ns, "attempt", events[noted_].text);
-        }
-    }
-
-    void publish(const StepClock& clock) {
+    void say(const StepClock& clock) {
         const double behind = clock.behind();
         if (behind > warned_behind_ + 2.0) {
             warned_behind_ = behind;
@@ -218,21 +236,6 @@ class Session {
         if (!options_.fast && simulation_->snapshot().step % scene::steps_per_second == 0) {
             spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", simulation_->time(), behind);
         }
-        if (!output_) {
-            return;
-        }
-        const metrics::Live& live = simulation_->metrics().live();
-        LiveValues values;
-        values.attempt = live.attempt;
-        values.attempt_running = live.attempt_running;
-        values.glottic_opening_percent = live.glottic_opening_percent;
-        values.gum_force = live.gum_force;
-        values.tube_depth_past_glottis = live.tube_depth_past_glottis;
-        values.message = live.message;
-        if (simulation_->looked()) {
-            values.parameters = simulation_->metrics().live_parameters();
-        }
-        output_->post(simulation_->snapshot(), values, status(clock));
     }
 
     [[nodiscard]] static StatusValues status(const StepClock& clock) {
@@ -250,9 +253,9 @@ class Session {
         if (options_.duration > 0.0 && simulation_->time() >= options_.duration) {
             return true;
         }
-        if (options_.finish_after_attempt && attempt_ended_at_ >= 0.0 &&
-            simulation_->time() >= attempt_ended_at_ + linger_after_attempt &&
-            !simulation_->metrics().live().attempt_running) {
+        if (const double attempt = judge_->ended_at();
+            options_.finish_after_attempt && attempt >= 0.0 &&
+            simulation_->time() >= attempt + linger_after_attempt) {
             return true;
         }
         if (operator_ && operator_->finished()) {
@@ -299,19 +302,21 @@ class Session {
     Options options_;
     Scenario scenario_;
     scene::Inputs inputs_;
+    bool live_;  // others wait for it, by the clock
     anatomy::Patient patient_;
     std::unique_ptr<Simulation> simulation_;
     std::optional<LocalOperator> operator_;
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
+    std::optional<FeltOutput> felt_;
     std::optional<BusOutput> output_;
     std::optional<Recorder> recorder_;
-    Parameters parameters_;  // newest live values, for the record
-    std::size_t noted_ = 0;  // events already in the record
+    std::optional<Judge> judge_;
+    std::function<void(const scene::ProxySnapshot&)> proxy_moved_;
+    std::string priority_refusal_;  // empty: none was refused
     CommandDesk desk_;
     bool blade_present_ = false, tube_present_ = false;
-    std::size_t seen_attempts_ = 0;
-    double attempt_ended_at_ = -1.0, operator_done_at_ = -1.0;  // [s], simulation time
+    double operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;
     bool warned_of_overflow_ = false;
 };

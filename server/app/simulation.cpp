@@ -79,24 +79,28 @@ anatomy::Patient patient_of(const Scenario& scenario) {
     return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
 }
 
+Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, float time_limit)
+    : viewer_(patient, scope) {
+    metrics_.begin(patient, scope, static_cast<double>(time_limit));
+}
+
+void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye) {
+    looked_ = snapshot.step % steps_per_look == 0;
+    if (looked_) {
+        view_ = viewer_.look(snapshot, eye ? *eye : best_eye(snapshot.landmarks));
+    }
+    metrics_.observe(snapshot, view_);
+}
+
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
       scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
-      viewer_(patient, scope_),
-      tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {
-    metrics_.begin(patient, scope_, static_cast<double>(scenario.time_limit));
-}
+      assessor_(patient, scope_, scenario.time_limit),
+      tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {}
 
 void Simulation::step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye) {
     scene_.step(inputs);
-    if (looked()) {
-        view_ = viewer_.look(snapshot(), eye ? *eye : best_eye(snapshot().landmarks));
-    }
-    metrics_.observe(snapshot(), view_);
-}
-
-bool Simulation::looked() const {
-    return snapshot().step % steps_per_look == 0;
+    assessor_.observe(snapshot(), eye);
 }
 
 double Simulation::time() const {
@@ -105,7 +109,7 @@ double Simulation::time() const {
 
 Observation Simulation::observation() const {
     const scene::Snapshot& s = snapshot();
-    const metrics::Live& live = metrics_.live();
+    const metrics::Live& live = metrics().live();
     return {time(),
             s.landmarks,
             live.glottic_opening_percent,

@@ -38,6 +38,26 @@ struct PatientLimits {
 
 [[nodiscard]] PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient);
 
+/// Looks at snapshots and measures: of one session, in the order of its steps.
+class Assessor {
+  public:
+    Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, float time_limit);
+
+    /// Takes in the next step. The view is judged at 30 Hz from `eye` [m], by default from where it is best.
+    void observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye);
+
+    /// Whether the view of the last step was judged.
+    [[nodiscard]] bool looked() const { return looked_; }
+    [[nodiscard]] metrics::Metrics& metrics() { return metrics_; }
+    [[nodiscard]] const metrics::Metrics& metrics() const { return metrics_; }
+
+  private:
+    metrics::GlotticViewer viewer_;
+    metrics::GlotticView view_;
+    metrics::Metrics metrics_;
+    bool looked_ = false;
+};
+
 /// One scenario as it is simulated and judged: the scene, and the metrics that watch it. Without a clock,
 /// bus or record.
 class Simulation {
@@ -45,11 +65,11 @@ class Simulation {
     /// `patient` has to outlive it. Throws InputError where the solver's settings cannot bear its tissue.
     Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start);
 
-    /// One step. The view is judged at 30 Hz from `eye` [m], by default from where it is best.
+    /// One step, and its judgement from `eye`; see Assessor.
     void step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye);
 
-    /// Whether the last step also judged the view.
-    [[nodiscard]] bool looked() const;
+    /// The judge of scene()'s steps where they are taken without step().
+    [[nodiscard]] Assessor& assessor() { return assessor_; }
     [[nodiscard]] double time() const;  ///< [s]
     /// What a person at the scene sees.
     [[nodiscard]] Observation observation() const;
@@ -58,15 +78,13 @@ class Simulation {
     [[nodiscard]] scene::Scene& scene() { return scene_; }
     [[nodiscard]] const scene::Scene& scene() const { return scene_; }
     [[nodiscard]] const scene::Snapshot& snapshot() const { return scene_.snapshot(); }
-    [[nodiscard]] metrics::Metrics& metrics() { return metrics_; }
-    [[nodiscard]] const metrics::Metrics& metrics() const { return metrics_; }
+    [[nodiscard]] metrics::Metrics& metrics() { return assessor_.metrics(); }
+    [[nodiscard]] const metrics::Metrics& metrics() const { return assessor_.metrics(); }
 
   private:
     Laryngoscope scope_;
     scene::Scene scene_;
-    metrics::GlotticViewer viewer_;
-    metrics::GlotticView view_;
-    metrics::Metrics metrics_;
+    Assessor assessor_;
     float tube_depth_rule_ = 0.0f;  // [m]
 };
 

@@ -114,6 +114,7 @@ void Scene::reset(const Inputs& start) {
     rigid_.move_shell(shell_.vertices());
     place_laryngoscope(start.laryngoscope);
     place_tube(start.tube_grip);
+    fill_proxy(start);
     fill_snapshot(start);
     if (saliva_) {
         saliva_->reset(about_saliva(start.laryngoscope, 0.0f), settings_.dry_start);
@@ -193,7 +194,7 @@ void Scene::turn_gravity() {
     tissue_.body().settings.acceleration = tissue_weight_share * (gravity_ - anatomy::gravity(0.0f));
 }
 
-void Scene::step(const Inputs& inputs) {
+void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved) {
     if (clock_ != nullptr) {
         clock_->start();
     }
@@ -201,6 +202,13 @@ void Scene::step(const Inputs& inputs) {
     shell_.advance();
 
     const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
+    ++snapshot_.step;
+    // Whole nanoseconds from the step number: no drift.
+    snapshot_.time_ns = snapshot_.step * 1'000'000'000ULL / steps_per_second;
+    fill_proxy(inputs);
+    if (proxy_moved) {
+        proxy_moved(snapshot_);
+    }
     lap(Stage::rigid);
 
     // The particles meet the blade where it last was without penetrating the shell.
@@ -251,10 +259,6 @@ void Scene::step(const Inputs& inputs) {
     blade_pose_ = blade_to;
     grip_ = inputs.tube_grip;
     tube_before_ = snapshot_.tube_nodes;
-
-    ++snapshot_.step;
-    // Whole nanoseconds from the step number: no drift.
-    snapshot_.time_ns = snapshot_.step * 1'000'000'000ULL / steps_per_second;
     fill_snapshot(inputs);
     if (liquid_moves) {
         saliva_->end_step();
@@ -312,9 +316,9 @@ void Scene::keep_out_of_shell(pbd::Particles& particles) {
     });
 }
 
-void Scene::fill_snapshot(const Inputs& inputs) {
+void Scene::fill_proxy(const Inputs& inputs) {
     const rigid::ProxyResult& proxy = rigid_.result();
-    Snapshot& s = snapshot_;
+    ProxySnapshot& s = snapshot_;
     s.device = inputs.laryngoscope;
     s.proxy = proxy.pose;
     s.last_free = proxy.last_free;
@@ -326,6 +330,10 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     for (const rigid::Contact& c : proxy.contacts) {
         s.shell_contacts.push_back({c.position, c.normal, c.force, c.tissue});
     }
+}
+
+void Scene::fill_snapshot(const Inputs& inputs) {
+    Snapshot& s = snapshot_;
     blade_.end_step(tissue_.body().particles, step_duration, s);
     s.tube_grip = inputs.tube_grip;
     tube_.nodes(s.tube_nodes);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <future>
 #include <limits>
 #include <optional>
@@ -66,8 +67,9 @@ class Scene {
     Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
           const Settings& settings);
 
-    /// Advances by one step of 1/180 s.
-    void step(const Inputs& inputs);
+    /// Advances by one step of 1/180 s. `proxy_moved` gets the step's proxy as soon as the rigid layer is
+    /// done, which is most of the step before the tissue is.
+    void step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved = {});
 
     /// State after the last step. Valid until the next.
     [[nodiscard]] const Snapshot& snapshot() const { return snapshot_; }
@@ -109,6 +111,7 @@ class Scene {
     }
     /// The tongue does not go through palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles);
+    void fill_proxy(const Inputs& inputs);
     void fill_snapshot(const Inputs& inputs);
     void lap(Stage stage) {
         if (clock_ != nullptr) {

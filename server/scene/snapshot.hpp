@@ -41,9 +41,8 @@ struct SalivaState {
     std::uint64_t aspirated = 0;   ///< particles that suction took, since the last reset
 };
 
-/// The state of the scene after one step: all that metrics, recorder and bus may look at.
-/// Patient frame throughout.
-struct Snapshot {
+/// What the rigid layer knows of a step, before the particles have moved. Patient frame.
+struct ProxySnapshot {
     std::uint64_t step = 0;
     std::uint64_t time_ns = 0;  ///< simulation time since the session began
 
@@ -54,9 +53,14 @@ struct Snapshot {
     Vec3f proxy_angular_velocity = Vec3f::Zero();  ///< [rad/s]
     Vec3f shell_force = Vec3f::Zero();             ///< [N], sum of the shell's forces on the proxy
     Vec3f shell_torque = Vec3f::Zero();            ///< [N m], about the proxy's origin
-    Vec3f tissue_force = Vec3f::Zero();            ///< [N], sum of the particles' forces on the blade
-    Vec3f tissue_torque = Vec3f::Zero();           ///< [N m], about the proxy's origin
     std::vector<RigidContact> shell_contacts;
+};
+
+/// The state of the scene after one step: all that metrics, recorder and bus may look at.
+/// Patient frame throughout.
+struct Snapshot : ProxySnapshot {
+    Vec3f tissue_force = Vec3f::Zero();   ///< [N], sum of the particles' forces on the blade
+    Vec3f tissue_torque = Vec3f::Zero();  ///< [N m], about the proxy's origin
     std::vector<TissueContact> tissue_contacts;
 
     RigidTransform tube_grip;           ///< the tube's tracked grip as latched

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/bus/convert.hpp"
+#include "common/process/priority.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/hand_sensor.hpp"
@@ -114,7 +115,8 @@ class Watched final : public devices::Sensor {
     std::size_t at_ = 0;
 };
 
-/// From a pose's going out to the proxy that answers it, by the device's pose that the server names.
+/// From a pose's going out, by its sender's clock, to the proxy that answers it, by the device's pose that
+/// the server names.
 class RoundTrips {
   public:
     explicit RoundTrips(bus::Node& node)
@@ -122,9 +124,10 @@ class RoundTrips {
 
     void watch() {
         (void)proxies_.wait(2ms);
-        const std::int64_t now = devices::monotonic_ns();
+        const auto now = static_cast<std::int64_t>(bus::wall_clock_ns());
         while (poses_.take(pose_)) {
-            sent_.push_back({bus::from_msg(pose_.pose()).translation, now});
+            sent_.push_back({bus::from_msg(pose_.pose()).translation,
+                             static_cast<std::int64_t>(pose_.header().send_time_ns())});
             if (sent_.size() > 2000) {
                 sent_.pop_front();
             }
@@ -214,6 +217,9 @@ LiveOutcome run_live(const LiveCase& live) {
         relay = std::make_unique<Relay>(place(there, domain, "relay"), place(here, domain, "relay"),
                                         *live.channel);
     }
+    // As eti-haptics has its threads; and else the trips would be those of a listener that waits for its
+    // turn.
+    const RealTimeThreads real_time(priority::bus);
     bus::Node node(place(here, domain, "eti-haptics"));
     devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
     const devices::Surroundings around = server.scene(link);

@@ -125,6 +125,22 @@ class Watching(unittest.TestCase):
         self.assertTrue(not state.exists() or state.read_text().split()[2] == "Z")
 
 
+class Pace(unittest.TestCase):
+    SERVER = {"steps": 3600, "step_budget_ms": 1e3 / 180, "behind_s": 5.0, "step_ms": {"p50": 2.0, "p99": 4.5}}
+    HAPTICS = {"cycles": 20000, "stale_share": 0.004, "force_n": {"max": 3.14}}
+
+    def test_table_says_how_server_and_hand_kept_up(self):
+        # 3600 steps of 1/180 s are 20 s, for which 25 s of the clock went by.
+        self.assertEqual(session_run.pace(self.SERVER, self.HAPTICS),
+                         ["Forces were whole       99.6 % of the time",
+                          "Largest force felt      3.1 N",
+                          "The server fell behind  20.0 % of the time (5.0 s in 25.0 s)",
+                          "A step took             2.0 ms, one in a hundred more than 4.5 ms, of 5.6 ms"])
+
+    def test_who_said_nothing_is_left_out(self):
+        self.assertEqual(session_run.pace({}, {"cycles": 0}), [])
+
+
 class Folders(unittest.TestCase):
     def refusal(self, folder):
         with self.assertRaises(SystemExit) as refused:

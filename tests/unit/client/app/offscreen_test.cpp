@@ -119,6 +119,20 @@ TEST_F(OffscreenTest, ObserverPublishesNothing) {
     EXPECT_EQ(pictures("section_final").size(), 1u);
 }
 
+TEST_F(OffscreenTest, DrawsNothingThatNobodyKeeps) {
+    SyntheticServer server(1.5);
+    options_.observe = true;
+    options_.video.clear();
+    options_.every_s = 0.0;
+    options_.frames = 5;
+    ASSERT_EQ(client::run_offscreen(options_, result_), 0);
+    EXPECT_EQ(result_["frames"], 5);
+    EXPECT_EQ(result_["frames_drawn"], 0);
+    EXPECT_TRUE(result_["draw_ms"].empty());
+    // The pictures at the end show the newest shapes all the same.
+    EXPECT_EQ(pictures("section_final").size(), 1u);
+}
+
 TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
     auto server = std::make_unique<SyntheticServer>(1e9);
     std::thread killer([&] {

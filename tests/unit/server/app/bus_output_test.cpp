@@ -17,7 +17,7 @@ class BusOutputTest : public ::testing::Test {
         : server_(bus::options("server")),
           client_(bus::options("client")),
           fluid_(client_, bus::topics::fluid),
-          proxy_(client_, bus::topics::proxy) {}
+          live_(client_, bus::topics::live_metrics) {}
 
     [[nodiscard]] std::unique_ptr<BusOutput> output(bool saliva) {
         return std::make_unique<BusOutput>(server_, anatomy::Patient{}, make_laryngoscope(Blade::miller_0),
@@ -26,14 +26,14 @@ class BusOutputTest : public ::testing::Test {
 
     bus::Node server_, client_;
     bus::Subscriber<msg::FluidState> fluid_;
-    bus::Subscriber<msg::ProxyState> proxy_;
+    bus::Subscriber<msg::LiveMetrics> live_;
 };
 
 TEST_F(BusOutputTest, NobodyWritesLiquidForAScenarioWithoutSaliva) {
     const auto writes = output(false);
     // Writers are announced in the order in which they are made; that of the liquid would come before this.
     bus::Subscriber<msg::SessionStatus> status(client_, bus::topics::session_status);
-    ASSERT_TRUE(eventually([&] { return proxy_.matched() == 1 && status.matched() == 1; }));
+    ASSERT_TRUE(eventually([&] { return live_.matched() == 1 && status.matched() == 1; }));
     EXPECT_EQ(fluid_.matched(), 0);
 }
 
@@ -52,7 +52,7 @@ TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {
     const bool whole = eventually([&] {
         snapshot.step += 1;
         snapshot.time_ns += 5'000'000;
-        writes->post(snapshot, {}, {});
+        writes->post(snapshot, {});
         std::this_thread::sleep_for(10ms);
         while (fluid_.take(message)) {
             EXPECT_EQ(message.header().simulation_time_ns() % 10'000'000, 0u) << "an odd step";
@@ -63,6 +63,43 @@ TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {
     ASSERT_TRUE(whole);
     // Half of a 65535th of 0.2 m in each direction.
     EXPECT_LT((arrived.back() - Vec3f(0.01f, 0.02f, 0.03f)).norm(), 1.74f * 0.2f / 131070.0f);
+}
+
+TEST_F(BusOutputTest, WhatWasSeenComesWithItsSnapshot) {
+    const auto writes = output(false);
+    ASSERT_TRUE(eventually([&] { return live_.matched() == 1; }));
+    scene::Snapshot snapshot;
+    snapshot.step = 12;
+    snapshot.time_ns = 66'666'666;
+    snapshot.tube_force = Vec3f(0.0f, 3.0f, 4.0f);
+    snapshot.landmarks[3] = Vec3f(0.1f, 0.2f, 0.3f);
+    LiveValues values;
+    values.glottic_opening_percent = 42.0f;
+    msg::LiveMetrics message;
+    ASSERT_TRUE(eventually([&] {
+        writes->post_live(snapshot, values);
+        std::this_thread::sleep_for(10ms);
+        return live_.take_latest(message);
+    }));
+    EXPECT_EQ(message.header().simulation_time_ns(), snapshot.time_ns);
+    EXPECT_EQ(message.glottic_opening_percent(), 42.0f);
+    EXPECT_EQ(message.tube_force_n(), 5.0f);
+    EXPECT_EQ(message.landmarks()[3].y(), 0.2f);
+}
+
+TEST_F(BusOutputTest, AStateThatTookAnothersPlaceBringsTheStatusThatWasDue) {
+    const auto writes = output(false);
+    bus::Subscriber<msg::SessionStatus> status(client_, bus::topics::session_status);
+    ASSERT_TRUE(eventually([&] { return status.matched() == 1; }));
+    scene::Snapshot snapshot;
+    msg::SessionStatus message;
+    // Never a multiple of the 18 steps after which a status is due.
+    for (const std::uint64_t step : {20u, 38u, 56u}) {
+        snapshot.step = step;
+        writes->post(snapshot, {});
+        ASSERT_TRUE(eventually([&] { return status.take(message) && message.header().number() == step; }))
+            << step;
+    }
 }
 
 }  // namespace

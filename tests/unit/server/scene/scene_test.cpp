@@ -121,6 +121,32 @@ TEST_F(SceneTest, ThreadsDoNotChangeABit) {
     EXPECT_EQ(run(8), one);
 }
 
+TEST_F(SceneTest, TheProxyIsToldBeforeTheTissueMoves) {
+    Scene scene = make();
+    press(scene);
+    const Inputs deeper = pressing(0.15e-3f * 41.0f);
+    const auto& position = scene.tissue().body().particles.position;
+    const std::vector<Vec3f> before(position.begin(), position.end());
+    ProxySnapshot told;
+    scene.step(deeper, [&](const ProxySnapshot& proxy) {
+        told = proxy;
+        EXPECT_TRUE(std::ranges::equal(position, before));
+    });
+    EXPECT_FALSE(std::ranges::equal(position, before));
+    const Snapshot& after = scene.snapshot();
+    EXPECT_EQ(told.step, after.step);
+    EXPECT_EQ(told.time_ns, after.time_ns);
+    EXPECT_EQ(told.device.translation, deeper.laryngoscope.translation);
+    EXPECT_EQ(told.proxy.translation, after.proxy.translation);
+    EXPECT_EQ(told.shell_force, after.shell_force);
+    EXPECT_EQ(told.shell_contacts.size(), after.shell_contacts.size());
+
+    Scene untold = make();
+    press(untold);
+    untold.step(deeper);
+    EXPECT_EQ(untold.state_hash(), scene.state_hash());
+}
+
 TEST_F(SceneTest, TheBladePressesTheTongueAndTheTonguePressesBack) {
     Scene scene = make();
     press(scene);

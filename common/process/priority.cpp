@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/process/priority.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace eti {
+
+namespace {
+
+std::string take_priority(int policy, int priority) {
+    sched_param parameters{};
+    parameters.sched_priority = priority;
+    if (::sched_setscheduler(0, policy, &parameters) == 0) {
+        return {};
+    }
+    return fmt::format(
+        "no real-time priority ({}): messages and forces may come late under load; run as root, or allow it: "
+        "ulimit -r {}",
+        std::strerror(errno), priority);
+}
+
+}  // namespace
+
+std::string become_real_time(int priority) {
+    return take_priority(SCHED_FIFO | SCHED_RESET_ON_FORK, priority);
+}
+
+void become_ordinary() {
+    const sched_param none{};
+    ::sched_setscheduler(0, SCHED_OTHER, &none);
+}
+
+RealTimeThreads::RealTimeThreads(int priority, bool wanted)
+    : wanted_(wanted), refusal_(wanted ? take_priority(SCHED_FIFO, priority) : std::string()) {}
+
+RealTimeThreads::~RealTimeThreads() {
+    if (wanted_) {
+        become_ordinary();
+    }
+}
+
+void yield_to_others(int nice) {
+    ::setpriority(PRIO_PROCESS, 0, std::max(nice, ::getpriority(PRIO_PROCESS, 0)));
+}
+
+}  // namespace eti

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <tbb/task_scheduler_observer.h>
+
+#include <functional>
+#include <utility>
+
+#include "server/parallel/hand_over.hpp"
+
+namespace eti::parallel {
+
+/// Calls `start` in every thread that helps the one that made this, before its next work.
+class WorkerStart : private tbb::task_scheduler_observer {
+  public:
+    explicit WorkerStart(std::function<void()> start) : start_(std::move(start)) {
+        give_work();
+        observe(true);
+    }
+    ~WorkerStart() override { observe(false); }
+    WorkerStart(const WorkerStart&) = delete;
+    WorkerStart& operator=(const WorkerStart&) = delete;
+
+  private:
+    void on_scheduler_entry(bool is_worker) override {
+        thread_local const void* started_by = nullptr;
+        if (is_worker && started_by != this) {
+            started_by = this;
+            take_work();
+            start_();
+        }
+    }
+
+    std::function<void()> start_;
+};
+
+}  // namespace eti::parallel
