@@ -63,7 +63,8 @@ struct ImplicitSums {
 
 [[gnu::always_inline]] inline void linearise_blocks(const Tetrahedra::Block* blocks,
                                                     ImplicitTetrahedra::Element* elements, std::size_t count,
-                                                    const float* wide, const ImplicitSums& sums, float ratio) {
+                                                    const float* wide, const ImplicitSums& sums,
+                                                    float ratio) {
     constexpr float below_one = 0.999f;  // of what the largest stretch allows
     const Lanes none{};
     for (std::size_t n = 0; n < count; ++n) {
@@ -98,8 +99,8 @@ struct ImplicitSums {
         const Lanes most = below_one / stretch;
         Lanes cut = strain < -most ? -most : strain;
         cut = cut > most ? most : cut;
-        // What is squeezed hard is stiffer in some directions than the cut matrix says, by up to this: with less
-        // than half of it, a step would overshoot by more than it had to go.
+        // What is squeezed hard is stiffer in some directions than the cut matrix says, by up to this: with
+        // less than half of it, a step would overshoot by more than it had to go.
         Lanes firmer = 0.6f * (1.0f + (strain < none ? -strain : strain) * stretch);
         firmer = shear * (firmer > 1.0f ? firmer : none + 1.0f);
         for (int k = 0; k < 6; ++k) {

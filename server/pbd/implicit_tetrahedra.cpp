@@ -74,12 +74,42 @@ void ImplicitTetrahedra::configure(const Tetrahedra::Description& description, c
     }
     own_stiffness_.assign(used.size(), 0.0f);
     const std::size_t padded = used.size() + 4 * Tetrahedra::lanes;
-    for (Wide* wide : {&x_, &diagonal_, &square_, &mixed_, &residual_, &along_, &image_, &step_}) {
+    for (Wide* wide : {&rest_, &x_, &diagonal_, &square_, &mixed_, &residual_, &along_, &image_, &step_}) {
         wide->assign(padded, Eigen::Vector4f::Zero());
     }
     const Eigen::Vector4f none = Eigen::Vector4f::Zero();
     inverse_.assign(padded, {{none, none, none}});
     cut();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        rest_[k].head<3>() = particles.rest[used[k]];
+    }
+    measure_own_stiffness();
+}
+
+void ImplicitTetrahedra::set_rest(const Particles& particles) {
+    mesh_.set_rest(particles);
+    for (std::size_t k = 0; k < mesh_.particles().size(); ++k) {
+        rest_[k].head<3>() = particles.rest[mesh_.particles()[k]];
+    }
+}
+
+void ImplicitTetrahedra::set_youngs_modulus(std::span<const float> moduli) {
+    mesh_.set_youngs_modulus(moduli);
+    measure_own_stiffness();
+}
+
+void ImplicitTetrahedra::measure_own_stiffness() {
+    if (mesh_.size() == 0) {
+        return;
+    }
+    x_ = rest_;
+    linearise_elements();
+    std::ranges::fill(own_stiffness_, 0.0f);
+    for (const Part& part : parts_) {
+        for (std::uint32_t k = part.first; k < part.end; ++k) {
+            own_stiffness_[k] += part.gradient[k][3] + part.square[k].head<3>().sum() / 3.0f;
+        }
+    }
 }
 
 void ImplicitTetrahedra::cut() {
@@ -124,6 +154,7 @@ void ImplicitTetrahedra::cut() {
                 }
             }
         }
+        part.first = std::min(part.first, part.end);  // of a mesh too small for all parts
     }
     // Five or six tetrahedra fill a cube of a lattice.
     longest_step_ =
@@ -142,11 +173,12 @@ void ImplicitTetrahedra::solve(Particles& particles, float dt) {
     const auto used = mesh_.particles();
     float farthest = 0.0f;
     for (std::size_t k = 0; k < used.size(); ++k) {
-        farthest = std::max(farthest, step_[k].head<3>().squaredNorm());
+        const Vec3f inertial = dt * particles.velocity[used[k]];
+        farthest = std::max(farthest,
+                            inverse_mass_[k] > 0.0f ? (step_[k].head<3>() - inertial).squaredNorm() : 0.0f);
     }
     // Not-a-number compares false and is let through: it has to show.
-    const float share =
-        farthest > longest_step_ * longest_step_ ? longest_step_ / std::sqrt(farthest) : 1.0f;
+    const float share = farthest > longest_step_ * longest_step_ ? longest_step_ / std::sqrt(farthest) : 1.0f;
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (inverse_mass_[k] > 0.0f) {
             particles.predicted[used[k]] += share * step_[k].head<3>();
@@ -165,6 +197,29 @@ void ImplicitTetrahedra::linearise(const Particles& particles, float dt) {
     for (std::size_t k = 0; k < used.size(); ++k) {
         x_[k].head<3>() = particles.predicted[used[k]];
     }
+    linearise_elements();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        const float w = inverse_mass_[k];
+        diagonal_[k].setConstant(w > 0.0f ? per_mass / w : 0.0f);
+        const std::uint32_t i = used[k];
+        const Vec3f off = particles.predicted[i] - (particles.position[i] + dt * particles.velocity[i]);
+        residual_[k].head<3>() = -diagonal_[k][0] * off;
+        square_[k].setZero();
+        mixed_[k].setZero();
+        step_[k].setZero();
+    }
+    for (const Part& part : parts_) {
+        for (std::uint32_t k = part.first; k < part.end; ++k) {
+            const Eigen::Vector4f& g = part.gradient[k];
+            residual_[k].head<3>() -= g.head<3>();
+            square_[k].head<3>() += part.square[k].head<3>();
+            square_[k][3] += g[3];
+            mixed_[k] += part.mixed[k];
+        }
+    }
+}
+
+void ImplicitTetrahedra::linearise_elements() {
     const Block* const blocks = mesh_.blocks(0).data();
     parallel::for_each(parts_.size(), 1, [&](std::size_t p) {
         Part& part = parts_[p];
@@ -178,29 +233,6 @@ void ImplicitTetrahedra::linearise(const Particles& particles, float dt) {
                                                           x_.front().data(), sums, ratio_);
         }
     });
-    for (std::size_t k = 0; k < used.size(); ++k) {
-        const float w = inverse_mass_[k];
-        diagonal_[k].setConstant(w > 0.0f ? per_mass / w : 0.0f);
-        const std::uint32_t i = used[k];
-        const Vec3f off = particles.predicted[i] - (particles.position[i] + dt * particles.velocity[i]);
-        residual_[k].head<3>() = -diagonal_[k][0] * off;
-        square_[k].setZero();
-        mixed_[k].setZero();
-        own_stiffness_[k] = diagonal_[k][0];
-        step_[k].setZero();
-    }
-    for (const Part& part : parts_) {
-        for (std::uint32_t k = part.first; k < part.end; ++k) {
-            const Eigen::Vector4f& g = part.gradient[k];
-            residual_[k].head<3>() -= g.head<3>();
-            square_[k].head<3>() += part.square[k].head<3>();
-            square_[k][3] += g[3];
-            mixed_[k] += part.mixed[k];
-        }
-    }
-    for (std::size_t k = 0; k < used.size(); ++k) {
-        own_stiffness_[k] += square_[k][3] + square_[k].head<3>().sum() / 3.0f;
-    }
 }
 
 void ImplicitTetrahedra::add_springs(const Particles& particles) {

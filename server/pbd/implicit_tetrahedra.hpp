@@ -15,12 +15,17 @@ namespace eti::pbd {
 /// A tetrahedral mesh of stable neo-Hookean material (see neo_hookean.hpp), whose projection is finished: one
 /// step of implicit Euler, which XPBD's passes approach only with ever shorter substeps. It minimises
 ///     1/(2 dt^2) (x - x~)^T M (x - x~) + Psi(x),   x~ = position + dt velocity
-/// by one Newton step from x~, solved by a fixed count of conjugate gradients without assembling the matrix,
-/// preconditioned by the particles' own 3x3 blocks. With the element's P = sum p_v Q_v (rows of Q)
-///     K P = mu V (P Q Q^T + (H : P) H / r + s dcof[P]),  H = det Q cof D,  s = (J - 1 - r) / r,  r = mu / lambda;
-/// s is cut to what keeps every element's matrix positive (dcof's eigenvalues are at most the largest stretch,
-/// for which (I1 + 2 sqrt(I1^2 - 3 I2)) / 3 is a bound, exact at rest). Too few iterations err in time, not at
-/// rest. Gradients: Macklin & Müller 2021; the energy: Smith, de Goes & Kim 2018.
+/// by one Newton step from the last position, solved by a fixed count of conjugate gradients without
+/// assembling the matrix, preconditioned by the particles' own 3x3 blocks. With the element's
+/// P = sum p_v Q_v (rows of Q)
+///     K P = mu V (f P Q Q^T + (H : P) H / r + s dcof[P]),  H = det Q cof D,  s = (J - 1 - r) / r,
+/// r = mu / lambda; s is cut to what keeps every element's matrix positive (dcof's eigenvalues are at most
+/// the largest stretch, for which (I1 + 2 sqrt(I1^2 - 3 I2)) / 3 is a bound, exact at rest), and f makes up
+/// for what the cut takes of those that are stiffer. Neither changes the equilibrium, nor do too few
+/// iterations: from the last position they err in time and not at rest, as a guess by inertia would under a
+/// lasting load. A body that nothing holds is therefore slow to fall, and bounces on contacts: this is for
+/// bodies that hang on something and are overdamped. Gradients: Macklin & Müller 2021; the energy: Smith, de
+/// Goes & Kim 2018.
 class ImplicitTetrahedra {
   public:
     struct Settings {
@@ -43,12 +48,14 @@ class ImplicitTetrahedra {
     void configure(const Tetrahedra::Description& description, const Particles& particles,
                    std::span<const float> inverse_mass);
     /// As Tetrahedra's.
-    void set_rest(const Particles& particles) { mesh_.set_rest(particles); }
-    void set_youngs_modulus(std::span<const float> moduli) { mesh_.set_youngs_modulus(moduli); }
+    void set_rest(const Particles& particles);
+    void set_youngs_modulus(std::span<const float> moduli);
 
-    /// Moves `particles.predicted` from x~ to the end of a step of `dt` [s], and takes the contacts' forces on.
-    /// No particle goes farther than half a cell from where it was predicted, else all go as much less: beyond,
-    /// the linearised material says nothing. The same bits for any number of threads. Does not allocate once the counts are known.
+    /// Moves `particles.predicted`, where they are before the step (those that are held: where they are to
+    /// be), to the end of a step of `dt` [s], and takes the contacts' forces on. No particle goes farther
+    /// than half a cell from where it was predicted, else all go as much less: beyond, the linearised
+    /// material says nothing. The same bits for any number of threads. Does not allocate once the counts are
+    /// known.
     void solve(Particles& particles, float dt);
 
     /// The particles that are corners, in the order of the functions below.
@@ -56,8 +63,7 @@ class ImplicitTetrahedra {
     [[nodiscard]] std::size_t size() const { return mesh_.size(); }
     /// [1/kg]
     [[nodiscard]] float inverse_mass(std::size_t corner) const { return inverse_mass_[corner]; }
-    /// [N/m], what a corner has against being moved alone within the last step, inertia included; mean over
-    /// directions.
+    /// [N/m], what a corner has against being moved alone, at rest; mean over directions.
     [[nodiscard]] float own_stiffness(std::size_t corner) const { return own_stiffness_[corner]; }
 
     /// Whether to use AVX2: set by configure() to what the processor has. The bits are the same without.
@@ -88,6 +94,9 @@ class ImplicitTetrahedra {
     };
 
     void cut();
+    void measure_own_stiffness();
+    /// The parts' sums where x_ has the corners.
+    void linearise_elements();
     /// Elements, residual and diagonal blocks where `predicted` has the particles.
     void linearise(const Particles& particles, float dt);
     void add_springs(const Particles& particles);
@@ -108,7 +117,7 @@ class ImplicitTetrahedra {
     float ratio_ = 1.0f;         // mu / lambda
     float longest_step_ = 0.0f;  // [m]
     bool avx2_ = false;
-    Wide x_, diagonal_, square_, mixed_, residual_, along_, image_, step_;
+    Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, image_, step_;
     std::vector<Inverse> inverse_;
 };
 

@@ -11,10 +11,10 @@
 
 namespace eti::pbd {
 
-/// A point of a mesh that may touch an obstacle: a particle, or a point of the edge between two. Its force is a
-/// multiplier that goes on from step to step (augmented Lagrangian, Alart & Curnier 1991): at rest the point
-/// lies on the obstacle, and the force is what the material bears there, whatever the stiffness. Nothing
-/// switches: as the force goes to zero the contact ends.
+/// A point of a mesh that may touch an obstacle: a particle, or a point of the edge between two. Its force is
+/// a multiplier that goes on from step to step (augmented Lagrangian, Alart & Curnier 1991): at rest the
+/// point lies on the obstacle, and the force is what the material bears there, whatever the stiffness.
+/// Nothing switches: as the force goes to zero the contact ends.
 struct MeshContact {
     std::array<std::uint32_t, 2> particle = {};  ///< the edge's ends; the same twice: that particle
     float along = 0.0f;                          ///< of the way from the first to the second

@@ -76,9 +76,9 @@ class BladeContact {
         Clearance clearance;
     };
 
-    std::vector<Edge> edges_;                         // sorted
-    std::vector<bool> met_elsewhere_;                 // by particle, or empty
-    std::vector<std::uint32_t> first_edge_;           // by particle: the first edge that begins there
+    std::vector<Edge> edges_;                // sorted
+    std::vector<bool> met_elsewhere_;        // by particle, or empty
+    std::vector<std::uint32_t> first_edge_;  // by particle: the first edge that begins there
     std::vector<ParticleMeeting> particle_meetings_;
     std::vector<EdgeMeeting> edge_meetings_;
     Motion motion_;

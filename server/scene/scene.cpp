@@ -83,7 +83,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
     const pbd::Particles& particles = tissue_.body().particles;
     for (std::uint32_t i = 0; i < particles.size(); ++i) {
         if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f &&
-            !tissue_.tongue().moved()[i]) {
+            !tissue_.tongue().moves(i)) {
             meets_shell_.push_back(i);
         }
     }
@@ -231,8 +231,8 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
         const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
         if (!tongue.empty() && s == 0) {
-            tongue.solve(body, {blade_.scope(), blade_pose_, blade_to}, shell_.distance(), step_duration, 1.0f,
-                         blade_);
+            tongue.solve(body, {blade_.scope(), blade_pose_, blade_to}, shell_.distance(), step_duration,
+                         1.0f, blade_);
             lap(Stage::tissue);
         }
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));

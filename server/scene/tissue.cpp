@@ -56,7 +56,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
     }
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
-    if (model == TissueModel::tetrahedra) {
+    if (model != TissueModel::clusters) {
         for (std::size_t t = 0; t < patient.tetrahedra.corners.size(); ++t) {
             const auto& corners = patient.tetrahedra.corners[t];
             if (anatomy::made_of(Tissue::tongue, corners, set)) {
@@ -76,14 +76,20 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
             members, [&](std::uint32_t i) { return !meshed[i] && p.inverse_mass[i] > 0.0f; });
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
-    const std::vector<std::array<std::uint32_t, 2>> surface = surface_edges();
-    const std::vector<float> own = p.inverse_mass;
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters move none of the mesh's particles
+    pbd::ShapeMatching::Description held = description(held_clusters_, substep);
+    if (model == TissueModel::implicit) {
+        const std::vector<float> own = p.inverse_mass;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters move none of the mesh's particles
+        }
+        body_.shapes.configure(held, p);
+        p.inverse_mass = own;
+        tongue_.configure(mesh, surface_edges(), p, substep);
+    } else {
+        body_.tetrahedra.configure(mesh, p);
+        held.early = meshed;
+        body_.shapes.configure(held, p);
     }
-    body_.shapes.configure(description(held_clusters_, substep), p);
-    p.inverse_mass = own;
-    tongue_.configure(mesh, surface, p, substep);
     fitted_.configure(description(fitted_clusters_, substep), p);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
 
@@ -179,7 +185,11 @@ void SoftTissue::update_moduli() {
     for (const std::uint32_t t : meshed_) {
         moduli_.push_back(anatomy::tetrahedron_modulus(patient_, t, soft_));
     }
-    tongue_.set_youngs_modulus(moduli_);
+    if (tongue_.empty()) {
+        body_.tetrahedra.set_youngs_modulus(moduli_);
+    } else {
+        tongue_.set_youngs_modulus(moduli_, body_.particles);
+    }
     moduli_.clear();
     for (const std::uint32_t c : held_clusters_) {
         // A cluster's springs go with its size (E V / r^2), as a tetrahedron's do by its rest shape.

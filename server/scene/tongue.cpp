@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "server/anatomy/patient.hpp"
-
 namespace eti::scene {
 
 void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
@@ -36,16 +34,21 @@ void Tongue::reset(pbd::Particles& particles) {
     mesh_.springs.clear();
     pulls_.clear();
     std::ranges::fill(push_, Vec3f::Zero());
-    // At rest nothing moves, but its stiffness is known from then on.
-    dt_ = 1.0f / 180.0f;
-    mesh_.solve(particles, dt_);
+    take_masses(particles);
+}
+
+void Tongue::take_masses(pbd::Particles& particles) const {
     const auto used = mesh_.particles();
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (moved_[used[k]]) {
-            particles.predicted[used[k]] = particles.position[used[k]];
             particles.inverse_mass[used[k]] = 1.0f / (mesh_.own_stiffness(k) * substep_ * substep_);
         }
     }
+}
+
+void Tongue::set_youngs_modulus(std::span<const float> moduli, pbd::Particles& particles) {
+    mesh_.set_youngs_modulus(moduli);
+    take_masses(particles);
 }
 
 void Tongue::gather_springs(const pbd::Particles& particles) {
@@ -53,8 +56,8 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
     const auto used = mesh_.particles();
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (!push_[k].isZero(0.0f)) {
-            mesh_.springs.push_back({used[k], particles.position[used[k]] + push_[k],
-                                     1.0f / (particles.inverse_mass[used[k]] * substep_ * substep_)});
+            mesh_.springs.push_back(
+                {used[k], particles.position[used[k]] + push_[k], mesh_.own_stiffness(k)});
         }
     }
 }
@@ -69,7 +72,7 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
         from_[k] = p.position[i];
         if (moved_[i]) {
             p.velocity[i] += dt * body.settings.acceleration;
-            p.predicted[i] = p.position[i] + dt * p.velocity[i];
+            p.predicted[i] = p.position[i];
         } else {
             p.predicted[i] = p.position[i] + fraction * (p.rest[i] - p.position[i]);
         }
@@ -80,16 +83,14 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
     for (std::size_t k = 0; k < used.size(); ++k) {
         to_[k] = p.predicted[used[k]];
         push_[k].setZero();
-        if (moved_[used[k]]) {
-            p.inverse_mass[used[k]] = 1.0f / (mesh_.own_stiffness(k) * substep_ * substep_);
-        }
     }
     for (std::size_t n = 0; n < mesh_.contacts.size(); ++n) {
         const pbd::MeshContact& c = mesh_.contacts[n];
         if (contacts_.is_blades(n) && !c.force.isZero(0.0f)) {
             const auto shares = c.shares();
             for (std::size_t e = 0; e < (c.is_edge() ? 2 : 1); ++e) {
-                felt.add_impulse(c.particle[e], p.predicted[c.particle[e]], shares[e] * dt * c.force, blade.to);
+                felt.add_impulse(c.particle[e], p.predicted[c.particle[e]], shares[e] * dt * c.force,
+                                 blade.to);
             }
         }
     }

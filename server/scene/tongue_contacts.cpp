@@ -20,6 +20,11 @@ constexpr float covered = 3.5f;
 // Of an edge's way from one end to the other; nearer to an end, that end touches itself.
 constexpr float least_along = 0.1f;
 
+// Of its force the shell forgets a tenth in a step. So it gives way like a wall ten times as firm as the
+// particle itself. Tissue that the blade presses on a wall has no room for both; were neither to yield, their
+// forces would grow for ever.
+constexpr float shell_memory = 0.9f;
+
 /// Twenty-four bits for either particle, eight for the obstacle and two for the kind.
 std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
     return static_cast<std::uint64_t>(contact.particle[0]) << 32 |
@@ -40,8 +45,8 @@ void TongueContacts::reset() {
     obstacle_.clear();
 }
 
-void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade, const DistanceGrid& shell,
-                          std::vector<pbd::MeshContact>& contacts) {
+void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade,
+                          const DistanceGrid& shell, std::vector<pbd::MeshContact>& contacts) {
     last_.clear();
     for (std::size_t n = 0; n < contacts.size(); ++n) {
         if (!contacts[n].force.isZero(0.0f)) {
@@ -64,7 +69,7 @@ Vec3f TongueContacts::last_force(const pbd::MeshContact& contact, std::uint8_t o
 
 void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle) {
     now_.push_back(contact);
-    now_.back().force = last_force(contact, obstacle);
+    now_.back().force = (obstacle == shell_obstacle ? shell_memory : 1.0f) * last_force(contact, obstacle);
     if (contact.gap >= 0.0f && now_.back().force.isZero(0.0f)) {
         now_.pop_back();
     } else {

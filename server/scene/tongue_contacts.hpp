@@ -13,8 +13,8 @@
 
 namespace eti::scene {
 
-/// Which particles and surface edges of an implicit mesh touch the laryngoscope's capsules or the offset shell,
-/// and with what force they did in the step before.
+/// Which particles and surface edges of an implicit mesh touch the laryngoscope's capsules or the offset
+/// shell, and with what force they did in the step before.
 class TongueContacts {
   public:
     using Edge = std::array<std::uint32_t, 2>;  ///< particles
@@ -29,8 +29,8 @@ class TongueContacts {
     void configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges);
     void reset();
 
-    /// What touches at the predicted positions, or did so last time. `contacts` are those of the last time, and
-    /// become those of now, in an order that hangs on nothing but who touches what.
+    /// What touches at the predicted positions, or did so last time. `contacts` are those of the last time,
+    /// and become those of now, in an order that hangs on nothing but who touches what.
     void find(const pbd::Particles& particles, const MovingBlade& blade, const DistanceGrid& shell,
               std::vector<pbd::MeshContact>& contacts);
 

@@ -74,6 +74,40 @@ TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
     EXPECT_EQ(scene.snapshot().shell_force, Vec3f(Vec3f::Zero()));
 }
 
+TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
+    const auto pressed = [&] {
+        Scene scene = make({.tissue_model = TissueModel::implicit, .rigid = {}});
+        press(scene);
+        for (int k = 0; k < 180; ++k) {
+            scene.step(pressing(6e-3f));
+        }
+        return scene;
+    };
+    const Scene scene = pressed();
+    const Snapshot& s = scene.snapshot();
+    EXPECT_GT(s.tissue_force.norm(), 0.5f);
+    Vec3f sum = Vec3f::Zero();
+    for (const TissueContact& c : s.tissue_contacts) {
+        sum += c.force;
+    }
+    EXPECT_LT((sum - s.tissue_force).norm(), 1e-4f * s.tissue_force.norm());
+    // A third of what a hand's tremor of 0.1 mm at 10 Hz moves (6 mm/s): nobody feels less.
+    double squared = 0.0;
+    std::size_t count = 0;
+    const pbd::Particles& p = scene.tissue().body().particles;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        if (scene.tissue().tongue().moves(i)) {
+            squared += static_cast<double>(p.velocity[i].squaredNorm());
+            ++count;
+        }
+    }
+    ASSERT_GT(count, 100u);
+    EXPECT_LT(std::sqrt(squared / static_cast<double>(count)), 2e-3);
+    for (const std::size_t threads : {1, 8}) {
+        EXPECT_EQ(test::with_threads(threads, [&] { return pressed().state_hash(); }), scene.state_hash());
+    }
+}
+
 TEST_F(SceneTest, TissueThatMeetsTissueIsLeftAloneAtRestAndStillGivesWay) {
     Scene scene = make({.rigid = {}, .self_contact = true});
     for (int k = 0; k < 60; ++k) {
