@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numeric>
 
 #include "common/math/units.hpp"
@@ -76,16 +77,18 @@ TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
 
 TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
     const auto pressed = [&] {
-        Scene scene = make({.tissue_model = TissueModel::implicit, .rigid = {}});
-        press(scene);
-        for (int k = 0; k < 180; ++k) {
-            scene.step(pressing(6e-3f));
+        const Settings settings{.tissue_model = TissueModel::implicit, .rigid = {}};
+        auto scene = std::make_unique<Scene>(coarse_newborn(), scope_, Tube{}, away_, settings);
+        press(*scene);
+        for (int k = 0; k < 240; ++k) {
+            scene->step(pressing(std::min(6e-3f + 0.15e-3f * static_cast<float>(k), 12e-3f)));
         }
         return scene;
     };
-    const Scene scene = pressed();
+    const auto pressed_scene = pressed();
+    const Scene& scene = *pressed_scene;
     const Snapshot& s = scene.snapshot();
-    EXPECT_GT(s.tissue_force.norm(), 0.5f);
+    EXPECT_GT(s.tissue_force.norm(), 0.1f);
     Vec3f sum = Vec3f::Zero();
     for (const TissueContact& c : s.tissue_contacts) {
         sum += c.force;
@@ -104,7 +107,7 @@ TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
     ASSERT_GT(count, 100u);
     EXPECT_LT(std::sqrt(squared / static_cast<double>(count)), 2e-3);
     for (const std::size_t threads : {1, 8}) {
-        EXPECT_EQ(test::with_threads(threads, [&] { return pressed().state_hash(); }), scene.state_hash());
+        EXPECT_EQ(test::with_threads(threads, [&] { return pressed()->state_hash(); }), scene.state_hash());
     }
 }
 
