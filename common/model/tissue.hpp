@@ -44,6 +44,7 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
 enum class TissueModel : std::uint8_t {
     clusters,    ///< shape matching with compliance throughout
     tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which bears the blade; else clusters
+    implicit,    ///< the same, solved to the end in each step instead of once in each substep
 };
 
 }  // namespace eti

@@ -158,6 +158,18 @@ void ShapeMatching::reset() {
     }
 }
 
+ShapeMatching::Pull ShapeMatching::pull_on(std::size_t particle) const {
+    const Vec3f rest = wide_rest_[particle].head<3>();
+    Pull sum;
+    for (const std::uint32_t c : clusters_of(particle)) {
+        const Vec3f lever = rest - lever_[c].head<3>();
+        sum.goal += spring_[c] * (centre_[c] + rotation_[c] * lever);
+        sum.stiffness += spring_[c];
+    }
+    sum.goal /= sum.stiffness;
+    return sum;
+}
+
 void ShapeMatching::update_shares(float dt) {
     for (std::size_t c = 0; c < size(); ++c) {
         const float stiff = spring_[c] * dt * dt;

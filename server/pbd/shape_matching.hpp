@@ -64,6 +64,13 @@ class ShapeMatching {
     [[nodiscard]] std::span<const std::uint32_t> clusters_of(std::size_t particle) const {
         return {cluster_of_.data() + first_of_[particle], cluster_of_.data() + first_of_[particle + 1]};
     }
+    /// Where its clusters want a particle that they do not move, as the last pass fitted them, and the
+    /// stiffness [N/m] with which they pull it there. Of a particle in some cluster.
+    struct Pull {
+        Vec3f goal = Vec3f::Zero();
+        float stiffness = 0.0f;
+    };
+    [[nodiscard]] Pull pull_on(std::size_t particle) const;
     void reset();
 
     /// Whether to use AVX2: set by configure() to what the processor has. The bits are the same without.

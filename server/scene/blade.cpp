@@ -24,8 +24,12 @@ constexpr float rounding = 1e-6f;
 
 }  // namespace
 
-BladeContact::BladeContact(const Laryngoscope& scope, std::vector<Edge> edges)
-    : scope_(scope), edges_(std::move(edges)) {
+BladeContact::BladeContact(const Laryngoscope& scope, std::vector<Edge> edges,
+                           std::vector<bool> met_elsewhere)
+    : scope_(scope), edges_(std::move(edges)), met_elsewhere_(std::move(met_elsewhere)) {
+    if (!met_elsewhere_.empty()) {
+        std::erase_if(edges_, [&](const Edge& e) { return met_elsewhere_[e[0]] && met_elsewhere_[e[1]]; });
+    }
     std::ranges::sort(edges_);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
         first_edge_.resize(edges_[e][0] + std::size_t{1}, static_cast<std::uint32_t>(e));
@@ -99,7 +103,9 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
         if (near) {
             number_of_[i] = static_cast<std::uint32_t>(reachable_.size());
             reachable_.push_back(i);
-            particle_meetings_.push_back(meeting);
+            if (met_elsewhere_.empty() || !met_elsewhere_[i]) {
+                particle_meetings_.push_back(meeting);
+            }
         }
     }
     edge_meetings_.clear();
@@ -241,6 +247,17 @@ void BladeContact::meet_particles(pbd::Particles& particles,
 void BladeContact::move(pbd::Particles& particles, std::uint32_t particle, const Vec3f& push) {
     particles.predicted[particle] += push;
     push_[number_of_[particle]] += push;
+}
+
+void BladeContact::add_impulse(std::uint32_t particle, const Vec3f& position, const Vec3f& impulse,
+                               const RigidTransform& pose) {
+    if (number_of_[particle] == none) {
+        number_of_[particle] = static_cast<std::uint32_t>(reachable_.size());
+        reachable_.push_back(particle);
+        impulse_.push_back(Vec3f::Zero());
+    }
+    impulse_[number_of_[particle]] += impulse;
+    torque_impulse_ += (position - pose.translation).cross(impulse);
 }
 
 void BladeContact::end_step(const pbd::Particles& particles, float step_dt, Snapshot& snapshot) const {

@@ -18,13 +18,24 @@ class BladeContact {
   public:
     using Edge = std::array<std::uint32_t, 2>;  ///< particles
 
-    explicit BladeContact(const Laryngoscope& scope, std::vector<Edge> edges = {});
+    /// `met_elsewhere`, by particle: those that somebody else keeps out of the blade; empty: none.
+    explicit BladeContact(const Laryngoscope& scope, std::vector<Edge> edges = {},
+                          std::vector<bool> met_elsewhere = {});
 
     /// Starts a step in which the blade goes from `from` to `to`; picks the particles it can reach.
     void begin_step(const pbd::Particles& particles, const RigidTransform& from, const RigidTransform& to);
 
     /// Pushes particles out of the blade, which moves from `begin` to `end` (shares of the step).
     void project(pbd::Particles& particles, float begin, float end, float dt);
+
+    /// An impulse [N s] that the blade, now at `pose`, gave to a particle at `position` where others had it
+    /// stopped by the blade.
+    void add_impulse(std::uint32_t particle, const Vec3f& position, const Vec3f& impulse,
+                     const RigidTransform& pose);
+
+    [[nodiscard]] const Laryngoscope& scope() const { return scope_; }
+    /// Where the blade is after this share of the step.
+    [[nodiscard]] RigidTransform pose_at(float share) const;
 
     /// Sums up the step of length `step_dt` [s]: the tissue's force on the blade, as minus the sum of
     /// the impulses that the particles got, and the touched particles.
@@ -44,7 +55,6 @@ class BladeContact {
         float so_far = 0.0f, now = 0.0f;  ///< [m], way of the farthest point in this step and in this substep
     };
 
-    [[nodiscard]] RigidTransform pose_at(float share) const;
     [[nodiscard]] static bool out_of_reach(const pbd::Particles& particles, std::uint32_t first,
                                            std::uint32_t second, const Clearance& last, const Motion& blade);
     void meet_edges(pbd::Particles& particles, const std::array<pbd::MovingCapsule, 3>& capsules);
@@ -66,9 +76,10 @@ class BladeContact {
         Clearance clearance;
     };
 
-    std::vector<Edge> edges_;                         // sorted
-    std::vector<std::uint32_t> first_edge_;           // by particle: the first edge that begins there
-    std::vector<ParticleMeeting> particle_meetings_;  // as reachable_
+    std::vector<Edge> edges_;                // sorted
+    std::vector<bool> met_elsewhere_;        // by particle, or empty
+    std::vector<std::uint32_t> first_edge_;  // by particle: the first edge that begins there
+    std::vector<ParticleMeeting> particle_meetings_;
     std::vector<EdgeMeeting> edge_meetings_;
     Motion motion_;
     std::vector<std::uint32_t> reachable_;  // particles

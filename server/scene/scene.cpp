@@ -60,7 +60,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
       tissue_(patient, settings.tissue_model, step_duration / static_cast<float>(settings.substeps)),
       shell_(patient),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
-      blade_(scope, tissue_.surface_edges()),
+      blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),
       tube_(tube, scope, start.tube_grip) {
     if (settings.self_contact) {
         std::vector<std::uint32_t> surface;
@@ -82,7 +82,8 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
     }
     const pbd::Particles& particles = tissue_.body().particles;
     for (std::uint32_t i = 0; i < particles.size(); ++i) {
-        if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f) {
+        if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f &&
+            !tissue_.tongue().moves(i)) {
             meets_shell_.push_back(i);
         }
     }
@@ -225,10 +226,17 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
     lap(Stage::reach);
+    Tongue& tongue = tissue_.tongue();
     for (int s = 0; s < substeps; ++s) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
         const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
+        if (!tongue.empty() && s == 0) {
+            tongue.solve(body, {blade_.scope(), blade_pose_, blade_to}, shell_.distance(), step_duration,
+                         1.0f, blade_);
+            lap(Stage::tissue);
+        }
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));
+        tongue.place(body.particles, end);
         tube_.predict(dt, end, gravity_);
         lap(Stage::predict);
         body.project(dt);
@@ -242,10 +250,12 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         lap(Stage::tube);
         keep_out_of_shell(body.particles);
         lap(Stage::shell);
+        tongue.take_pushes(body.particles, end);
         tube_.finish();
         body.finish(dt);
         lap(Stage::finish);
     }
+    tongue.finish(body, substeps);
     blade_pose_ = blade_to;
     grip_ = inputs.tube_grip;
     tube_before_ = snapshot_.tube_nodes;

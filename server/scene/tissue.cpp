@@ -56,7 +56,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
     }
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
-    if (model == TissueModel::tetrahedra) {
+    if (model != TissueModel::clusters) {
         for (std::size_t t = 0; t < patient.tetrahedra.corners.size(); ++t) {
             const auto& corners = patient.tetrahedra.corners[t];
             if (anatomy::made_of(Tissue::tongue, corners, set)) {
@@ -69,7 +69,6 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
             }
         }
     }
-    body_.tetrahedra.configure(mesh, p);
     // Clusters hold what no tetrahedron does, with its neighbours: so they also join the one to the other.
     for (std::uint32_t c = 0; c < patient.clusters.size(); ++c) {
         const auto members = patient.clusters.members(c);
@@ -78,8 +77,19 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
     pbd::ShapeMatching::Description held = description(held_clusters_, substep);
-    held.early = meshed;
-    body_.shapes.configure(held, p);
+    if (model == TissueModel::implicit) {
+        const std::vector<float> own = p.inverse_mass;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters move none of the mesh's particles
+        }
+        body_.shapes.configure(held, p);
+        p.inverse_mass = own;
+        tongue_.configure(mesh, surface_edges(), p, substep);
+    } else {
+        body_.tetrahedra.configure(mesh, p);
+        held.early = meshed;
+        body_.shapes.configure(held, p);
+    }
     fitted_.configure(description(fitted_clusters_, substep), p);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
 
@@ -130,6 +140,7 @@ void SoftTissue::pose(const anatomy::BonePoses& bones) {
         p.rest[i] = anatomy::pose_point(grown(i), patient_.particles.bones[i], bones);
     }
     body_.set_rest();
+    tongue_.set_rest(p);
     fitted_.set_rest(p);
     for (std::size_t c = 0; c < cluster_turn_.size(); ++c) {
         cluster_turn_[c] = anatomy::pose_rotation(cluster_bones_[c], bones);
@@ -174,7 +185,11 @@ void SoftTissue::update_moduli() {
     for (const std::uint32_t t : meshed_) {
         moduli_.push_back(anatomy::tetrahedron_modulus(patient_, t, soft_));
     }
-    body_.tetrahedra.set_youngs_modulus(moduli_);
+    if (tongue_.empty()) {
+        body_.tetrahedra.set_youngs_modulus(moduli_);
+    } else {
+        tongue_.set_youngs_modulus(moduli_, body_.particles);
+    }
     moduli_.clear();
     for (const std::uint32_t c : held_clusters_) {
         // A cluster's springs go with its size (E V / r^2), as a tetrahedron's do by its rest shape.
@@ -248,6 +263,7 @@ std::vector<std::array<std::uint32_t, 2>> SoftTissue::surface_edges() const {
 
 void SoftTissue::reset() {
     body_.reset();
+    tongue_.reset(body_.particles);
     fitted_.reset();
 }
 

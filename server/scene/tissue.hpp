@@ -9,6 +9,7 @@
 #include "server/anatomy/patient.hpp"
 #include "server/anatomy/skeleton.hpp"
 #include "server/pbd/soft_body.hpp"
+#include "server/scene/tongue.hpp"
 
 namespace eti::scene {
 
@@ -40,6 +41,9 @@ class SoftTissue {
     /// Edges of the mesh's surface whose ends both move: pairs of particles.
     [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> surface_edges() const;
 
+    /// The tongue, where it is of tetrahedra; else empty.
+    [[nodiscard]] Tongue& tongue() { return tongue_; }
+    [[nodiscard]] const Tongue& tongue() const { return tongue_; }
     [[nodiscard]] pbd::SoftBody& body() { return body_; }
     [[nodiscard]] const pbd::SoftBody& body() const { return body_; }
     [[nodiscard]] Tissue tissue_of(std::size_t particle) const {
@@ -59,6 +63,7 @@ class SoftTissue {
 
     const anatomy::Patient& patient_;
     pbd::SoftBody body_;
+    Tongue tongue_;
     pbd::ShapeMatching fitted_;  // to particles that tetrahedra move: only for their frames
     std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // the patient's numbers of both
     anatomy::BonePoses bones_;

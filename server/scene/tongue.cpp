@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/tongue.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace eti::scene {
+
+void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
+                       pbd::Particles& particles, float substep) {
+    substep_ = substep;
+    mesh_.configure(mesh, particles, particles.inverse_mass);
+    moved_.assign(particles.size(), false);
+    std::vector<std::uint32_t> movers;
+    for (std::size_t k = 0; k < mesh_.particles().size(); ++k) {
+        if (mesh_.inverse_mass(k) > 0.0f) {
+            movers.push_back(mesh_.particles()[k]);
+            moved_[movers.back()] = true;
+        }
+    }
+    std::ranges::sort(movers);
+    std::erase_if(surface, [&](const auto& ends) { return !moved_[ends[0]] || !moved_[ends[1]]; });
+    contacts_.configure(std::move(movers), std::move(surface));
+    for (std::vector<Vec3f>* of : {&from_, &to_, &push_}) {
+        of->assign(mesh_.particles().size(), Vec3f::Zero());
+    }
+}
+
+void Tongue::reset(pbd::Particles& particles) {
+    contacts_.reset();
+    mesh_.contacts.clear();
+    mesh_.springs.clear();
+    pulls_.clear();
+    std::ranges::fill(push_, Vec3f::Zero());
+    take_masses(particles);
+}
+
+void Tongue::take_masses(pbd::Particles& particles) const {
+    const auto used = mesh_.particles();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        if (moved_[used[k]]) {
+            particles.inverse_mass[used[k]] = 1.0f / (mesh_.own_stiffness(k) * substep_ * substep_);
+        }
+    }
+}
+
+void Tongue::set_youngs_modulus(std::span<const float> moduli, pbd::Particles& particles) {
+    mesh_.set_youngs_modulus(moduli);
+    take_masses(particles);
+}
+
+void Tongue::gather_springs(const pbd::Particles& particles) {
+    mesh_.springs = pulls_;
+    const auto used = mesh_.particles();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        if (!push_[k].isZero(0.0f)) {
+            mesh_.springs.push_back(
+                {used[k], particles.position[used[k]] + push_[k], mesh_.own_stiffness(k)});
+        }
+    }
+}
+
+void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const DistanceGrid& shell,
+                   float dt, float fraction, BladeContact& felt) {
+    pbd::Particles& p = body.particles;
+    dt_ = dt;
+    const auto used = mesh_.particles();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        const std::uint32_t i = used[k];
+        from_[k] = p.position[i];
+        if (moved_[i]) {
+            p.velocity[i] += dt * body.settings.acceleration;
+            p.predicted[i] = p.position[i];
+        } else {
+            p.predicted[i] = p.position[i] + fraction * (p.rest[i] - p.position[i]);
+        }
+    }
+    gather_springs(p);
+    contacts_.find(p, blade, shell, mesh_.contacts);
+    mesh_.solve(p, dt);
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        to_[k] = p.predicted[used[k]];
+        push_[k].setZero();
+    }
+    for (std::size_t n = 0; n < mesh_.contacts.size(); ++n) {
+        const pbd::MeshContact& c = mesh_.contacts[n];
+        if (contacts_.is_blades(n) && !c.force.isZero(0.0f)) {
+            const auto shares = c.shares();
+            for (std::size_t e = 0; e < (c.is_edge() ? 2 : 1); ++e) {
+                felt.add_impulse(c.particle[e], p.predicted[c.particle[e]], shares[e] * dt * c.force,
+                                 blade.to);
+            }
+        }
+    }
+}
+
+void Tongue::place(pbd::Particles& particles, float share) const {
+    const auto used = mesh_.particles();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        particles.predicted[used[k]] = from_[k] + share * (to_[k] - from_[k]);
+    }
+}
+
+void Tongue::take_pushes(pbd::Particles& particles, float share) {
+    const auto used = mesh_.particles();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        const Vec3f placed = from_[k] + share * (to_[k] - from_[k]);
+        Vec3f& x = particles.predicted[used[k]];
+        if (moved_[used[k]] && x != placed) {
+            push_[k] += x - placed;
+            x = placed;
+        }
+    }
+}
+
+void Tongue::finish(pbd::SoftBody& body, int substeps) {
+    pbd::Particles& p = body.particles;
+    const float keep = std::exp(-body.settings.damping * dt_) / dt_;
+    const auto used = mesh_.particles();
+    pulls_.clear();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        const std::uint32_t i = used[k];
+        p.position[i] = to_[k];
+        p.velocity[i] = keep * (to_[k] - from_[k]);
+        push_[k] /= static_cast<float>(substeps);
+        if (moved_[i] && !body.shapes.clusters_of(i).empty()) {
+            const pbd::ShapeMatching::Pull pull = body.shapes.pull_on(i);
+            pulls_.push_back({i, pull.goal, pull.stiffness});
+        }
+    }
+}
+
+}  // namespace eti::scene

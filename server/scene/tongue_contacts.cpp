@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/tongue_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/mesh/closest_point.hpp"
+#include "server/pbd/contact.hpp"
+
+namespace eti::scene {
+
+namespace {
+
+// [m], beyond a capsule's reach: an edge that touches has an end within it.
+constexpr float edge_reach = 4e-3f;
+// In radii of the ends: the blade sinks in between the ends of a shorter edge by less than 0.4 mm.
+constexpr float covered = 3.5f;
+// Of an edge's way from one end to the other; nearer to an end, that end touches itself.
+constexpr float least_along = 0.1f;
+
+// Of its force the shell forgets a tenth in a step. So it gives way like a wall ten times as firm as the
+// particle itself. Tissue that the blade presses on a wall has no room for both; were neither to yield, their
+// forces would grow for ever.
+constexpr float shell_memory = 0.9f;
+
+/// Twenty-four bits for either particle, eight for the obstacle and two for the kind.
+std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
+    return static_cast<std::uint64_t>(contact.particle[0]) << 32 |
+           static_cast<std::uint64_t>(contact.particle[1]) << 8 | obstacle;
+}
+
+}  // namespace
+
+void TongueContacts::configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges) {
+    movers_ = std::move(movers);
+    edges_ = std::move(edges);
+    reset();
+}
+
+void TongueContacts::reset() {
+    last_.clear();
+    now_.clear();
+    obstacle_.clear();
+}
+
+void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade,
+                          const DistanceGrid& shell, std::vector<pbd::MeshContact>& contacts) {
+    last_.clear();
+    for (std::size_t n = 0; n < contacts.size(); ++n) {
+        if (!contacts[n].force.isZero(0.0f)) {
+            last_.push_back({key_of(contacts[n], obstacle_[n]), contacts[n].force});
+        }
+    }
+    std::ranges::sort(last_, {}, &Known::key);
+    now_.clear();
+    obstacle_.clear();
+    meet_blade(particles, blade);
+    meet_shell(particles, shell);
+    std::swap(now_, contacts);
+}
+
+Vec3f TongueContacts::last_force(const pbd::MeshContact& contact, std::uint8_t obstacle) const {
+    const std::uint64_t key = key_of(contact, obstacle);
+    const auto found = std::ranges::lower_bound(last_, key, {}, &Known::key);
+    return found != last_.end() && found->key == key ? found->force : Vec3f(Vec3f::Zero());
+}
+
+void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle) {
+    now_.push_back(contact);
+    now_.back().force = (obstacle == shell_obstacle ? shell_memory : 1.0f) * last_force(contact, obstacle);
+    if (contact.gap >= 0.0f && now_.back().force.isZero(0.0f)) {
+        now_.pop_back();
+    } else {
+        obstacle_.push_back(obstacle);
+    }
+}
+
+void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBlade& blade) {
+    const RigidTransform carry = blade.to * blade.from.inverse();
+    const auto slip_of = [&](const Vec3f& before, const Vec3f& now) -> Vec3f { return now - carry * before; };
+    near_.assign(particles.size(), false);
+    for (std::uint8_t c = 0; c < blade.scope.capsules.size(); ++c) {
+        const Capsule& capsule = blade.scope.capsules[c];
+        const Vec3f a = blade.to * capsule.a;
+        const Vec3f b = blade.to * capsule.b;
+        bool any = false;
+        for (const std::uint32_t i : movers_) {
+            const Vec3f& x = particles.predicted[i];
+            const Vec3f away = pbd::away_from(a, b, x);
+            const float reach = capsule.radius + particles.radius[i];
+            const float squared = away.squaredNorm();
+            near_[i] = squared < (reach + edge_reach) * (reach + edge_reach);
+            if (!near_[i]) {
+                continue;
+            }
+            any = true;
+            const float distance = std::sqrt(squared);
+            pbd::MeshContact contact;
+            contact.particle = {i, i};
+            contact.normal = away / std::max(distance, 1e-9f);
+            contact.gap = distance - reach;
+            contact.slip = slip_of(particles.position[i], x);
+            contact.friction = blade_friction;
+            add(contact, c);
+        }
+        for (const auto& [i, k] : edges_) {
+            if (!any || !near_[i] || !near_[k]) {
+                continue;
+            }
+            const Vec3f& x = particles.predicted[i];
+            const Vec3f along = particles.predicted[k] - x;
+            const float radius = 0.5f * (particles.radius[i] + particles.radius[k]);
+            if (along.squaredNorm() < covered * covered * radius * radius) {
+                continue;
+            }
+            const auto [t, on_axis] = closest_on_segments(x, particles.predicted[k], a, b);
+            if (t < least_along || t > 1.0f - least_along) {
+                continue;
+            }
+            const Vec3f point = x + t * along;
+            const Vec3f away = point - a - on_axis * (b - a);
+            const float distance = away.norm();
+            // With the ends on the capsule an edge of `covered` lies so near to its axis.
+            const float ends = capsule.radius + radius;
+            const float half = 0.5f * covered * radius;
+            pbd::MeshContact contact;
+            contact.particle = {i, k};
+            contact.along = t;
+            contact.normal = away / std::max(distance, 1e-9f);
+            contact.gap = distance - std::sqrt(ends * ends - half * half);
+            contact.slip = slip_of((1.0f - t) * particles.position[i] + t * particles.position[k], point);
+            contact.friction = blade_friction;
+            add(contact, c);
+        }
+    }
+}
+
+void TongueContacts::meet_shell(const pbd::Particles& particles, const DistanceGrid& shell) {
+    for (const std::uint32_t i : movers_) {
+        if ((particles.channels[i] & pbd::channel::shell) == 0) {
+            continue;
+        }
+        const Vec3f& x = particles.predicted[i];
+        const float distance = shell.distance(x);
+        pbd::MeshContact contact;
+        contact.particle = {i, i};
+        contact.gap = distance;
+        if (distance >= 0.0f && last_force(contact, shell_obstacle).isZero(0.0f)) {
+            continue;
+        }
+        contact.normal = shell.sample(x).normal;
+        contact.slip = x - particles.position[i];
+        contact.friction = shell_friction;
+        add(contact, shell_obstacle);
+    }
+}
+
+}  // namespace eti::scene

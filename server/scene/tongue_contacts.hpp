@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/distance_grid.hpp"
+#include "common/model/tools.hpp"
+#include "server/pbd/mesh_contact.hpp"
+#include "server/pbd/particles.hpp"
+
+namespace eti::scene {
+
+/// Which particles and surface edges of an implicit mesh touch the laryngoscope's capsules or the offset
+/// shell, and with what force they did in the step before.
+class TongueContacts {
+  public:
+    using Edge = std::array<std::uint32_t, 2>;  ///< particles
+
+    /// A blade that goes from one pose to the other within a step.
+    struct MovingBlade {
+        const Laryngoscope& scope;
+        RigidTransform from, to;
+    };
+
+    /// `movers`: particles that the mesh moves; `edges`: those of its surface whose ends both move.
+    void configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges);
+    void reset();
+
+    /// What touches at the predicted positions, or did so last time. `contacts` are those of the last time,
+    /// and become those of now, in an order that hangs on nothing but who touches what.
+    void find(const pbd::Particles& particles, const MovingBlade& blade, const DistanceGrid& shell,
+              std::vector<pbd::MeshContact>& contacts);
+
+    /// Whether contact `number` is with the blade.
+    [[nodiscard]] bool is_blades(std::size_t number) const { return obstacle_[number] < shell_obstacle; }
+
+    pbd::Friction blade_friction = 0.1f;  ///< wet mucosa on steel
+    pbd::Friction shell_friction = 0.2f;  ///< wet mucosa on mucosa
+
+  private:
+    static constexpr std::uint8_t shell_obstacle = 3;  // below: a capsule's number
+
+    void meet_blade(const pbd::Particles& particles, const MovingBlade& blade);
+    void meet_shell(const pbd::Particles& particles, const DistanceGrid& shell);
+    /// The force that this contact had; zero for one that is new.
+    [[nodiscard]] Vec3f last_force(const pbd::MeshContact& contact, std::uint8_t obstacle) const;
+    void add(const pbd::MeshContact& contact, std::uint8_t obstacle);
+
+    std::vector<std::uint32_t> movers_;
+    std::vector<Edge> edges_;
+    std::vector<bool> near_;  // by particle
+    struct Known {
+        std::uint64_t key;
+        Vec3f force;
+    };
+    std::vector<Known> last_;  // sorted
+    std::vector<pbd::MeshContact> now_;
+    std::vector<std::uint8_t> obstacle_;
+};
+
+}  // namespace eti::scene
