@@ -24,7 +24,7 @@ struct FluidSettings {
     Vec3f upper = Vec3f::Constant(0.1f);   ///< to `upper` are removed; its cells cost memory
     float spacing = 1e-3f;                 ///< [m], of the particles at rest; cost grows with its cube
     float rest_density = 1000.0f;          ///< [kg/m^3]
-    int iterations = 4;                    ///< Jacobi passes per substep
+    int iterations = 5;                    ///< Jacobi passes per substep; crowds burst with an even number
     float sound_speed = 10.0f;             ///< [m/s], softens the liquid: it compresses by g depth / c^2
     float viscosity = 2e-6f;         ///< [m^2/s], kinematic; more than spacing^2 / (20 dt) counts as that
     float wall_viscosity = 1e-5f;    ///< [m^2/s], against walls at rest or moving; 0 lets it slip

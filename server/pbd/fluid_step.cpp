@@ -16,8 +16,7 @@ namespace {
 
 // Part of a full Jacobi step. Steps of 1 let checkerboards of pressure grow.
 constexpr float jacobi_step = 0.5f;
-// Part of the last substep's pressure that the passes start from. With more the liquid bounces on itself
-// (pressure lags by a few substeps); with half of it five passes do not get as far as four with this.
+// Part of the last substep's pressure that the passes start from.
 constexpr float kept_pressure = 0.8f;
 // Compression that one substep sets out to remove. Particles that were emitted into others, or pressed
 // together, would burst apart if all of it went at once.
