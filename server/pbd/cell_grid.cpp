@@ -35,6 +35,7 @@ void CellGrid::sort(std::span<const Vec3f> points) {
         high = high.cwiseMax(place);
     }
     if (points.empty()) {
+        was_sorted_ = true;
         return;
     }
     middle_ = lower_ + (low + high + Eigen::Vector3i::Ones()).cast<float>() * (0.5f / inverse_cell_);
@@ -43,12 +44,17 @@ void CellGrid::sort(std::span<const Vec3f> points) {
     layer_ = row_ * static_cast<std::uint32_t>(size.y());
     const std::size_t cells = static_cast<std::size_t>(layer_) * static_cast<std::size_t>(size.z());
     std::fill_n(start_.begin(), cells + 1, 0u);
+    bool sorted = true;
+    std::uint32_t last = 0;
     for (std::size_t i = 0; i < count_; ++i) {
         const Eigen::Vector3i place = place_of(points[i]) - low + Eigen::Vector3i::Ones();
         cell_[i] = static_cast<std::uint32_t>(place.x()) + row_ * static_cast<std::uint32_t>(place.y()) +
                    layer_ * static_cast<std::uint32_t>(place.z());
         ++start_[cell_[i]];
+        sorted = sorted && cell_[i] >= last;
+        last = cell_[i];
     }
+    was_sorted_ = sorted;
     std::uint32_t sum = 0;
     for (std::size_t c = 0; c <= cells; ++c) {
         sum += start_[c];

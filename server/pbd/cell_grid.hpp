@@ -25,6 +25,8 @@ class CellGrid {
     /// the domain. Afterwards order()[place] is the point that belongs there.
     void sort(std::span<const Vec3f> points);
     [[nodiscard]] std::span<const std::uint32_t> order() const { return {order_.data(), count_}; }
+    /// Whether the points were in that order already.
+    [[nodiscard]] bool was_sorted() const { return was_sorted_; }
     /// The cell of the point at a place of the sorted order.
     [[nodiscard]] std::uint32_t cell_at(std::size_t place) const { return cell_[order_[place]]; }
     /// Places of the points in the 27 cells about `cell`.
@@ -50,6 +52,7 @@ class CellGrid {
     float inverse_cell_;
     Vec3f middle_ = Vec3f::Zero();
     std::size_t count_ = 0;
+    bool was_sorted_ = true;
     std::uint32_t row_ = 0;    ///< cells in a row along x, with one empty cell on either side
     std::uint32_t layer_ = 0;  ///< cells in a layer of rows
     std::vector<std::uint32_t> start_;

@@ -57,6 +57,10 @@ Fluid::Fluid(const FluidSettings& settings, std::uint64_t seed)
     }
     id_.reserve(n);
     id_scratch_.reserve(n);
+    rest_.reserve(n);
+    rest_scratch_.reserve(n);
+    awake_.reserve(n);
+    stirred_.reserve(n);
     for (std::vector<Vec4f>* vectors : {&local_, &rate_, &offset_, &displacement_, &push_, &own_gradient_}) {
         vectors->resize(n, Vec4f::Zero());
     }
@@ -81,12 +85,15 @@ void Fluid::resize(std::size_t count) {
     }
     id_.resize(count, 0);
     id_scratch_.resize(count, 0);
+    rest_.resize(count);
+    rest_scratch_.resize(count);
 }
 
 void Fluid::reset(std::uint64_t seed) {
     resize(0);
     random_ = Random(seed);
     next_id_ = 0;
+    since_settled_ = 0.0f;
     overflow_ = dropped_neighbours_ = left_domain_ = aspirated_ = 0;
     for (Source& source : sources_) {
         source.owed = 0.0;
@@ -120,6 +127,7 @@ bool Fluid::add(const Vec3f& position, const Vec3f& velocity) {
     resize(i + 1);
     position_[i] = predicted_[i] = position;
     velocity_[i] = velocity;
+    rest_[i] = {.anchor = position};
     id_[i] = next_id_++;
     return true;
 }
@@ -162,12 +170,17 @@ void Fluid::remove(const FluidSurroundings& surroundings) {
             ++aspirated_;
             continue;
         }
-        position_[kept] = position_[i];
-        predicted_[kept] = predicted_[i];
-        velocity_[kept] = velocity_[i];
-        multiplier_[kept] = multiplier_[i];
-        id_[kept] = id_[i];
-        ++kept;
+        if (kept++ == i) {
+            continue;
+        }
+        const std::size_t to = kept - 1;
+        position_[to] = position_[i];
+        predicted_[to] = predicted_[i];
+        velocity_[to] = velocity_[i];
+        multiplier_[to] = multiplier_[i];
+        compression_[to] = compression_[i];
+        id_[to] = id_[i];
+        rest_[to] = rest_[i];
     }
     resize(kept);
 }
@@ -181,11 +194,16 @@ void Fluid::sort() {
         }
         values.swap(scratch);
     };
-    reorder(position_, vector_scratch_);
-    reorder(predicted_, vector_scratch_);
-    reorder(velocity_, vector_scratch_);
-    reorder(multiplier_, float_scratch_);
-    reorder(id_, id_scratch_);
+    if (!grid_.was_sorted()) {
+        reorder(position_, vector_scratch_);
+        reorder(predicted_, vector_scratch_);
+        reorder(velocity_, vector_scratch_);
+        reorder(multiplier_, float_scratch_);
+        reorder(compression_, float_scratch_);
+        reorder(id_, id_scratch_);
+        reorder(rest_, rest_scratch_);
+    }
+    awake_.clear();
     const Vec3f middle = grid_.middle();
     for (std::size_t i = 0; i < count(); ++i) {
         const Vec3f& p = predicted_[i];
@@ -195,6 +213,13 @@ void Fluid::sort() {
             axis_[axis][i] = local_[i][static_cast<Eigen::Index>(axis)];
         }
         rate_[i] = Vec4f(v.x(), v.y(), v.z(), 0.0f);
+        if (rest_[i].awake != 0) {
+            awake_.push_back(static_cast<std::uint32_t>(i));
+        } else {
+            // What the others find of it; it does not move.
+            displacement_[i].setZero();
+            push_[i] = multiplier_[i] * local_[i];
+        }
     }
 }
 

@@ -12,6 +12,7 @@
 
 #include "server/parallel/loops.hpp"
 #include "server/pbd/fluid.hpp"
+#include "server/pbd/fluid_solid.hpp"
 #include "server/pbd/lanes.hpp"
 
 namespace eti::pbd {
@@ -222,54 +223,6 @@ void Fluid::gather(std::uint32_t cell, Candidates& candidates) {
     }
 }
 
-void Fluid::find_walls(std::size_t i, float dt, const FluidSurroundings& surroundings) {
-    const float radius = 0.5f * settings_.spacing;
-    Vec4f offset = Vec4f::Zero();
-    Vec3f gradient = Vec3f::Zero();
-    float density = 0.0f;
-    const auto meet = [&](Wall& wall, float distance, const Vec3f& normal, const Vec3f& motion) {
-        const WallTerms terms = wall_table_.at(distance);
-        density += terms.density;
-        gradient += terms.gradient * normal;
-        const Vec3f slip = dt * velocity_[i] - motion;
-        const float gap = distance - radius;
-        wall = {Vec4f(normal.x(), normal.y(), normal.z(), 0.0f), gap, std::max(slip.dot(normal) - gap, 0.0f),
-                motion.dot(normal) / dt, true};
-        // Backward Euler, so that no viscosity can turn the slip round.
-        const float rate = 10.0f * settings_.wall_viscosity * terms.drag * dt;
-        offset.head<3>() -= rate / (1.0f + rate) * (slip - slip.dot(normal) * normal) +
-                            dt * dt * wall_attraction_ * terms.adhesion * normal;
-    };
-    Wall* wall = &wall_[most_walls * i];
-    wall[0] = wall[1] = {};
-    if (surroundings.solid != nullptr) {
-        const DistanceSample sample = surroundings.solid->sample(predicted_[i]);
-        if (sample.distance < kernel_.radius) {
-            meet(wall[0], sample.distance, sample.normal, Vec3f::Zero());
-        }
-    }
-    const MovingCapsule* nearest = nullptr;
-    float distance = kernel_.radius;
-    Vec3f apart = Vec3f::Zero(), motion = Vec3f::Zero();
-    for_capsules(i, surroundings.capsules, [&](const MovingCapsule& capsule) {
-        const float t = closest_on_segment(capsule.a, capsule.b, predicted_[i]);
-        const Vec3f axis = capsule.a + t * (capsule.b - capsule.a);
-        const float gap = (predicted_[i] - axis).norm() - capsule.radius;
-        if (gap < distance) {
-            nearest = &capsule;
-            distance = gap;
-            apart = predicted_[i] - axis;
-            motion = axis - (capsule.a_before + t * (capsule.b_before - capsule.a_before));
-        }
-    });
-    if (nearest != nullptr) {
-        meet(wall[1], distance, apart.normalized(), motion);
-    }
-    offset_[i] = offset;
-    compression_[i] = density;
-    own_gradient_[i] = Vec4f(gradient.x(), gradient.y(), gradient.z(), 0.0f);
-}
-
 [[gnu::always_inline]] inline void Fluid::add_pair_terms(std::size_t i, float dt, Candidates& candidates) {
     const float h_squared = kernel_.radius * kernel_.radius;
     // Not its own neighbour.
@@ -328,8 +281,10 @@ void Fluid::find_walls(std::size_t i, float dt, const FluidSurroundings& surroun
             x * (rate.x() - other[0]) + y * (rate.y() - other[1]) + z * (rate.z() - other[2]);
         Lanes cohesion;
         cohesion_shape(q, cohesion);
-        const Lanes a = viscosity * closing / (squared + softening) * g -
-                        attraction_ * cohesion / (r + 1e-6f * kernel_.radius);
+        // viscosity closing g / (squared + softening) - attraction cohesion / r: one division is enough.
+        const Lanes soft = squared + softening;
+        const Lanes away = r + 1e-6f * kernel_.radius;
+        const Lanes a = (viscosity * closing * g * away - attraction_ * cohesion * soft) / (soft * away);
         ax += a * x;
         ay += a * y;
         az += a * z;
@@ -359,24 +314,29 @@ void Fluid::add_pair_terms_avx2(std::size_t i, float dt, Candidates& candidates)
 }
 #endif
 
-void Fluid::collect(float dt, const FluidSurroundings& surroundings) {
-    parallel::for_ranges(count(), grain,
-                         [&](std::size_t begin, std::size_t end) { collect(begin, end, dt, surroundings); });
+void Fluid::collect(float dt, float scale, const FluidSurroundings& surroundings) {
+    parallel::for_ranges(awake_.size(), grain, [&](std::size_t begin, std::size_t end) {
+        collect(begin, end, dt, scale, surroundings);
+    });
 }
 
-void Fluid::collect(std::size_t begin, std::size_t end, float dt, const FluidSurroundings& surroundings) {
+void Fluid::collect(std::size_t begin, std::size_t end, float dt, float scale,
+                    const FluidSurroundings& surroundings) {
+    const std::optional<FluidSolid> solid = solid_of(surroundings);
     Candidates candidates;
     std::uint32_t cell = 0;
     // Pairs lie one after the other, so that memory is read in one stream; there is room for all.
     std::size_t pair = most_neighbours * begin;
-    for (std::size_t i = begin; i != end; ++i) {
-        if (i == begin || grid_.cell_at(i) != cell) {
+    for (std::size_t k = begin; k != end; ++k) {
+        const std::uint32_t i = awake_[k];
+        if (k == begin || grid_.cell_at(i) != cell) {
             cell = grid_.cell_at(i);
             gather(cell, candidates);
         }
-        find_walls(i, dt, surroundings);
+        find_walls(i, dt, solid.has_value() ? &*solid : nullptr, surroundings.capsules);
         first_pair_[i] = static_cast<std::uint32_t>(pair);
         avx2_ ? add_pair_terms_avx2(i, dt, candidates) : add_pair_terms(i, dt, candidates);
+        multiplier_[i] *= scale;
         push_[i] = multiplier_[i] * local_[i];
         pair += neighbours_[i];
     }

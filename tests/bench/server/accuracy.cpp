@@ -32,22 +32,10 @@ std::vector<Setting> settings(bool quick) {
     return list;
 }
 
-}  // namespace
-
-int accuracy(const AccuracyOptions& options) {
-    AccuracyTable table(options.out);
-    Table forces(options.out, "accuracy-forces.csv",
-                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
-    bend_tubes(table, options.quick);
-    spdlog::info("tube done");
-    press_tongue(table, forces, options.quick);
-    spdlog::info("tongue done");
-    lift_tongue(table, options.quick);
-    spdlog::info("lift done");
-    pour_water(table, options.quick);
-    spdlog::info("fluid done; solving the references of the blocks");
-    const std::vector<Setting> all = settings(options.quick);
-    for (const auto& block : block_cases(options.quick)) {
+void press_blocks(AccuracyTable& table, Table& forces, bool quick) {
+    spdlog::info("solving the references of the blocks");
+    const std::vector<Setting> all = settings(quick);
+    for (const auto& block : block_cases(quick)) {
         for (const Setting& setting : all) {
             if (!block->fits(setting)) {
                 continue;
@@ -64,6 +52,38 @@ int accuracy(const AccuracyOptions& options) {
             }
         }
         spdlog::info("{} done", block->name());
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> accuracy_group_names() {
+    return {"tube", "tongue", "lift", "fluid", "blocks"};
+}
+
+int accuracy(const AccuracyOptions& options) {
+    AccuracyTable table(options.out);
+    Table forces(options.out, "accuracy-forces.csv",
+                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
+    const auto wanted = [&](std::string_view group) { return options.only.empty() || options.only == group; };
+    if (wanted("tube")) {
+        bend_tubes(table, options.quick);
+        spdlog::info("tube done");
+    }
+    if (wanted("tongue")) {
+        press_tongue(table, forces, options.quick);
+        spdlog::info("tongue done");
+    }
+    if (wanted("lift")) {
+        lift_tongue(table, options.quick);
+        spdlog::info("lift done");
+    }
+    if (wanted("fluid")) {
+        pour_water(table, options.quick);
+        spdlog::info("fluid done");
+    }
+    if (wanted("blocks")) {
+        press_blocks(table, forces, options.quick);
     }
     spdlog::info("wrote {} and {}", table.path().string(), forces.path().string());
     return 0;

@@ -68,6 +68,7 @@ DistanceGrid floor_and_walls() {
 void fluid(SpeedMeter& meter) {
     const DistanceGrid floor = floor_and_walls();
     pbd::FluidSettings settings;
+    settings.rest_time = 0.0f;  // all of it awake
     settings.lower = Vec3f::Constant(-0.025f);
     settings.upper = Vec3f::Constant(0.025f);
     pbd::Fluid liquid(settings);
