@@ -32,22 +32,9 @@ std::vector<Setting> settings(bool quick) {
     return list;
 }
 
-}  // namespace
-
-int accuracy(const AccuracyOptions& options) {
-    AccuracyTable table(options.out);
-    Table forces(options.out, "accuracy-forces.csv",
-                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
-    bend_tubes(table, options.quick);
-    spdlog::info("tube done");
-    press_tongue(table, forces, options.quick);
-    spdlog::info("tongue done");
-    lift_tongue(table, options.quick);
-    spdlog::info("lift done");
-    pour_water(table, options.quick);
-    spdlog::info("fluid done; solving the references of the blocks");
-    const std::vector<Setting> all = settings(options.quick);
-    for (const auto& block : block_cases(options.quick)) {
+void press_blocks(AccuracyTable& table, Table& forces, bool quick) {
+    const std::vector<Setting> all = settings(quick);
+    for (const auto& block : block_cases(quick)) {
         for (const Setting& setting : all) {
             if (!block->fits(setting)) {
                 continue;
@@ -64,6 +51,37 @@ int accuracy(const AccuracyOptions& options) {
             }
         }
         spdlog::info("{} done", block->name());
+    }
+}
+
+using Group = void (*)(AccuracyTable&, Table&, bool);
+constexpr std::pair<const char*, Group> groups[] = {
+    {"tube", [](AccuracyTable& table, Table&, bool quick) { bend_tubes(table, quick); }},
+    {"tongue", press_tongue},
+    {"lift", [](AccuracyTable& table, Table&, bool quick) { lift_tongue(table, quick); }},
+    {"fluid", [](AccuracyTable& table, Table&, bool quick) { pour_water(table, quick); }},
+    {"blocks", press_blocks},
+};
+
+}  // namespace
+
+std::vector<std::string> accuracy_group_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, run] : groups) {
+        names.emplace_back(name);
+    }
+    return names;
+}
+
+int accuracy(const AccuracyOptions& options) {
+    AccuracyTable table(options.out);
+    Table forces(options.out, "accuracy-forces.csv",
+                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
+    for (const auto& [name, run] : groups) {
+        if (options.only.empty() || options.only == name) {
+            run(table, forces, options.quick);
+            spdlog::info("{} done", name);
+        }
     }
     spdlog::info("wrote {} and {}", table.path().string(), forces.path().string());
     return 0;

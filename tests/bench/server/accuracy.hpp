@@ -3,13 +3,19 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace eti::bench {
 
 struct AccuracyOptions {
     std::filesystem::path out = "out/bench";
     bool quick = false;  ///< a corner of the sweep, for tests
+    std::string only;    ///< one of accuracy_group_names(); all if empty
 };
+
+/// Groups of cases, in the order in which they run.
+[[nodiscard]] std::vector<std::string> accuracy_group_names();
 
 /// Error against cost of every method, spacing, number of substeps and of iterations, in cases with a
 /// reference: writes accuracy.csv, and accuracy-forces.csv with the forces over depth behind the errors of

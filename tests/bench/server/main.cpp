@@ -40,6 +40,8 @@ int main(int argc, char** argv) {
         app.add_subcommand("accuracy", "Error against cost of every method, in cases with a reference");
     errors->add_option("--out", accuracy.out, "Folder for the table")->capture_default_str();
     errors->add_flag("--quick", accuracy.quick, "A corner of the sweep");
+    errors->add_option("--only", accuracy.only, "One group of cases")
+        ->check(CLI::IsMember(eti::bench::accuracy_group_names()));
     eti::bench::CalibrationOptions calibration;
     CLI::App* moduli = app.add_subcommand(
         "calibration", "What modulus bodies of clusters have, against the modulus that is put in");
