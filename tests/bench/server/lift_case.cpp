@@ -13,12 +13,21 @@ namespace eti::bench {
 
 void lift_tongue(AccuracyTable& table, bool quick) {
     Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
+    if (quick) {
+        scenario.physics.spacing = 2.5e-3f;
+    }
     const anatomy::Patient patient = app::patient_of(scenario);
     const std::vector<scene::Inputs> way = lift_of(scenario, patient);
     const Surroundings surroundings = surroundings_of(scenario, patient, way, quick ? 12 : 32);
-    const LiftReference reference(scenario, patient, surroundings, {});
-    spdlog::info("lift: finite elements {:.2f} N, view {:.1f} %", reference.lift.force.norm(),
-                 reference.lift.opening);
+    LiftChoice choice;
+    if (quick) {
+        choice.increment = 4e-3;
+    }
+    const LiftReference reference(scenario, patient, surroundings, choice);
+    spdlog::info(
+        "lift: finite elements {:.2f} N, view {:.1f} %; {} increments, {} iterations, {:.1g} mm deep",
+        reference.lift.force.norm(), reference.lift.opening, reference.increments, reference.iterations,
+        1e3 * reference.penetration);
     for (const auto& [model, method] : {std::pair{TissueModel::clusters, Method::clusters_for_tongue},
                                         std::pair{TissueModel::tetrahedra, Method::tetrahedra}}) {
         for (const int substeps : quick ? std::vector{8} : std::vector{6, 8, 12, 16, 24}) {
