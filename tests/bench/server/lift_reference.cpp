@@ -40,22 +40,10 @@ LiftReference::LiftReference(const Scenario& scenario, const anatomy::Patient& p
     settings.sticking = choice.sticking;
     settings.penetration = choice.penetration;
     path_ = std::make_unique<fem::FrictionPath>(problem_, settings);
-    std::vector<double> displacement;
+    std::size_t last = 0;
     for (const std::size_t stop : stops(choice.increment)) {
-        displacement.clear();
-        for (std::size_t n = 0; n < surroundings_.held.size(); ++n) {
-            const std::uint32_t i = surroundings_.held[n];
-            const Vec3f way = surroundings_.held_at[stop][n] - surroundings_.rest[i];
-            displacement.insert(displacement.end(), way.data(), way.data() + 3);
-        }
-        const fem::Increment done = path_->advance(pose_of(surroundings_.blade[stop]), displacement);
-        if (!done.converged) {
-            throw std::runtime_error(
-                fmt::format("the reference of the lifted tongue did not converge at step {}", stop));
-        }
-        ++increments;
-        iterations += done.iterations;
-        penetration = done.penetration;
+        go(increments == 0 ? stop : last, stop);
+        last = stop;
     }
     const Eigen::VectorXd& x = path_->position();
     scene::SoftTissue tissue = surroundings_.tissue.front();
@@ -76,6 +64,28 @@ LiftReference::LiftReference(const Scenario& scenario, const anatomy::Patient& p
     scene::Snapshot snapshot = surroundings_.snapshot;
     tissue.frames(snapshot.frames);
     lift.opening = opening_of(patient, surroundings_.scope, snapshot);
+}
+
+void LiftReference::go(std::size_t from, std::size_t to) {
+    std::vector<double> displacement;
+    for (std::size_t n = 0; n < surroundings_.held.size(); ++n) {
+        const Vec3f way = surroundings_.held_at[to][n] - surroundings_.rest[surroundings_.held[n]];
+        displacement.insert(displacement.end(), way.data(), way.data() + 3);
+    }
+    const fem::Increment done = path_->advance(pose_of(surroundings_.blade[to]), displacement);
+    iterations += done.iterations;
+    if (done.converged) {
+        ++increments;
+        penetration = done.penetration;
+        return;
+    }
+    if (to < from + 2) {
+        throw std::runtime_error(
+            fmt::format("the reference of the lifted tongue did not converge at step {}", to));
+    }
+    const std::size_t midway = (from + to) / 2;
+    go(from, midway);
+    go(midway, to);
 }
 
 void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patient& patient,

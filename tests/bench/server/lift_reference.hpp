@@ -42,6 +42,8 @@ class LiftReference {
 
   private:
     void make_problem(const Scenario& scenario, const anatomy::Patient& patient, const LiftChoice& choice);
+    /// To the equilibrium at a step of the way, by more between where it is not found at once.
+    void go(std::size_t from, std::size_t to);
     /// Steps of the way, where equilibria are wanted.
     [[nodiscard]] std::vector<std::size_t> stops(double increment) const;
 

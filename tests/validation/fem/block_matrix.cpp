@@ -4,20 +4,24 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace eti::fem {
 
 using Eigen::Index;
 
-BlockMatrix::BlockMatrix(std::size_t vertices, const std::vector<std::array<std::uint32_t, 2>>& pairs)
-    : matrix_(3 * static_cast<Index>(vertices), 3 * static_cast<Index>(vertices)) {
+BlockMatrix::BlockMatrix(std::size_t vertices, const std::vector<std::array<std::uint32_t, 2>>& pairs,
+                         std::vector<bool> held)
+    : held_(std::move(held)), matrix_(3 * static_cast<Index>(vertices), 3 * static_cast<Index>(vertices)) {
     std::vector<std::array<std::uint32_t, 2>> both;
     for (std::uint32_t i = 0; i < vertices; ++i) {
         both.push_back({i, i});
     }
     for (const auto& [a, b] : pairs) {
-        both.push_back({a, b});
-        both.push_back({b, a});
+        if (!all_held(a) && !all_held(b)) {
+            both.push_back({a, b});
+            both.push_back({b, a});
+        }
     }
     std::ranges::sort(both);
     const auto repeated = std::ranges::unique(both);
@@ -40,7 +44,14 @@ BlockMatrix::BlockMatrix(std::size_t vertices, const std::vector<std::array<std:
     matrix_.setFromTriplets(entries.begin(), entries.end());
 }
 
+bool BlockMatrix::all_held(std::uint32_t vertex) const {
+    return held_[3 * vertex] && held_[3 * vertex + 1] && held_[3 * vertex + 2];
+}
+
 void BlockMatrix::add(std::uint32_t a, std::uint32_t b, const Eigen::Matrix3d& block) {
+    if (all_held(a) || all_held(b)) {
+        return;
+    }
     const auto begin = joined_.begin() + first_[b];
     const auto found = std::lower_bound(begin, joined_.begin() + first_[b + 1], a);
     assert(found != joined_.begin() + first_[b + 1] && *found == a);
@@ -53,10 +64,10 @@ void BlockMatrix::add(std::uint32_t a, std::uint32_t b, const Eigen::Matrix3d& b
     }
 }
 
-void BlockMatrix::hold(const std::vector<bool>& held) {
+void BlockMatrix::hold() {
     for (Index c = 0; c < matrix_.outerSize(); ++c) {
         for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, c); it; ++it) {
-            if (held[static_cast<std::size_t>(it.row())] || held[static_cast<std::size_t>(c)]) {
+            if (held_[static_cast<std::size_t>(it.row())] || held_[static_cast<std::size_t>(c)]) {
                 it.valueRef() = it.row() == c ? 1.0 : 0.0;
             }
         }

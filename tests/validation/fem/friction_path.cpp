@@ -25,6 +25,14 @@ Vec3d at(const VectorXd& x, std::uint32_t vertex) {
     return x.segment<3>(3 * static_cast<Index>(vertex));
 }
 
+std::vector<bool> held_coordinates(const Problem& body) {
+    std::vector<bool> held(3 * body.rest.size(), false);
+    for (const Problem::Held& h : body.held) {
+        held[3 * h.vertex + static_cast<std::uint32_t>(h.axis)] = true;
+    }
+    return held;
+}
+
 std::vector<std::array<std::uint32_t, 2>> joined(const PathProblem& problem) {
     std::vector<std::array<std::uint32_t, 2>> pairs = problem.edges;
     for (const auto& corner : problem.body.tetrahedra) {
@@ -46,17 +54,14 @@ FrictionPath::FrictionPath(PathProblem problem, const PathSettings& settings)
     : problem_(std::move(problem)),
       settings_(settings),
       potential_(problem_.body),
-      matrix_(problem_.body.rest.size(), joined(problem_)),
-      held_(3 * problem_.body.rest.size(), false) {
+      held_(held_coordinates(problem_.body)),
+      matrix_(problem_.body.rest.size(), joined(problem_), held_) {
     assert(problem_.body.obstacles.empty());
     const std::size_t vertices = problem_.body.rest.size();
     problem_.radius.resize(vertices, 0.0);
     x_.resize(3 * static_cast<Index>(vertices));
     for (std::size_t i = 0; i < vertices; ++i) {
         x_.segment<3>(3 * static_cast<Index>(i)) = problem_.body.rest[i];
-    }
-    for (const Problem::Held& h : problem_.body.held) {
-        held_[3 * h.vertex + static_cast<std::uint32_t>(h.axis)] = true;
     }
     for (std::uint32_t c = 0; c < problem_.tool.size(); ++c) {
         const double thick = problem_.tool[c].radius;
@@ -244,7 +249,7 @@ bool FrictionPath::minimise(Increment& out, double bound) {
         }
         const auto factorised = [&](bool definite) {
             (void)hessian(x_, definite);
-            matrix_.hold(held_);
+            matrix_.hold();
             return matrix_.factorise();
         };
         // Far off the exact one is seldom definite, and of little use.
@@ -272,7 +277,6 @@ bool FrictionPath::minimise(Increment& out, double bound) {
 
 void FrictionPath::begin(const Eigen::Isometry3d& tool, std::span<const double> displacement) {
     const Eigen::Isometry3d moved = begun_ ? tool * pose_.inverse() : Eigen::Isometry3d::Identity();
-    begun_ = true;
     pose_ = tool;
     tool_.clear();
     for (const PathProblem::Capsule& c : problem_.tool) {
@@ -359,6 +363,10 @@ void FrictionPath::end() {
 }
 
 Increment FrictionPath::advance(const Eigen::Isometry3d& tool, std::span<const double> displacement) {
+    const VectorXd x = x_;
+    const std::vector<Contact> contacts = contacts_;
+    const Eigen::Isometry3d pose = pose_;
+    const std::vector<Problem::Held> held = problem_.body.held;
     begin(tool, displacement);
     Increment out;
     double bound = std::max(settings_.residual, first_bound);
@@ -379,7 +387,15 @@ Increment FrictionPath::advance(const Eigen::Isometry3d& tool, std::span<const d
         }
         bound = settled ? settings_.residual : std::max(settings_.residual, 0.1 * bound);
     }
-    end();
+    if (out.converged) {
+        end();
+        begun_ = true;
+    } else {
+        x_ = x;
+        contacts_ = contacts;
+        pose_ = pose;
+        problem_.body.held = held;
+    }
     return out;
 }
 

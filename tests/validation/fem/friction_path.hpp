@@ -139,8 +139,8 @@ class FrictionPath {
     PathProblem problem_;
     PathSettings settings_;
     Potential potential_;
-    BlockMatrix matrix_;
     std::vector<bool> held_;  // by coordinate
+    BlockMatrix matrix_;
     std::vector<Contact> contacts_;
     std::vector<std::uint32_t> near_;         // contacts that can meet in this increment
     std::vector<PathProblem::Capsule> tool_;  // where it is now

@@ -132,7 +132,14 @@ TEST(FrictionPath, DerivativesMatchFiniteDifferences) {
         hessian_difference.col(i) = (path.gradient(up) - path.gradient(down)) / 2e-8;
     }
     EXPECT_LT((gradient - gradient_difference).norm(), 1e-6 * gradient.norm());
-    EXPECT_LT((hessian - hessian_difference).norm(), 1e-5 * hessian.norm());
+    std::vector<Index> free;  // coordinates; of what is held nothing is known
+    for (Index i = 0; i < x.size(); ++i) {
+        if (problem.body.rest[static_cast<std::size_t>(i / 3)].z() > 1e-9) {
+            free.push_back(i);
+        }
+    }
+    const Eigen::MatrixXd of_free = hessian(free, free);
+    EXPECT_LT((of_free - hessian_difference(free, free)).norm(), 1e-5 * of_free.norm());
 }
 
 TEST(FrictionPath, WithoutFrictionAndMultipliersIsTheStaticSolver) {
