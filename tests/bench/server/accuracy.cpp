@@ -33,7 +33,6 @@ std::vector<Setting> settings(bool quick) {
 }
 
 void press_blocks(AccuracyTable& table, Table& forces, bool quick) {
-    spdlog::info("solving the references of the blocks");
     const std::vector<Setting> all = settings(quick);
     for (const auto& block : block_cases(quick)) {
         for (const Setting& setting : all) {
@@ -55,35 +54,34 @@ void press_blocks(AccuracyTable& table, Table& forces, bool quick) {
     }
 }
 
+using Group = void (*)(AccuracyTable&, Table&, bool);
+constexpr std::pair<const char*, Group> groups[] = {
+    {"tube", [](AccuracyTable& table, Table&, bool quick) { bend_tubes(table, quick); }},
+    {"tongue", press_tongue},
+    {"lift", [](AccuracyTable& table, Table&, bool quick) { lift_tongue(table, quick); }},
+    {"fluid", [](AccuracyTable& table, Table&, bool quick) { pour_water(table, quick); }},
+    {"blocks", press_blocks},
+};
+
 }  // namespace
 
 std::vector<std::string> accuracy_group_names() {
-    return {"tube", "tongue", "lift", "fluid", "blocks"};
+    std::vector<std::string> names;
+    for (const auto& [name, run] : groups) {
+        names.emplace_back(name);
+    }
+    return names;
 }
 
 int accuracy(const AccuracyOptions& options) {
     AccuracyTable table(options.out);
     Table forces(options.out, "accuracy-forces.csv",
                  "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
-    const auto wanted = [&](std::string_view group) { return options.only.empty() || options.only == group; };
-    if (wanted("tube")) {
-        bend_tubes(table, options.quick);
-        spdlog::info("tube done");
-    }
-    if (wanted("tongue")) {
-        press_tongue(table, forces, options.quick);
-        spdlog::info("tongue done");
-    }
-    if (wanted("lift")) {
-        lift_tongue(table, options.quick);
-        spdlog::info("lift done");
-    }
-    if (wanted("fluid")) {
-        pour_water(table, options.quick);
-        spdlog::info("fluid done");
-    }
-    if (wanted("blocks")) {
-        press_blocks(table, forces, options.quick);
+    for (const auto& [name, run] : groups) {
+        if (options.only.empty() || options.only == name) {
+            run(table, forces, options.quick);
+            spdlog::info("{} done", name);
+        }
     }
     spdlog::info("wrote {} and {}", table.path().string(), forces.path().string());
     return 0;

@@ -11,7 +11,7 @@ namespace eti::bench {
 struct AccuracyOptions {
     std::filesystem::path out = "out/bench";
     bool quick = false;  ///< a corner of the sweep, for tests
-    std::string only;    ///< one group of cases, by its name; all if empty
+    std::string only;    ///< one of accuracy_group_names(); all if empty
 };
 
 /// Groups of cases, in the order in which they run.

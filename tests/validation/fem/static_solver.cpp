@@ -170,40 +170,44 @@ double Potential::largest_element_force(const VectorXd& x) const {
     return largest;
 }
 
+Matrix12d Potential::stiffness(std::size_t which, const VectorXd& x, bool definite) const {
+    const Element& element = elements_[which];
+    const Matrix3d f = deformation(element, x);
+    const Matrix3d cof = cofactor(f);
+    const Eigen::Matrix<double, 9, 1> g = cof.reshaped();
+    Matrix9d by_f = mu_ * Matrix9d::Identity() + lambda_ * g * g.transpose();
+    const double pressure = lambda_ * (f.determinant() - gamma_);
+    for (int j = 0; j < 3; ++j) {
+        // Column j of the cofactor is the product of columns j + 1 and j + 2 of F.
+        const int a = (j + 1) % 3;
+        const int b = (j + 2) % 3;
+        by_f.block<3, 3>(3 * j, 3 * a) -= pressure * cross_matrix(f.col(b));
+        by_f.block<3, 3>(3 * j, 3 * b) += pressure * cross_matrix(f.col(a));
+    }
+    if (definite) {
+        const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(by_f);
+        by_f = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(smallest_curvature * mu_).asDiagonal() *
+               eigen.eigenvectors().transpose();
+    }
+    Eigen::Matrix<double, 9, 12> b = Eigen::Matrix<double, 9, 12>::Zero();
+    for (int v = 0; v < 4; ++v) {
+        for (int j = 0; j < 3; ++j) {
+            b.block<3, 3>(3 * j, 3 * v) = element.slope(v, j) * Matrix3d::Identity();
+        }
+    }
+    return element.volume * b.transpose() * by_f * b;
+}
+
 Eigen::SparseMatrix<double> Potential::hessian(const VectorXd& x, bool definite) const {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(144 * elements_.size());
-    for (const Element& element : elements_) {
-        const Matrix3d f = deformation(element, x);
-        const Matrix3d cof = cofactor(f);
-        const Eigen::Matrix<double, 9, 1> g = cof.reshaped();
-        Matrix9d by_f = mu_ * Matrix9d::Identity() + lambda_ * g * g.transpose();
-        const double pressure = lambda_ * (f.determinant() - gamma_);
-        for (int j = 0; j < 3; ++j) {
-            // Column j of the cofactor is the product of columns j + 1 and j + 2 of F.
-            const int a = (j + 1) % 3;
-            const int b = (j + 2) % 3;
-            by_f.block<3, 3>(3 * j, 3 * a) -= pressure * cross_matrix(f.col(b));
-            by_f.block<3, 3>(3 * j, 3 * b) += pressure * cross_matrix(f.col(a));
-        }
-        if (definite) {
-            const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(by_f);
-            by_f = eigen.eigenvectors() *
-                   eigen.eigenvalues().cwiseMax(smallest_curvature * mu_).asDiagonal() *
-                   eigen.eigenvectors().transpose();
-        }
-        Eigen::Matrix<double, 9, 12> b = Eigen::Matrix<double, 9, 12>::Zero();
-        for (int v = 0; v < 4; ++v) {
-            for (int j = 0; j < 3; ++j) {
-                b.block<3, 3>(3 * j, 3 * v) = element.slope(v, j) * Matrix3d::Identity();
-            }
-        }
-        const Matrix12d k = element.volume * b.transpose() * by_f * b;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        const auto& corner = elements_[e].corner;
+        const Matrix12d k = stiffness(e, x, definite);
         for (int c = 0; c < 12; ++c) {
             for (int r = 0; r < 12; ++r) {
-                entries.emplace_back(first_of(element.corner[static_cast<std::size_t>(r / 3)]) + r % 3,
-                                     first_of(element.corner[static_cast<std::size_t>(c / 3)]) + c % 3,
-                                     k(r, c));
+                entries.emplace_back(first_of(corner[static_cast<std::size_t>(r / 3)]) + r % 3,
+                                     first_of(corner[static_cast<std::size_t>(c / 3)]) + c % 3, k(r, c));
             }
         }
     }

@@ -59,6 +59,14 @@ class Potential {
     /// The largest force of one element on one corner, to compare residuals with [N].
     [[nodiscard]] double largest_element_force(const Eigen::VectorXd& x) const;
 
+    [[nodiscard]] std::size_t elements() const { return elements_.size(); }
+    [[nodiscard]] const std::array<std::uint32_t, 4>& corners(std::size_t element) const {
+        return elements_[element].corner;
+    }
+    /// What one element adds to hessian(), by its corners' coordinates.
+    [[nodiscard]] Eigen::Matrix<double, 12, 12> stiffness(std::size_t element, const Eigen::VectorXd& x,
+                                                          bool definite) const;
+
     /// [N], of all vertices on the obstacles.
     [[nodiscard]] Vec3d force_on_obstacles(const Eigen::VectorXd& x) const;
 
