@@ -4,10 +4,8 @@
 
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "common/bus/convert.hpp"
-#include "common/process/priority.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
 #include "devices/haptics/haptic_loop.hpp"
@@ -107,14 +105,8 @@ class TubeTracker {
 };
 
 int run(const ProgramOptions& options) {
-    // The tube waits for the bus's threads, too.
-    std::optional<RealTimeThreads> real_time(priority::bus);
     Program program(options, Tool::tube);
-    real_time.reset();
     const std::unique_ptr<Sensor> sensor = program.open_sensor();
-    if (const std::string refusal = become_real_time(priority::bus); !refusal.empty()) {
-        spdlog::warn("{}", refusal);
-    }
     nlohmann::ordered_json result = {{"device", options.device},
                                      {"session", options.bus.session},
                                      {"ended", program.ended()},
