@@ -96,7 +96,7 @@ Reading SensorWatch::exchange(const Wrench& wrench, float elapsed) {
 }
 
 void SensorWatch::count(bool lost, bool new_sample, float elapsed) {
-    if (lost && !was_lost_) {
+    if (lost && !was_lost_ && any_) {  // what was never there did not go
         add(losses_);
     }
     was_lost_ = lost;
