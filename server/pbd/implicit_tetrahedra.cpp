@@ -3,9 +3,7 @@
 #include "server/pbd/implicit_tetrahedra.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "server/parallel/loops.hpp"
 #include "server/pbd/implicit_kernels.hpp"

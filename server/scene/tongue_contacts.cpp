@@ -25,7 +25,7 @@ constexpr float least_along = 0.1f;
 // forces would grow for ever.
 constexpr float shell_memory = 0.9f;
 
-/// Twenty-four bits for either particle, eight for the obstacle and two for the kind.
+/// Thirty-two bits for the first particle, twenty-four for the second and eight for the obstacle.
 std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
     return static_cast<std::uint64_t>(contact.particle[0]) << 32 |
            static_cast<std::uint64_t>(contact.particle[1]) << 8 | obstacle;
