@@ -147,7 +147,7 @@ class Charts(unittest.TestCase):
     def test_launcher_knows_its_commands(self):
         done = subprocess.run([BENCH, "--help"], stdout=subprocess.PIPE, text=True)
         self.assertEqual(done.returncode, 0)
-        for command in ("speed", "accuracy", "calibration", "stability", "sufficiency", "haptics"):
+        for command in ("speed", "accuracy", "calibration", "stability", "sufficiency", "sleep", "haptics"):
             self.assertIn(command, done.stdout)
         self.assertEqual(subprocess.run([BENCH, "nothing"], stderr=subprocess.DEVNULL).returncode, 2)
 
