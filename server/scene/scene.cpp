@@ -128,11 +128,13 @@ void Scene::reset(const Inputs& start) {
 void Scene::place_laryngoscope(const RigidTransform& pose) {
     rigid_.reset(pose);
     blade_pose_ = pose;
+    wake_tissue();  // what it pressed on until now
 }
 
 void Scene::place_tube(const RigidTransform& grip) {
     tube_.reset(grip);
     grip_ = grip;
+    wake_tissue();
     tube_before_.clear();
 }
 
@@ -195,7 +197,7 @@ bool Scene::approach_tongue(float wanted) {
 void Scene::turn_gravity() {
     gravity_ = anatomy::gravity(posture_.table_angle);
     tissue_.body().settings.acceleration = tissue_weight_share * (gravity_ - anatomy::gravity(0.0f));
-    tissue_.body().sleep.wake_whole(tissue_.body().particles);
+    wake_tissue();
 }
 
 void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved) {
@@ -220,7 +222,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     pbd::SoftBody& body = tissue_.body();
     if (shell_revision_ != shell_.revision()) {
         shell_revision_ = shell_.revision();
-        body.sleep.wake_whole(body.particles);
+        wake_tissue();
     }
     blade_.wake(body, blade_pose_, blade_to);
     tube_.wake(body, grip_, inputs.tube_grip);

@@ -99,6 +99,7 @@ class Scene {
     void approach_stiffness(float wanted);
     /// Whether the tongue has grown or shrunk.
     [[nodiscard]] bool approach_tongue(float wanted);
+    void wake_tissue() { tissue_.body().sleep.wake_whole(tissue_.body().particles); }
     /// What hangs on the table's angle.
     void turn_gravity();
     [[nodiscard]] float wanted_head(const Inputs& inputs) const {

@@ -149,8 +149,8 @@ TEST_F(SleepTest, ASlowDriftWakesNeighboursBeforeTheyAreAnyFartherOffThanTheThre
         step(awake, tool);
         most = std::max(most, body.sleep.awake_groups());
         // A block stands still for as long as its neighbours have gone less than `shift`, or itself less than
-        // `still` in the counted steps; that they have gone farther shows after the step.
-        ASSERT_LT(apart(body, awake), settings.shift + settings.still + drift) << k;
+        // `still` in the counted steps. Once it is awake it takes no more steps than are counted to follow.
+        ASSERT_LT(apart(body, awake), settings.shift + settings.still + drift * settings.steps) << k;
     }
     EXPECT_GT(most, 1u);
 }
