@@ -39,6 +39,7 @@ struct Scenario {
         TissueModel tissue_model = TissueModel::implicit;
         float region = 10e-3f;      ///< [m], tissue farther than this from the airway moves with the bones
         bool self_contact = false;  ///< whether tissue also meets tissue
+        bool sleep = true;          ///< whether tissue at rest is left alone until something moves it
     } physics;
 
     bool saliva = false;          ///< whether there may be secretions

@@ -35,6 +35,7 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
             .stiffest = limits.stiffest,
             .rigid = {},
             .self_contact = scenario.physics.self_contact,
+            .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,
             .dry_start = scenario.saliva_standby,
             .seed = scenario.seed};

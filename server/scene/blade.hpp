@@ -8,6 +8,7 @@
 #include "common/model/tools.hpp"
 #include "server/pbd/contact.hpp"
 #include "server/pbd/particles.hpp"
+#include "server/pbd/soft_body.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::scene {
@@ -21,6 +22,9 @@ class BladeContact {
     /// `met_elsewhere`, by particle: those that somebody else keeps out of the blade; empty: none.
     explicit BladeContact(const Laryngoscope& scope, std::vector<Edge> edges = {},
                           std::vector<bool> met_elsewhere = {});
+
+    /// Wakes tissue that the blade may meet on its way from `from` to `to`. Before begin_step().
+    void wake(pbd::SoftBody& body, const RigidTransform& from, const RigidTransform& to) const;
 
     /// Starts a step in which the blade goes from `from` to `to`; picks the particles it can reach.
     void begin_step(const pbd::Particles& particles, const RigidTransform& from, const RigidTransform& to);
