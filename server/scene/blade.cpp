@@ -63,9 +63,11 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
     to_ = to;
     motion_ = {};
     torque_impulse_.setZero();
+    way_ = 0.0f;
     // Where each capsule ends up, and its radius and way, within which it meets what does not move.
     struct Reach {
         Vec3f a, b;
+        float way;
         float distance;
         float least;  // [m], that a point must be beyond it to be met by nothing of the way
         float far;    // [m], from the axis, where particles are out of reach
@@ -84,6 +86,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
         const float way = std::max((from * c.a - a).norm(), (from * c.b - b).norm());
         reaches[k] = {a,
                       b,
+                      way,
                       c.radius + way,
                       bow * std::max(c.a.norm(), c.b.norm()),
                       c.radius + way + tissue_reach,
@@ -116,6 +119,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
             const float squared = (from_a - t * r.along).squaredNorm();
             if (squared < r.far * r.far) {
                 near = meeting.capsule[c] = true;
+                way_ = std::max(way_, r.way);
                 meeting.clearance.gap = std::min(
                     meeting.clearance.gap, std::sqrt(squared) - r.distance - particles.radius[i] - r.least);
             }

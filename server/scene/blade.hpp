@@ -38,6 +38,8 @@ class BladeContact {
                      const RigidTransform& pose);
 
     [[nodiscard]] const Laryngoscope& scope() const { return scope_; }
+    /// [m], that it goes in this step where there is tissue near.
+    [[nodiscard]] float way() const { return way_; }
     /// Where the blade is after this share of the step.
     [[nodiscard]] RigidTransform pose_at(float share) const;
 
@@ -67,6 +69,7 @@ class BladeContact {
 
     Laryngoscope scope_;
     RigidTransform from_, to_;
+    float way_ = 0.0f;  // [m]
     /// An edge and a capsule that may meet in this step.
     struct EdgeMeeting {
         std::uint32_t first, second;

@@ -15,12 +15,22 @@ namespace {
 
 constexpr float tongue_friction = 0.2f;
 constexpr int swelling_delay = 90;  // steps; half a second
-constexpr float tissue_weight_share =
-    1000.0f / anatomy::tissue_density;        // tissue's own density over its particles'
+constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
+constexpr float most_blade_way = 1e-3f;       // [m] in a solve of the tongue; 0.18 m/s with one in a step
 constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
 
 float approach(float from, float to, float most) {
     return from + std::clamp(to - from, -most, most);
+}
+
+/// Into how many solves of the tongue a step is cut in which the blade goes so far [m]; divides `substeps`.
+int solves_for(float blade_way, int substeps) {
+    int solves = 1;
+    while (solves < substeps && (substeps % solves != 0 ||
+                                 blade_way > most_blade_way * static_cast<float>(solves))) {
+        ++solves;
+    }
+    return solves;
 }
 
 /// FNV-1a over raw bytes.
@@ -196,7 +206,9 @@ bool Scene::approach_tongue(float wanted) {
 
 void Scene::turn_gravity() {
     gravity_ = anatomy::gravity(posture_.table_angle);
-    tissue_.body().settings.acceleration = tissue_weight_share * (gravity_ - anatomy::gravity(0.0f));
+    const Vec3f turned = gravity_ - anatomy::gravity(0.0f);
+    tissue_.body().settings.acceleration = tissue_weight_share * turned;
+    tissue_.tongue().acceleration = turned;
     wake_tissue();
 }
 
@@ -242,17 +254,23 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     lap(Stage::reach);
     Tongue& tongue = tissue_.tongue();
     const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
+    const int solves = tongue_moves ? solves_for(blade_.way(), substeps) : 1;
+    const int per_solve = substeps / solves;
     for (int s = 0; s < substeps; ++s) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
         const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
-        if (tongue_moves && s == 0) {
-            tongue.solve(body, {blade_.scope(), blade_pose_, blade_to}, shell_.distance(), step_duration,
-                         1.0f, blade_);
+        const int since_solve = s % per_solve;
+        const float solved_part = static_cast<float>(since_solve + 1) / static_cast<float>(per_solve);
+        if (tongue_moves && since_solve == 0) {
+            const float until = static_cast<float>(s + per_solve) / static_cast<float>(substeps);
+            tongue.solve(body, {blade_.scope(), blade_.pose_at(begin), blade_.pose_at(until)},
+                         shell_.distance(), dt * static_cast<float>(per_solve),
+                         static_cast<float>(per_solve) / static_cast<float>(substeps - s), blade_);
             lap(Stage::tissue);
         }
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));
         if (tongue_moves) {
-            tongue.place(body.particles, end);
+            tongue.place(body.particles, solved_part);
         }
         tube_.predict(dt, end, gravity_);
         lap(Stage::predict);
@@ -268,14 +286,14 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         keep_out_of_shell(body.particles);
         lap(Stage::shell);
         if (tongue_moves) {
-            tongue.take_pushes(body.particles, end);
+            tongue.take_pushes(body.particles, solved_part);
         }
         tube_.finish();
         body.finish(dt);
+        if (tongue_moves && since_solve + 1 == per_solve) {
+            tongue.finish(body, per_solve);
+        }
         lap(Stage::finish);
-    }
-    if (tongue_moves) {
-        tongue.finish(body, substeps);
     }
     blade_pose_ = blade_to;
     grip_ = inputs.tube_grip;

@@ -42,7 +42,7 @@ struct Inputs {
 
 struct Settings {
     int substeps = 8;
-    TissueModel tissue_model = TissueModel::tetrahedra;
+    TissueModel tissue_model = TissueModel::implicit;
     float posture_rate = 0.17f;   ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     float head_rate = 0.1f;       ///< [1/s], of the built cranium's size
     float tongue_rate = 0.1f;     ///< [1/s], of the built tongue's size
