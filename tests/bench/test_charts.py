@@ -294,7 +294,7 @@ class Charts(unittest.TestCase):
         self.assertAlmostEqual(float(rows[0]["ratio"]), 1.19, delta=0.05)     # 5 mm, two cells across: all surface
 
     def test_sleep_costs_less_than_half_a_per_cent_of_forces_and_view(self):
-        """Over the attempt: means, and of the forces the difference (rms) against the greatest."""
+        """Over the attempt, in the means; from moment to moment about what a blade a micrometre beside makes of it."""
         rows = plot.rows_of(CHARTS / "sleep.csv")
         self.assertEqual({row["model"] for row in rows}, {"tetrahedra", "implicit"})
         for row in rows:
@@ -302,9 +302,8 @@ class Charts(unittest.TestCase):
                 mean, asleep = float(row[f"{measure}_mean"]), float(row[f"{measure}_sleep_mean"])
                 greatest = float(row[f"{measure}_max"])
                 self.assertLess(abs(asleep - mean), 0.005 * greatest, (row["model"], measure))
-                if measure != "view_percent":
-                    self.assertLess(float(row[f"{measure}_sleep_difference_rms"]), 0.005 * greatest,
-                                    (row["model"], measure))
+                self.assertLessEqual(float(row[f"{measure}_sleep_difference_rms"]),
+                                     1.25 * float(row[f"{measure}_beside_difference_rms"]), (row["model"], measure))
             self.assertEqual(float(row["rest_awake_percent"]), 0.0, row["model"])
             self.assertLess(float(row["rest_step_sleep_ms"]), 0.4, row["model"])
 
