@@ -29,7 +29,7 @@ namespace eti::pbd {
 class ImplicitTetrahedra {
   public:
     struct Settings {
-        int iterations = 8;     ///< of conjugate gradients; cost grows linearly
+        int iterations = 8;  ///< of conjugate gradients; cost grows linearly
         /// Of contacts, in parts of their particles' own stiffness. Contacts find their force within a few
         /// steps; three times as firm, a tongue of 1 mm trembles between blade and jaw.
         float firmness = 0.3f;

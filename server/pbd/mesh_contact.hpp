@@ -20,7 +20,8 @@ struct MeshContact {
     float along = 0.0f;                          ///< of the way from the first to the second
     Vec3f normal = Vec3f::UnitY();               ///< unit, out of the obstacle
     float gap = 0.0f;                            ///< [m], at the predicted position; negative inside
-    Vec3f slip = Vec3f::Zero();  ///< [m], way of the predicted position along the obstacle in this step
+    /// [m], of the predicted position along the obstacle, from where the point stuck; found by a step, too.
+    Vec3f slip = Vec3f::Zero();
     Friction friction;
     /// [N], of the obstacle on the point; found by a step, and what the next one starts from.
     Vec3f force = Vec3f::Zero();
@@ -41,6 +42,14 @@ struct MeshContact {
         }
         const Vec3f wanted = across(force) - stiffness * across(slip + way);
         return pressing * normal + static_cast<float>(friction.share(wanted.norm(), pressing)) * wanted;
+    }
+
+    /// How far from where it stuck the point is after `way` [m]; none where it slides.
+    [[nodiscard]] Vec3f slip_after(const Vec3f& way) const {
+        const float pressing = std::max(0.0f, force.dot(normal) - stiffness * (gap + way.dot(normal)));
+        const Vec3f off = across(slip + way);
+        const bool holds = (across(force) - stiffness * off).norm() < friction.stick * pressing;
+        return holds ? off : Vec3f(Vec3f::Zero());
     }
 
     /// Whether the point acts in a step, and if so whether it sticks there.

@@ -26,8 +26,8 @@ float approach(float from, float to, float most) {
 /// Into how many solves of the tongue a step is cut in which the blade goes so far [m]; divides `substeps`.
 int solves_for(float blade_way, int substeps) {
     int solves = 1;
-    while (solves < substeps && (substeps % solves != 0 ||
-                                 blade_way > most_blade_way * static_cast<float>(solves))) {
+    while (solves < substeps &&
+           (substeps % solves != 0 || blade_way > most_blade_way * static_cast<float>(solves))) {
         ++solves;
     }
     return solves;

@@ -36,6 +36,11 @@ std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
 void TongueContacts::configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges) {
     movers_ = std::move(movers);
     edges_ = std::move(edges);
+    // As many as will touch at once, so that a step does not allocate; more may come.
+    const std::size_t most = 2 * movers_.size() + edges_.size();
+    last_.reserve(most);
+    now_.reserve(most);
+    obstacle_.reserve(most);
     reset();
 }
 
@@ -50,7 +55,7 @@ void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& bl
     last_.clear();
     for (std::size_t n = 0; n < contacts.size(); ++n) {
         if (!contacts[n].force.isZero(0.0f)) {
-            last_.push_back({key_of(contacts[n], obstacle_[n]), contacts[n].force});
+            last_.push_back({key_of(contacts[n], obstacle_[n]), contacts[n].force, contacts[n].slip});
         }
     }
     std::ranges::sort(last_, {}, &Known::key);
@@ -61,19 +66,23 @@ void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& bl
     std::swap(now_, contacts);
 }
 
-Vec3f TongueContacts::last_force(const pbd::MeshContact& contact, std::uint8_t obstacle) const {
+const TongueContacts::Known* TongueContacts::known(const pbd::MeshContact& contact,
+                                                   std::uint8_t obstacle) const {
     const std::uint64_t key = key_of(contact, obstacle);
     const auto found = std::ranges::lower_bound(last_, key, {}, &Known::key);
-    return found != last_.end() && found->key == key ? found->force : Vec3f(Vec3f::Zero());
+    return found != last_.end() && found->key == key ? &*found : nullptr;
 }
 
 void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle) {
+    const Known* const last = known(contact, obstacle);
+    if (contact.gap >= 0.0f && last == nullptr) {
+        return;
+    }
     now_.push_back(contact);
-    now_.back().force = (obstacle == shell_obstacle ? shell_memory : 1.0f) * last_force(contact, obstacle);
-    if (contact.gap >= 0.0f && now_.back().force.isZero(0.0f)) {
-        now_.pop_back();
-    } else {
-        obstacle_.push_back(obstacle);
+    obstacle_.push_back(obstacle);
+    if (last != nullptr) {
+        now_.back().force = (obstacle == shell_obstacle ? shell_memory : 1.0f) * last->force;
+        now_.back().slip += last->slip;
     }
 }
 
@@ -147,7 +156,7 @@ void TongueContacts::meet_shell(const pbd::Particles& particles, const DistanceG
         pbd::MeshContact contact;
         contact.particle = {i, i};
         contact.gap = distance;
-        if (distance >= 0.0f && last_force(contact, shell_obstacle).isZero(0.0f)) {
+        if (distance >= 0.0f && known(contact, shell_obstacle) == nullptr) {
             continue;
         }
         contact.normal = shell.sample(x).normal;

@@ -45,17 +45,18 @@ class TongueContacts {
 
     void meet_blade(const pbd::Particles& particles, const MovingBlade& blade);
     void meet_shell(const pbd::Particles& particles, const DistanceGrid& shell);
-    /// The force that this contact had; zero for one that is new.
-    [[nodiscard]] Vec3f last_force(const pbd::MeshContact& contact, std::uint8_t obstacle) const;
+    struct Known {
+        std::uint64_t key;
+        Vec3f force, slip;
+    };
+    /// What is known of this contact from the last step; nullptr for one that is new.
+    [[nodiscard]] const Known* known(const pbd::MeshContact& contact, std::uint8_t obstacle) const;
+    /// Takes it up where it touches, or did in the last step; `slip` in it is that of this step so far.
     void add(const pbd::MeshContact& contact, std::uint8_t obstacle);
 
     std::vector<std::uint32_t> movers_;
     std::vector<Edge> edges_;
-    std::vector<bool> near_;  // by particle
-    struct Known {
-        std::uint64_t key;
-        Vec3f force;
-    };
+    std::vector<bool> near_;   // by particle
     std::vector<Known> last_;  // sorted
     std::vector<pbd::MeshContact> now_;
     std::vector<std::uint8_t> obstacle_;
