@@ -40,7 +40,7 @@ std::vector<Variant> variants(const Scenario& scenario, bool quick) {
         change(physics);
         list.push_back({name, physics, scenario.saliva});
     };
-    for (const int substeps : {6, 16}) {
+    for (const int substeps : {4, 6, 16}) {
         with(fmt::format("substeps {}", substeps), [&](Physics& p) { p.substeps = substeps; });
     }
     for (const int mm : {7, 15}) {
@@ -52,6 +52,7 @@ std::vector<Variant> variants(const Scenario& scenario, bool quick) {
     for (const float mm : {0.8f, 1.25f}) {
         with(fmt::format("fine spacing {} mm", mm), [&](Physics& p) { p.fine_spacing = 1e-3f * mm; });
     }
+    with("tongue of tetrahedra, XPBD", [](Physics& p) { p.tissue_model = TissueModel::tetrahedra; });
     with("tongue of clusters", [](Physics& p) { p.tissue_model = TissueModel::clusters; });
     with("self-contact", [](Physics& p) { p.self_contact = true; });
     list.push_back({scenario.saliva ? "no saliva" : "saliva", shipped, !scenario.saliva});
