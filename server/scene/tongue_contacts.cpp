@@ -15,8 +15,6 @@ namespace {
 
 // [m], beyond a capsule's reach: an edge that touches has an end within it.
 constexpr float edge_reach = 4e-3f;
-// In radii of the ends: the blade sinks in between the ends of a shorter edge by less than 0.4 mm.
-constexpr float covered = 3.5f;
 // Of an edge's way from one end to the other; nearer to an end, that end touches itself.
 constexpr float least_along = 0.1f;
 
@@ -120,10 +118,6 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
             }
             const Vec3f& x = particles.predicted[i];
             const Vec3f along = particles.predicted[k] - x;
-            const float radius = 0.5f * (particles.radius[i] + particles.radius[k]);
-            if (along.squaredNorm() < covered * covered * radius * radius) {
-                continue;
-            }
             const auto [t, on_axis] = closest_on_segments(x, particles.predicted[k], a, b);
             if (t < least_along || t > 1.0f - least_along) {
                 continue;
@@ -131,14 +125,11 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
             const Vec3f point = x + t * along;
             const Vec3f away = point - a - on_axis * (b - a);
             const float distance = away.norm();
-            // With the ends on the capsule an edge of `covered` lies so near to its axis.
-            const float ends = capsule.radius + radius;
-            const float half = 0.5f * covered * radius;
             pbd::MeshContact contact;
             contact.particle = {i, k};
             contact.along = t;
             contact.normal = away / std::max(distance, 1e-9f);
-            contact.gap = distance - std::sqrt(ends * ends - half * half);
+            contact.gap = distance - capsule.radius - 0.5f * (particles.radius[i] + particles.radius[k]);
             contact.slip = slip_of((1.0f - t) * particles.position[i] + t * particles.position[k], point);
             contact.friction = blade_friction;
             add(contact, c);

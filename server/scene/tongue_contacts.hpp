@@ -14,7 +14,8 @@
 namespace eti::scene {
 
 /// Which particles and surface edges of an implicit mesh touch the laryngoscope's capsules or the offset
-/// shell, and with what force they did in the step before.
+/// shell, and with what force they did in the step before. The blade meets the particles' balls, and between
+/// them what a ball covers that runs along an edge of the surface.
 class TongueContacts {
   public:
     using Edge = std::array<std::uint32_t, 2>;  ///< particles
