@@ -101,7 +101,11 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
     for (const std::uint32_t i : reachable_) {
         number_of_[i] = none;
     }
-    number_of_.resize(particles.size(), none);
+    if (number_of_.size() != particles.size()) {
+        number_of_.resize(particles.size(), none);
+        reachable_.reserve(particles.size());  // so that no step allocates
+        impulse_.reserve(particles.size());
+    }
     reachable_.clear();
     particle_meetings_.clear();
     const auto pick = [&](std::uint32_t i) {

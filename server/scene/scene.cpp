@@ -100,6 +100,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
     if (settings.sleep) {
         tissue_.let_sleep();
     }
+    snapshot_.tissue_contacts.reserve(particles.size());  // so that no step allocates
     reset(start);
 }
 
