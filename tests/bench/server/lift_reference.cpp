@@ -23,7 +23,8 @@ constexpr double near_tongue = 2e-3;  // [m], from vertices at rest, where the b
 constexpr double blade_friction = 0.1;
 constexpr double shell_friction = 0.2;
 
-constexpr double residual = 1e-5;        // of a step, in parts of the largest force
+constexpr double at_rest = 1e-4;         // of the force, what the last step may change of it
+constexpr double deepest = 0.02e-3;      // [m], a contact with the blade at the end
 constexpr double shortest = 0.1;         // of the scene's steps, in time
 constexpr int most_steps_at_rest = 200;  // with a blade that stands still
 // [s], beside which drag is nothing: of the tongue's slowest motion, 36 ms, it is a ten thousandth.
@@ -33,16 +34,14 @@ constexpr double for_ever = 360.0;
 
 LiftReference::LiftReference(const Scenario& scenario, const anatomy::Patient& patient,
                              const Surroundings& surroundings, const LiftChoice& choice)
-    : surroundings_(surroundings) {
-    make_problem(scenario, patient, choice);
+    : surroundings_(surroundings), choice_(choice) {
+    make_problem(scenario, patient);
     fem::PathSettings settings;
     settings.stiffness = choice.stiffness;
     settings.sticking = choice.sticking;
-    settings.penetration = choice.penetration;
     settings.solid_spring = choice.shell;
-    settings.residual = residual;
     path_ = std::make_unique<fem::FrictionPath>(problem_, settings);
-    const std::vector<std::size_t> at = stops(choice);
+    const std::vector<std::size_t> at = stops();
     for (std::size_t k = 0; k < at.size(); ++k) {
         go(static_cast<double>(k == 0 ? 0 : at[k - 1]), static_cast<double>(at[k]));
     }
@@ -110,13 +109,12 @@ std::vector<double> LiftReference::held_at(double step) const {
 
 void LiftReference::go(double from, double to) {
     const fem::Increment done =
-        path_->step(blade_at(to), held_at(to), std::max(to - from, 1.0) * scene::step_duration);
+        path_->step(blade_at(to), held_at(to), (to - from) * scene::step_duration, choice_.on_the_way);
     iterations += done.iterations;
     spdlog::debug("lift: to step {}: {} iterations, residual {:.1g}, {:.3f} mm deep, {:.3f} N", to,
                   done.iterations, done.residual, 1e3 * done.penetration, force_on_blade().norm());
     if (done.converged) {
         ++increments;
-        penetration = done.penetration;
         return;
     }
     if (to - from < shortest) {
@@ -133,20 +131,18 @@ void LiftReference::come_to_rest() {
     double duration = scene::step_duration;
     for (int k = 0; k < most_steps_at_rest; ++k) {
         const Vec3d before = force_on_blade();
-        const fem::Increment done = path_->step(blade_at(last), held_at(last), duration);
+        const fem::Increment done = path_->step(blade_at(last), held_at(last), duration, choice_.at_rest);
         iterations += done.iterations;
-        still = (force_on_blade() - before).norm();
-        spdlog::debug(
-            "lift: at rest, {:.3g} s: {} iterations, {}, residual {:.1g}, {:.3f} mm deep, friction {:.1g}, "
-            "{:.4f} N",
-            duration, done.iterations, done.converged, done.residual, 1e3 * done.penetration, done.changed,
-            force_on_blade().norm());
+        still = (force_on_blade() - before).norm() / force_on_blade().norm();
+        spdlog::debug("lift: at rest, {:.3g} s: {} iterations, {}, {:.3f} mm deep, friction {:.1g}, {:.4f} N",
+                      duration, done.iterations, done.converged, 1e3 * done.penetration, done.changed,
+                      force_on_blade().norm());
         if (!done.converged) {
             duration *= 0.25;
             continue;
         }
         penetration = done.penetration;
-        if (duration >= for_ever && still < 1e-4 * force_on_blade().norm()) {
+        if (duration >= for_ever && still < at_rest && penetration < deepest) {
             return;
         }
         duration = std::min(2.0 * duration, for_ever);
@@ -154,8 +150,7 @@ void LiftReference::come_to_rest() {
     throw std::runtime_error("the reference of the lifted tongue did not come to rest");
 }
 
-void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patient& patient,
-                                 const LiftChoice& choice) {
+void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patient& patient) {
     number_.assign(surroundings_.rest.size(), none);
     const auto vertex_of = [&](std::uint32_t i) {
         if (number_[i] == none) {
@@ -163,7 +158,7 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
             particle_.push_back(i);
             problem_.body.rest.push_back(surroundings_.rest[i].cast<double>());
             problem_.radius.push_back(static_cast<double>(patient.particles.radius[i]));
-            problem_.drag.push_back(choice.drag * static_cast<double>(anatomy::tissue_damping) *
+            problem_.drag.push_back(choice_.drag * static_cast<double>(anatomy::tissue_damping) *
                                     static_cast<double>(patient.particles.mass[i]));
         }
         return number_[i];
@@ -194,7 +189,7 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
         }
     }
     for (const auto& [a, b] : surroundings_.edges) {
-        if (choice.edges && number_[a] != none && number_[b] != none) {
+        if (number_[a] != none && number_[b] != none) {
             problem_.edges.push_back({number_[a], number_[b]});
         }
     }
@@ -206,11 +201,11 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
     }
     shell_ = std::make_unique<fem::SmoothGrid>(surroundings_.shell);
     problem_.solid = shell_.get();
-    problem_.tool_friction = choice.friction ? blade_friction : 0.0;
-    problem_.solid_friction = choice.friction ? shell_friction : 0.0;
+    problem_.tool_friction = blade_friction;
+    problem_.solid_friction = shell_friction;
 }
 
-std::vector<std::size_t> LiftReference::stops(const LiftChoice& choice) const {
+std::vector<std::size_t> LiftReference::stops() const {
     const auto ends_at = [&](std::size_t step) {
         std::vector<Vec3f> ends;
         for (const Capsule& c : surroundings_.scope.capsules) {
@@ -249,7 +244,7 @@ std::vector<std::size_t> LiftReference::stops(const LiftChoice& choice) const {
         for (std::size_t k = of_handle; k < now.size(); ++k) {
             way = std::max(way, static_cast<double>((now[k] - last[k]).norm()));
         }
-        if (way >= choice.increment || step >= out.back() + static_cast<std::size_t>(choice.longest) ||
+        if (way >= choice_.increment || step >= out.back() + choice_.longest ||
             step + 1 == surroundings_.blade.size()) {
             out.push_back(step);
         }

@@ -9,17 +9,17 @@
 
 namespace eti::bench {
 
-/// How finite elements go the blade's way.
+/// How finite elements go the blade's way. Contacts with multipliers end up as deep as these leave them:
+/// their stiffness only says how fast, and how hard a step is to solve.
 struct LiftChoice {
-    double increment = 1e-3;       ///< [m], most of the blade's farthest point in one step,
-    int longest = 6;               ///< and most of the scene's steps of 1/180 s
-    double drag = 1.0;             ///< in parts of the scene's damping
-    double penetration = 0.02e-3;  ///< [m], bound for the deepest contact with the blade, at the end
-    double stiffness = 2e3;        ///< [N/m], of each contact
-    double sticking = 1e3;         ///< [N/m], along each, while it sticks
-    double shell = 2e3;            ///< [N/m], with which each vertex on the shell is pushed back
-    bool edges = true;             ///< whether edges meet the blade, or only particles
-    bool friction = true;
+    double increment = 1e-3;   ///< [m], most of the blade's farthest point in one step,
+    std::size_t longest = 12;  ///< and most of the scene's steps of 1/180 s
+    double drag = 1.0;         ///< in parts of the scene's damping
+    double stiffness = 500.0;  ///< [N/m], of each contact with the blade
+    double sticking = 250.0;   ///< [N/m], along each, while it sticks
+    double shell = 2e3;        ///< [N/m], with which each vertex on the shell is pushed back
+    double on_the_way = 1e-3;  ///< bound for the largest unbalanced force, in parts of the largest force;
+    double at_rest = 1e-5;     ///< the same at the end
 };
 
 /// The tongue on the blade's way by finite elements on its own mesh, in time as a body slowed down by the
@@ -41,12 +41,12 @@ class LiftReference {
     [[nodiscard]] const std::vector<bool>& free() const { return surroundings_.free; }
 
     double penetration = 0.0;  ///< [m], deepest, at the end
-    double still = 0.0;        ///< [N], change of the force on the blade in the last, longest step
+    double still = 0.0;        ///< change of the force on the blade in the last, longest step, in parts of it
     int increments = 0;
     int iterations = 0;
 
   private:
-    void make_problem(const Scenario& scenario, const anatomy::Patient& patient, const LiftChoice& choice);
+    void make_problem(const Scenario& scenario, const anatomy::Patient& patient);
     /// The blade at a time in steps, and where held vertices then are.
     [[nodiscard]] Eigen::Isometry3d blade_at(double step) const;
     [[nodiscard]] std::vector<double> held_at(double step) const;
@@ -55,10 +55,11 @@ class LiftReference {
     /// To the equilibrium with all that holds it at rest in its last place.
     void come_to_rest();
     /// Steps of the way, where places are wanted.
-    [[nodiscard]] std::vector<std::size_t> stops(const LiftChoice& choice) const;
+    [[nodiscard]] std::vector<std::size_t> stops() const;
     [[nodiscard]] Vec3d force_on_blade() const;
 
     const Surroundings& surroundings_;
+    LiftChoice choice_;
     std::vector<std::uint32_t> number_;    // by particle: of the vertex, or none
     std::vector<std::uint32_t> particle_;  // by vertex
     fem::PathProblem problem_;

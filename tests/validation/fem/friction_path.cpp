@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::VectorXd;
 
 constexpr double within_reach = 5e-3;  // [m], farther than anything moves in an increment
-constexpr int iteration_limit = 100;   // in one round
+constexpr int iteration_limit = 200;   // in one round
 constexpr double far_off = 0.3;        // residual
 constexpr double first_bound = 1e-2;   // of the residual, in the first round
 
@@ -416,7 +416,7 @@ Increment FrictionPath::advance(const Eigen::Isometry3d& tool, std::span<const d
 }
 
 Increment FrictionPath::step(const Eigen::Isometry3d& tool, std::span<const double> displacement,
-                             double duration) {
+                             double duration, double bound) {
     State before = state();
     begin(tool, displacement);
     Increment out;
@@ -424,7 +424,7 @@ Increment FrictionPath::step(const Eigen::Isometry3d& tool, std::span<const doub
     find_near(x_);
     fix_friction();
     duration_ = duration;
-    out.converged = minimise(out, settings_.residual);
+    out.converged = minimise(out, bound);
     duration_ = 0.0;
     if (out.converged) {
         find_near(x_);

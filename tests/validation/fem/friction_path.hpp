@@ -97,9 +97,10 @@ class FrictionPath {
     /// tells, in the order of body.held; as before if empty.
     Increment advance(const Eigen::Isometry3d& tool, std::span<const double> displacement = {});
 
-    /// A step of `duration` [s] in time: one round, that takes multipliers and friction's limits from the
-    /// step before. Where steps change nothing any more, nothing lags.
-    Increment step(const Eigen::Isometry3d& tool, std::span<const double> displacement, double duration);
+    /// A step of `duration` [s] in time, to a residual below `bound`: one round, that takes multipliers and
+    /// friction's limits from the step before. Where steps change nothing any more, nothing lags.
+    Increment step(const Eigen::Isometry3d& tool, std::span<const double> displacement, double duration,
+                   double bound);
 
     [[nodiscard]] const Eigen::VectorXd& position() const { return x_; }  ///< x0 y0 z0 x1 ... [m]
     /// [N], of the tool on each vertex, in the last increment.
