@@ -2,9 +2,8 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <functional>
 
 #include "server/app/simulation.hpp"
 #include "server/pbd/implicit_tetrahedra.hpp"
@@ -14,29 +13,44 @@
 
 namespace eti::bench {
 
-void lift_tongue(AccuracyTable& table, bool quick) {
-    Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
-    if (quick) {
-        scenario.physics.spacing = 2.5e-3f;
-    }
-    const anatomy::Patient patient = app::patient_of(scenario);
-    const std::vector<scene::Inputs> way = lift_of(scenario, patient);
-    const Surroundings surroundings = surroundings_of(scenario, patient, way, quick ? 12 : 32);
+namespace {
+
+/// Of the run that the tongue's surroundings are taken from.
+constexpr int finest = 32;  // substeps
+
+struct LiftSetup {
+    Scenario scenario;
+    anatomy::Patient patient;
+    std::vector<scene::Inputs> way;
     LiftChoice choice;
-    if (quick) {
-        choice.increment = 4e-3;
-        choice.longest = 36;
+
+    explicit LiftSetup(bool quick) : scenario(load_scenario(find_data_file("term", "scenarios"))) {
+        if (quick) {
+            scenario.physics.spacing = 2.5e-3f;
+            choice.increment = 4e-3;
+            choice.longest = 36;
+        }
+        patient = app::patient_of(scenario);
+        way = lift_of(scenario, patient);
     }
-    if (std::getenv("ETI_DEV") != nullptr) {
-        spdlog::set_level(spdlog::level::debug);
+    [[nodiscard]] Surroundings surroundings(TissueModel model, int substeps) const {
+        return surroundings_of(scenario, patient, way, model, substeps);
     }
-    const auto reference_with = [&](const LiftChoice& c) {
-        LiftReference out(scenario, patient, surroundings, c);
-        spdlog::info("lift: finite elements, drag {:g}: {:.3f} N, view {:.1f} %; {} steps, {} iterations",
-                     c.drag, out.lift.force.norm(), out.lift.opening, out.increments, out.iterations);
+    [[nodiscard]] LiftReference reference(const Surroundings& surroundings, const LiftChoice& with) const {
+        LiftReference out(scenario, patient, surroundings, with);
+        spdlog::info("lift: finite elements {:.3f} N, view {:.1f} %; {} steps, {} iterations",
+                     out.lift.force.norm(), out.lift.opening, out.increments, out.iterations);
         return out;
-    };
-    const LiftReference reference = reference_with(choice);
+    }
+};
+
+}  // namespace
+
+void lift_tongue(AccuracyTable& table, bool quick) {
+    const LiftSetup setup(quick);
+    const Surroundings surroundings = setup.surroundings(TissueModel::tetrahedra, quick ? 12 : finest);
+    const LiftReference reference = setup.reference(surroundings, setup.choice);
+    Scenario scenario = setup.scenario;
     struct Row {
         TissueModel model;
         Method method;
@@ -60,7 +74,7 @@ void lift_tongue(AccuracyTable& table, bool quick) {
     for (const Row& row : rows) {
         scenario.physics.tissue_model = row.model;
         scenario.physics.substeps = row.substeps;
-        const Lift found = by_particles(scenario, patient, way, reference.free());
+        const Lift found = by_particles(scenario, setup.patient, setup.way, reference.free());
         const Vec3d material = reference.material(found);
         const double expected = reference.lift.force.norm();
         const std::pair<std::string_view, double> errors[] = {
@@ -78,19 +92,40 @@ void lift_tongue(AccuracyTable& table, bool quick) {
                        row.iterations, found.position.size(), error, found.frame_ms});
         }
     }
-    Table variants(
-        table.path().parent_path(), "lift-reference.csv",
-        "drag,increment_mm,force_n,force_difference,shape_difference,view_percent,steps,iterations");
-    const auto write = [&](const LiftChoice& c, const LiftReference& of) {
-        variants.row(fmt::format("{:g},{:g},{:.5g},{:.4g},{:.4g},{:.4g},{},{}", c.drag, 1e3 * c.increment,
-                                 of.lift.force.norm(),
-                                 (of.lift.force - reference.lift.force).norm() / reference.lift.force.norm(),
+}
+
+void vary_lift_reference(AccuracyTable& table, bool quick) {
+    if (quick) {  // whose steps are too long to tell
+        return;
+    }
+    const LiftSetup setup(quick);
+    const Surroundings usual = setup.surroundings(TissueModel::tetrahedra, finest);
+    const LiftReference reference = setup.reference(usual, setup.choice);
+    Table variants(table.path().parent_path(), "lift-reference.csv",
+                   "variant,force_n,force_difference,shape_difference,view_percent,steps,iterations");
+    const auto add = [&](std::string_view name, const LiftReference& of) {
+        const double apart = (of.lift.force - reference.lift.force).norm() / reference.lift.force.norm();
+        variants.row(fmt::format("{},{:.5g},{:.4g},{:.4g},{:.4g},{},{}", name, of.lift.force.norm(), apart,
                                  reference.apart(of.lift), of.lift.opening, of.increments, of.iterations));
     };
-    write(choice, reference);
-    LiftChoice slower = choice;
-    slower.drag = 4.0;
-    write(slower, reference_with(slower));
+    add("as it is", reference);
+    const auto with = [&](const std::function<void(LiftChoice&)>& change) {
+        LiftChoice choice = setup.choice;
+        change(choice);
+        return setup.reference(usual, choice);
+    };
+    add("four times the drag", with([](LiftChoice& c) { c.drag *= 4.0; }));
+    const Surroundings other = setup.surroundings(TissueModel::implicit, setup.scenario.physics.substeps);
+    add("surroundings of the implicit tongue", setup.reference(other, setup.choice));
+    add("half the increments", with([](LiftChoice& c) {
+            c.increment *= 0.5;
+            c.longest /= 2;
+        }));
+    add("shell twice as stiff", with([](LiftChoice& c) { c.shell *= 2.0; }));
+    add("blade twice as stiff", with([](LiftChoice& c) {
+            c.stiffness *= 2.0;
+            c.sticking *= 2.0;
+        }));
 }
 
 }  // namespace eti::bench

@@ -42,9 +42,10 @@ struct Surroundings {
 /// The expert's laryngoscope from the start until the glottis is seen best, tube parked.
 [[nodiscard]] std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Patient& patient);
 
-/// What surrounds the tongue on that way, as the solver has it with so many substeps.
+/// What surrounds the tongue on that way, as the solver has it with so many substeps and such a tongue.
 [[nodiscard]] Surroundings surroundings_of(const Scenario& scenario, const anatomy::Patient& patient,
-                                           const std::vector<scene::Inputs>& way, int substeps);
+                                           const std::vector<scene::Inputs>& way, TissueModel model,
+                                           int substeps);
 
 /// What the solver makes of it; of forces and speeds those of particles `counted`.
 [[nodiscard]] Lift by_particles(const Scenario& scenario, const anatomy::Patient& patient,
