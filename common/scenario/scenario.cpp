@@ -156,6 +156,7 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
         }
         p.self_contact = physics->flag("self_contact", p.self_contact);
+        p.sleep = physics->flag("sleep", p.sleep);
         physics->finish();
     }
     if (auto view = root.map("view")) {

@@ -24,7 +24,7 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
     if (const float wanted = patient.tissue_stiffness; wanted > limits.stiffest) {
         throw InputError(fmt::format(
             "scenario '{}': tissue_stiffness_kpa is {:g}, but {} bear at most {:.3g} with {} substeps; raise "
-            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_model to clusters",
+            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_model to implicit",
             scenario.name, 1e-3f * wanted, limits.bearer, 1e-3f * limits.stiffest, substeps,
             static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / limits.stiffest)))));
     }
@@ -35,6 +35,7 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
             .stiffest = limits.stiffest,
             .rigid = {},
             .self_contact = scenario.physics.self_contact,
+            .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,
             .dry_start = scenario.saliva_standby,
             .seed = scenario.seed};

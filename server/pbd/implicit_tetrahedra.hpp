@@ -30,7 +30,9 @@ class ImplicitTetrahedra {
   public:
     struct Settings {
         int iterations = 8;     ///< of conjugate gradients; cost grows linearly
-        float firmness = 1.0f;  ///< of contacts, in parts of their particles' own stiffness
+        /// Of contacts, in parts of their particles' own stiffness. Contacts find their force within a few
+        /// steps; three times as firm, a tongue of 1 mm trembles between blade and jaw.
+        float firmness = 0.3f;
     };
     Settings settings;
 

@@ -3,6 +3,7 @@
 #include "server/pbd/links.hpp"
 
 #include <cassert>
+#include <numeric>
 
 namespace eti::pbd {
 
@@ -38,6 +39,9 @@ void Links::configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vecto
     ends_ = std::move(ends);
     stiffness_ = std::move(stiffness);
     compliance_.reserve(ends_.size());
+    met_.assign(ends_.size(), {Vec3f::Zero(), Vec3f::Zero()});
+    awake_.resize(ends_.size());
+    std::iota(awake_.begin(), awake_.end(), 0u);
     compliance_dt_ = 0.0f;
     set_rest(particles);
 }
@@ -55,6 +59,15 @@ void Links::set_stiffness(std::span<const float> stiffness) {
     compliance_dt_ = 0.0f;  // the next pass works out the compliances
 }
 
+void Links::select(const Particles& particles) {
+    awake_.clear();
+    for (std::uint32_t i = 0; i < ends_.size(); ++i) {
+        if (particles.asleep[ends_[i][0]] == 0 || particles.asleep[ends_[i][1]] == 0) {
+            awake_.push_back(i);
+        }
+    }
+}
+
 void Links::project(Particles& particles, float dt) {
     if (dt != compliance_dt_) {
         compliance_.resize(ends_.size());
@@ -63,10 +76,23 @@ void Links::project(Particles& particles, float dt) {
         }
         compliance_dt_ = dt;
     }
-    for (std::size_t i = 0; i < ends_.size(); ++i) {
+    for (const std::uint32_t i : awake_) {
         const auto [a, b] = ends_[i];
-        project_compliant(particles.predicted[a], particles.predicted[b], particles.inverse_mass[a],
-                          particles.inverse_mass[b], length_[i], compliance_[i]);
+        const bool a_moves = particles.asleep[a] == 0;
+        const bool b_moves = particles.asleep[b] == 0;
+        auto& [at_a, at_b] = met_[i];
+        Vec3f to_a = a_moves ? particles.predicted[a] : at_a;
+        Vec3f to_b = b_moves ? particles.predicted[b] : at_b;
+        at_a = to_a;
+        at_b = to_b;
+        project_compliant(to_a, to_b, particles.inverse_mass[a], particles.inverse_mass[b], length_[i],
+                          compliance_[i]);
+        if (a_moves) {
+            particles.predicted[a] = to_a;
+        }
+        if (b_moves) {
+            particles.predicted[b] = to_b;
+        }
     }
 }
 

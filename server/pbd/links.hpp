@@ -24,12 +24,19 @@ class Links {
     void set_rest(const Particles& particles);
     /// Takes other stiffnesses [N/m], one per link.
     void set_stiffness(std::span<const float> stiffness);
+    /// Leaves links between particles that sleep alone, until the next call.
+    void select(const Particles& particles);
     void project(Particles& particles, float dt);
+    [[nodiscard]] const std::vector<std::array<std::uint32_t, 2>>& ends() const { return ends_; }
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
 
   private:
     std::vector<std::array<std::uint32_t, 2>> ends_;
     std::vector<float> stiffness_, length_;
+    std::vector<std::uint32_t> awake_;  ///< links, ascending
+    /// [m], where the last pass met a link's ends. One that sleeps is met there: in the midst of the pass
+    /// that left it in balance, not where that pass ended.
+    std::vector<std::array<Vec3f, 2>> met_;
     std::vector<float> compliance_;  ///< [1/kg], over the square of
     float compliance_dt_ = 0.0f;     ///< [s]
 };

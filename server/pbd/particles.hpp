@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,8 +27,12 @@ struct Particles {
     std::vector<float> radius;
     std::vector<std::uint8_t> channels;
     std::vector<std::uint8_t> object;  ///< caller's tag (tissue)
+    std::vector<std::uint8_t> asleep;  ///< 1: at rest, and not moved until it is woken (see Sleep)
+    std::vector<std::array<std::uint32_t, 2>> awake;  ///< the others: first and one past the last, ascending
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
+    /// [1/kg], with which contacts and constraints may move a particle now.
+    [[nodiscard]] float mobility(std::size_t i) const { return asleep[i] != 0 ? 0.0f : inverse_mass[i]; }
     void resize(std::size_t count) {
         position.resize(count, Vec3f::Zero());
         predicted.resize(count, Vec3f::Zero());
@@ -37,6 +42,9 @@ struct Particles {
         radius.resize(count, 0.0f);
         channels.resize(count, 0);
         object.resize(count, 0);
+        asleep.assign(count, 0);
+        awake.reserve(count / 2 + 1);  // every other one: a step allocates nothing
+        awake.assign(1, {0, static_cast<std::uint32_t>(count)});
     }
 };
 

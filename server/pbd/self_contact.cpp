@@ -100,6 +100,14 @@ void SelfContact::find(const Particles& particles, float margin) {
     }
 }
 
+void SelfContact::wake(Particles& particles, Sleep& sleep) const {
+    for (const auto& [i, j] : pairs_) {
+        if (particles.asleep[i] != particles.asleep[j] && sleep.stirs(particles.asleep[i] != 0 ? j : i)) {
+            sleep.wake(particles, particles.asleep[i] != 0 ? i : j);
+        }
+    }
+}
+
 void SelfContact::project(Particles& particles) const {
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
         const auto [i, j] = pairs_[k];
@@ -109,10 +117,13 @@ void SelfContact::project(Particles& particles) const {
             continue;
         }
         const float found = std::sqrt(squared);
-        const float inverse_mass = particles.inverse_mass[i] + particles.inverse_mass[j];
+        const float inverse_mass = particles.mobility(i) + particles.mobility(j);
+        if (inverse_mass == 0.0f) {
+            continue;  // both sleep
+        }
         const Vec3f push = apart * ((distance_[k] - found) / (found * inverse_mass));
-        particles.predicted[i] -= particles.inverse_mass[i] * push;
-        particles.predicted[j] += particles.inverse_mass[j] * push;
+        particles.predicted[i] -= particles.mobility(i) * push;
+        particles.predicted[j] += particles.mobility(j) * push;
     }
 }
 

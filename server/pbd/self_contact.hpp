@@ -10,6 +10,7 @@
 
 #include "server/pbd/cell_grid.hpp"
 #include "server/pbd/particles.hpp"
+#include "server/pbd/sleep.hpp"
 
 namespace eti::pbd {
 
@@ -26,6 +27,8 @@ class SelfContact {
     /// Lists the pairs that may meet until the next call while none of their particles moves farther than
     /// half of `margin` [m].
     void find(const Particles& particles, float margin);
+    /// Wakes what sleeps beside something that stirs.
+    void wake(Particles& particles, Sleep& sleep) const;
     /// Moves listed pairs apart, each by its inverse masses, one after the other.
     void project(Particles& particles) const;
 

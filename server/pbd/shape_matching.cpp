@@ -19,6 +19,7 @@ namespace {
 // even number, so that what is left lags: goals that lead the body would feed energy into it.
 constexpr int rotation_steps = 4;
 constexpr std::size_t block_grain = 8;
+static_assert(ShapeMatching::block_size == lane_count);
 constexpr std::size_t particle_grain = 512;
 
 [[nodiscard]] std::size_t blocks_of(std::size_t clusters) {
@@ -78,6 +79,10 @@ void ShapeMatching::configure(const Description& description, const Particles& p
     const auto late_blocks =
         std::ranges::stable_partition(blocks_, [&](std::uint32_t b) -> bool { return holds_early[b]; });
     early_blocks_ = blocks_.size() - late_blocks.size();
+    awake_blocks_ = blocks_;
+    awake_movers_ = movers_;
+    awake_early_blocks_ = early_blocks_;
+    awake_early_movers_ = early_movers_;
 
     const std::size_t padded = lane_count * blocks_of(clusters);
     moment_.assign(member_.size() + 1, Eigen::Vector4f::Zero());
@@ -314,8 +319,27 @@ void ShapeMatching::move_particles_avx2(Particles& particles, Indices which) con
 }
 #endif
 
-void ShapeMatching::read(const std::vector<Vec3f>& positions) {
-    parallel::for_ranges(positions.size(), 8 * particle_grain, [&](std::size_t begin, std::size_t end) {
+void ShapeMatching::select(std::span<const std::uint8_t> block_asleep, const Particles& particles) {
+    const auto pick = [](const std::vector<std::uint32_t>& all, std::size_t early,
+                         std::span<const std::uint8_t> asleep, std::vector<std::uint32_t>& awake) {
+        awake.clear();
+        std::size_t awake_early = 0;
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            if (asleep[all[k]] == 0) {
+                awake.push_back(all[k]);
+                awake_early += k < early ? 1 : 0;
+            }
+        }
+        return awake_early;
+    };
+    awake_early_blocks_ = pick(blocks_, early_blocks_, block_asleep, awake_blocks_);
+    awake_early_movers_ = pick(movers_, early_movers_, particles.asleep, awake_movers_);
+}
+
+void ShapeMatching::read(const std::vector<Vec3f>& positions, std::size_t first, std::size_t last) {
+    parallel::for_ranges(last - first, 8 * particle_grain, [&](std::size_t from, std::size_t to) {
+        const std::size_t begin = first + from;
+        const std::size_t end = first + to;
         // Whole loads, of which the last number is the next one's; no kernel reads it.
         for (std::size_t i = begin; i + 1 < end; ++i) {
             std::memcpy(wide_[i].data(), positions[i].data(), sizeof(Four));
@@ -341,7 +365,7 @@ void ShapeMatching::move(Particles& particles, Indices which) const {
 }
 
 void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
-    read(positions);
+    read(positions, 0, positions.size());
     fit(Indices(blocks_));
 }
 
@@ -349,14 +373,16 @@ void ShapeMatching::project_early(Particles& particles, float dt) {
     if (dt != share_dt_) {
         update_shares(dt);
     }
-    read(particles.predicted);
-    fit(Indices(blocks_).first(early_blocks_));
-    move(particles, Indices(movers_).first(early_movers_));
+    for (const auto& [begin, end] : particles.awake) {
+        read(particles.predicted, begin, end);
+    }
+    fit(Indices(awake_blocks_).first(awake_early_blocks_));
+    move(particles, Indices(awake_movers_).first(awake_early_movers_));
 }
 
 void ShapeMatching::project_late(Particles& particles) {
-    fit(Indices(blocks_).subspan(early_blocks_));
-    move(particles, Indices(movers_).subspan(early_movers_));
+    fit(Indices(awake_blocks_).subspan(awake_early_blocks_));
+    move(particles, Indices(awake_movers_).subspan(awake_early_movers_));
 }
 
 bool ShapeMatching::are_early(std::span<const std::uint32_t> particles) const {

@@ -56,7 +56,16 @@ class ShapeMatching {
     /// Fits every cluster to the current positions without moving anything.
     void fit(const std::vector<Vec3f>& positions);
 
+    /// Leaves the blocks that sleep as the last pass fitted them, and particles that sleep where they are,
+    /// until the next call.
+    void select(std::span<const std::uint8_t> block_asleep, const Particles& particles);
+    static constexpr std::size_t block_size = 8;  ///< clusters, one after the other, that are fitted together
+    [[nodiscard]] std::size_t blocks() const { return blocks_.size(); }
+
     [[nodiscard]] std::size_t size() const { return rest_centre_.size(); }
+    [[nodiscard]] std::span<const std::uint32_t> members_of(std::size_t cluster) const {
+        return {member_.data() + first_[cluster], member_.data() + first_[cluster + 1]};
+    }
     [[nodiscard]] std::span<const Quatf> rotation() const { return {rotation_.data(), size()}; }
     [[nodiscard]] std::span<const Vec3f> centre() const { return centre_; }
     [[nodiscard]] std::span<const Vec3f> rest_centre() const { return rest_centre_; }
@@ -89,7 +98,7 @@ class ShapeMatching {
     void fit_blocks_avx2(Indices blocks);
     void move_particles(Particles& particles, Indices which) const;
     void move_particles_avx2(Particles& particles, Indices which) const;
-    void read(const std::vector<Vec3f>& positions);
+    void read(const std::vector<Vec3f>& positions, std::size_t begin, std::size_t end);
     void fit(Indices blocks);
     void move(Particles& particles, Indices which) const;
     void update_shares(float dt);
@@ -112,6 +121,8 @@ class ShapeMatching {
     // Blocks of clusters, and free particles: the early ones, and behind them the rest.
     std::vector<std::uint32_t> blocks_, movers_;
     std::size_t early_blocks_ = 0, early_movers_ = 0;
+    std::vector<std::uint32_t> awake_blocks_, awake_movers_;  // of these
+    std::size_t awake_early_blocks_ = 0, awake_early_movers_ = 0;
     float share_dt_ = 0.0f;
     float goal_share_ = 0.0f;
     bool avx2_ = false;

@@ -23,17 +23,34 @@ Four four(const float* from) {
     return to;
 }
 
+template <class Body>
+void for_awake(const Particles& particles, const Body& body) {
+    for (const auto& run : particles.awake) {
+        const std::size_t first = run[0];
+        parallel::for_ranges(run[1] - first, grain,
+                             [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
+    }
+}
+
 }  // namespace
+
+void SoftBody::end_step() {
+    if (sleep.on()) {
+        sleep.end_step(particles);
+    }
+}
 
 void SoftBody::predict(float dt, float fraction) {
     Particles& p = particles;
     if (!settings.acceleration.isZero(0.0f)) {
         const Vec3f faster = dt * settings.acceleration;
-        parallel::for_each(p.size(), grain, [&](std::size_t i) {
-            p.velocity[i] += p.inverse_mass[i] > 0.0f ? faster : Vec3f(Vec3f::Zero());
+        for_awake(p, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                p.velocity[i] += p.inverse_mass[i] > 0.0f ? faster : Vec3f(Vec3f::Zero());
+            }
         });
     }
-    parallel::for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for_awake(p, [&](std::size_t begin, std::size_t end) {
         std::size_t i = begin;
         // Four particles fill three registers.
         for (; i + 4 <= end; i += 4) {
@@ -64,8 +81,15 @@ void SoftBody::predict(float dt, float fraction) {
 void SoftBody::project(float dt) {
     // Tetrahedra follow their particles' clusters and do not touch the others' particles.
     assert(shapes.are_early(tetrahedra.particles()));
+    if (particles.awake.empty()) {
+        return;
+    }
     shapes.project_early(particles, dt);
-    parallel::both([&] { tetrahedra.project(particles, dt); }, [&] { shapes.project_late(particles); });
+    if (sleep.mesh_awake()) {
+        parallel::both([&] { tetrahedra.project(particles, dt); }, [&] { shapes.project_late(particles); });
+    } else {
+        shapes.project_late(particles);
+    }
     links.project(particles, dt);
 }
 
@@ -75,7 +99,7 @@ void SoftBody::finish(float dt) {
     if (p.size() == 0) {
         return;
     }
-    parallel::for_ranges(p.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for_awake(p, [&](std::size_t begin, std::size_t end) {
         const float* __restrict predicted = p.predicted.front().data();
         float* __restrict position = p.position.front().data();
         float* __restrict velocity = p.velocity.front().data();
@@ -90,6 +114,7 @@ void SoftBody::set_rest() {
     shapes.set_rest(particles);
     tetrahedra.set_rest(particles);
     links.set_rest(particles);
+    sleep.wake_whole(particles);
 }
 
 void SoftBody::reset() {
@@ -97,6 +122,7 @@ void SoftBody::reset() {
     particles.predicted = particles.rest;
     particles.velocity.assign(particles.size(), Vec3f::Zero());
     shapes.reset();
+    sleep.wake_whole(particles);
 }
 
 }  // namespace eti::pbd

@@ -5,6 +5,7 @@
 #include "server/pbd/links.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/shape_matching.hpp"
+#include "server/pbd/sleep.hpp"
 #include "server/pbd/tetrahedra.hpp"
 
 namespace eti::pbd {
@@ -23,8 +24,12 @@ class SoftBody {
     ShapeMatching shapes;  ///< the tetrahedra's particles have to be its early ones
     Tetrahedra tetrahedra;
     Links links;
+    Sleep sleep;  ///< off until it is configured; whoever changes settings wakes the whole
     Settings settings;
 
+    /// Once per step, before its substeps and after them, where sleep is on.
+    void begin_step() { sleep.arrange(particles, shapes, links); }
+    void end_step();
     /// Moves free particles by their velocity; particles of infinite mass go the `fraction` of the
     /// remaining way to their rest position (1 on the last substep of a step).
     void predict(float dt, float fraction);

@@ -18,6 +18,10 @@ constexpr float tissue_reach = 6e-3f;  // [m], a particle's radius and its way w
 constexpr float edge_reach = 3e-3f;
 // In radii of the ends: the blade sinks in between the ends of a shorter edge by less than 0.4 mm.
 constexpr float covered = 3.5f;
+// [m], half of an edge between particles that have been pressed apart: the blade may meet its middle.
+constexpr float wake_margin = 3e-3f;
+// Of the way within this step: who speeds up meets what is awake.
+constexpr float wake_ahead = 2.0f;
 constexpr std::uint32_t none = ~0u;
 // [m], what rounding may make of distances between points a few decimetres from the origin, and more.
 constexpr float rounding = 1e-6f;
@@ -37,15 +41,33 @@ BladeContact::BladeContact(const Laryngoscope& scope, std::vector<Edge> edges,
     first_edge_.push_back(static_cast<std::uint32_t>(edges_.size()));
 }
 
+void BladeContact::wake(pbd::SoftBody& body, const RigidTransform& from, const RigidTransform& to) const {
+    for (const Capsule& c : scope_.capsules) {
+        const Vec3f a = to * c.a;
+        const Vec3f b = to * c.b;
+        const float way = std::max((from * c.a - a).norm(), (from * c.b - b).norm());
+        const float reach = c.radius + wake_ahead * way + wake_margin;
+        Eigen::AlignedBox3f box(a.cwiseMin(b), a.cwiseMax(b));
+        const Vec3f margin = Vec3f::Constant(reach + tissue_reach);  // a particle's radius, and more
+        box.min() -= margin;
+        box.max() += margin;
+        body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
+            return pbd::away_from(a, b, p).squaredNorm() < (reach + radius) * (reach + radius);
+        });
+    }
+}
+
 void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransform& from,
                               const RigidTransform& to) {
     from_ = from;
     to_ = to;
     motion_ = {};
     torque_impulse_.setZero();
+    way_ = 0.0f;
     // Where each capsule ends up, and its radius and way, within which it meets what does not move.
     struct Reach {
         Vec3f a, b;
+        float way;
         float distance;
         float least;  // [m], that a point must be beyond it to be met by nothing of the way
         float far;    // [m], from the axis, where particles are out of reach
@@ -64,6 +86,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
         const float way = std::max((from * c.a - a).norm(), (from * c.b - b).norm());
         reaches[k] = {a,
                       b,
+                      way,
                       c.radius + way,
                       bow * std::max(c.a.norm(), c.b.norm()),
                       c.radius + way + tissue_reach,
@@ -81,11 +104,11 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
     number_of_.resize(particles.size(), none);
     reachable_.clear();
     particle_meetings_.clear();
-    for (std::uint32_t i = 0; i < particles.size(); ++i) {
+    const auto pick = [&](std::uint32_t i) {
         const Vec3f& p = particles.position[i];
         if ((particles.channels[i] & pbd::channel::blade) == 0 || particles.inverse_mass[i] == 0.0f ||
             !box.contains(p)) {
-            continue;
+            return;
         }
         ParticleMeeting meeting{i, {}, {{p, p}, tissue_reach, 0.0f}};
         bool near = false;
@@ -96,6 +119,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
             const float squared = (from_a - t * r.along).squaredNorm();
             if (squared < r.far * r.far) {
                 near = meeting.capsule[c] = true;
+                way_ = std::max(way_, r.way);
                 meeting.clearance.gap = std::min(
                     meeting.clearance.gap, std::sqrt(squared) - r.distance - particles.radius[i] - r.least);
             }
@@ -106,6 +130,11 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
             if (met_elsewhere_.empty() || !met_elsewhere_[i]) {
                 particle_meetings_.push_back(meeting);
             }
+        }
+    };
+    for (const auto& [begin, end] : particles.awake) {
+        for (std::uint32_t i = begin; i < end; ++i) {
+            pick(i);
         }
     }
     edge_meetings_.clear();

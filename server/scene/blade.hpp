@@ -8,6 +8,7 @@
 #include "common/model/tools.hpp"
 #include "server/pbd/contact.hpp"
 #include "server/pbd/particles.hpp"
+#include "server/pbd/soft_body.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::scene {
@@ -22,6 +23,9 @@ class BladeContact {
     explicit BladeContact(const Laryngoscope& scope, std::vector<Edge> edges = {},
                           std::vector<bool> met_elsewhere = {});
 
+    /// Wakes tissue that the blade may meet on its way from `from` to `to`. Before begin_step().
+    void wake(pbd::SoftBody& body, const RigidTransform& from, const RigidTransform& to) const;
+
     /// Starts a step in which the blade goes from `from` to `to`; picks the particles it can reach.
     void begin_step(const pbd::Particles& particles, const RigidTransform& from, const RigidTransform& to);
 
@@ -34,6 +38,8 @@ class BladeContact {
                      const RigidTransform& pose);
 
     [[nodiscard]] const Laryngoscope& scope() const { return scope_; }
+    /// [m], that it goes in this step where there is tissue near.
+    [[nodiscard]] float way() const { return way_; }
     /// Where the blade is after this share of the step.
     [[nodiscard]] RigidTransform pose_at(float share) const;
 
@@ -63,6 +69,7 @@ class BladeContact {
 
     Laryngoscope scope_;
     RigidTransform from_, to_;
+    float way_ = 0.0f;  // [m]
     /// An edge and a capsule that may meet in this step.
     struct EdgeMeeting {
         std::uint32_t first, second;

@@ -15,12 +15,22 @@ namespace {
 
 constexpr float tongue_friction = 0.2f;
 constexpr int swelling_delay = 90;  // steps; half a second
-constexpr float tissue_weight_share =
-    1000.0f / anatomy::tissue_density;        // tissue's own density over its particles'
+constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
+constexpr float most_blade_way = 1e-3f;       // [m] in a solve of the tongue; 0.18 m/s with one in a step
 constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
 
 float approach(float from, float to, float most) {
     return from + std::clamp(to - from, -most, most);
+}
+
+/// Into how many solves of the tongue a step is cut in which the blade goes so far [m]; divides `substeps`.
+int solves_for(float blade_way, int substeps) {
+    int solves = 1;
+    while (solves < substeps && (substeps % solves != 0 ||
+                                 blade_way > most_blade_way * static_cast<float>(solves))) {
+        ++solves;
+    }
+    return solves;
 }
 
 /// FNV-1a over raw bytes.
@@ -87,6 +97,9 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
             meets_shell_.push_back(i);
         }
     }
+    if (settings.sleep) {
+        tissue_.let_sleep();
+    }
     reset(start);
 }
 
@@ -125,11 +138,13 @@ void Scene::reset(const Inputs& start) {
 void Scene::place_laryngoscope(const RigidTransform& pose) {
     rigid_.reset(pose);
     blade_pose_ = pose;
+    wake_tissue();  // what it pressed on until now
 }
 
 void Scene::place_tube(const RigidTransform& grip) {
     tube_.reset(grip);
     grip_ = grip;
+    wake_tissue();
     tube_before_.clear();
 }
 
@@ -191,7 +206,10 @@ bool Scene::approach_tongue(float wanted) {
 
 void Scene::turn_gravity() {
     gravity_ = anatomy::gravity(posture_.table_angle);
-    tissue_.body().settings.acceleration = tissue_weight_share * (gravity_ - anatomy::gravity(0.0f));
+    const Vec3f turned = gravity_ - anatomy::gravity(0.0f);
+    tissue_.body().settings.acceleration = tissue_weight_share * turned;
+    tissue_.tongue().acceleration = turned;
+    wake_tissue();
 }
 
 void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved) {
@@ -214,33 +232,50 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     // The particles meet the blade where it last was without penetrating the shell.
     const RigidTransform blade_to = proxy.last_free;
     pbd::SoftBody& body = tissue_.body();
+    if (shell_revision_ != shell_.revision()) {
+        shell_revision_ = shell_.revision();
+        wake_tissue();
+    }
+    blade_.wake(body, blade_pose_, blade_to);
+    tube_.wake(body, grip_, inputs.tube_grip);
+    if (self_contact_ && body.sleep.awake_groups() > 0) {
+        self_contact_->find(body.particles, self_contact_margin);
+        self_contact_->wake(body.particles, body.sleep);
+    }
+    body.begin_step();
     blade_.begin_step(body.particles, blade_pose_, blade_to);
     tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to);
     const bool liquid_moves = saliva_ && saliva_->flows(secretion_);
     if (liquid_moves) {
         saliva_->begin_step(about_saliva(blade_to, inputs.suction));
     }
-    if (self_contact_) {
-        self_contact_->find(body.particles, self_contact_margin);
-    }
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
     lap(Stage::reach);
     Tongue& tongue = tissue_.tongue();
+    const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
+    const int solves = tongue_moves ? solves_for(blade_.way(), substeps) : 1;
+    const int per_solve = substeps / solves;
     for (int s = 0; s < substeps; ++s) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
         const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
-        if (!tongue.empty() && s == 0) {
-            tongue.solve(body, {blade_.scope(), blade_pose_, blade_to}, shell_.distance(), step_duration,
-                         1.0f, blade_);
+        const int since_solve = s % per_solve;
+        const float solved_part = static_cast<float>(since_solve + 1) / static_cast<float>(per_solve);
+        if (tongue_moves && since_solve == 0) {
+            const float until = static_cast<float>(s + per_solve) / static_cast<float>(substeps);
+            tongue.solve(body, {blade_.scope(), blade_.pose_at(begin), blade_.pose_at(until)},
+                         shell_.distance(), dt * static_cast<float>(per_solve),
+                         static_cast<float>(per_solve) / static_cast<float>(substeps - s), blade_);
             lap(Stage::tissue);
         }
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));
-        tongue.place(body.particles, end);
+        if (tongue_moves) {
+            tongue.place(body.particles, solved_part);
+        }
         tube_.predict(dt, end, gravity_);
         lap(Stage::predict);
         body.project(dt);
-        if (self_contact_) {
+        if (self_contact_ && !body.particles.awake.empty()) {
             self_contact_->project(body.particles);
         }
         lap(Stage::tissue);
@@ -250,16 +285,21 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         lap(Stage::tube);
         keep_out_of_shell(body.particles);
         lap(Stage::shell);
-        tongue.take_pushes(body.particles, end);
+        if (tongue_moves) {
+            tongue.take_pushes(body.particles, solved_part);
+        }
         tube_.finish();
         body.finish(dt);
+        if (tongue_moves && since_solve + 1 == per_solve) {
+            tongue.finish(body, per_solve);
+        }
         lap(Stage::finish);
     }
-    tongue.finish(body, substeps);
     blade_pose_ = blade_to;
     grip_ = inputs.tube_grip;
     tube_before_ = snapshot_.tube_nodes;
     fill_snapshot(inputs);
+    body.end_step();
     if (liquid_moves) {
         saliva_->end_step();
         fill_saliva();
@@ -301,8 +341,14 @@ void Scene::keep_out_of_shell(pbd::Particles& particles) {
         clearance_.assign(meets_shell_.size(), {});
         clearance_revision_ = shell_.revision();
     }
+    if (particles.awake.empty()) {
+        return;
+    }
     parallel::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
         const std::uint32_t i = meets_shell_[k];
+        if (particles.asleep[i] != 0) {
+            return;
+        }
         Vec3f& p = particles.predicted[i];
         Clearance& last = clearance_[k];
         // Along each axis the grid's distance changes by no more than the way, in all by sqrt(3) of it.

@@ -42,7 +42,7 @@ struct Inputs {
 
 struct Settings {
     int substeps = 8;
-    TissueModel tissue_model = TissueModel::tetrahedra;
+    TissueModel tissue_model = TissueModel::implicit;
     float posture_rate = 0.17f;   ///< [rad/s]; a nurse tilts a head at about 10 deg/s
     float head_rate = 0.1f;       ///< [1/s], of the built cranium's size
     float tongue_rate = 0.1f;     ///< [1/s], of the built tongue's size
@@ -55,6 +55,7 @@ struct Settings {
     float stiffest = std::numeric_limits<float>::infinity();
     rigid::Settings rigid;
     bool self_contact = false;  ///< tissue also meets tissue
+    bool sleep = true;          ///< tissue at rest is not solved
     bool saliva = false;        ///< secretions in mouth and throat; without them they cost nothing
     bool dry_start = false;     ///< with saliva: none before glands are told to give some
     std::uint64_t seed = 1;     ///< of what the glands give
@@ -98,6 +99,7 @@ class Scene {
     void approach_stiffness(float wanted);
     /// Whether the tongue has grown or shrunk.
     [[nodiscard]] bool approach_tongue(float wanted);
+    void wake_tissue() { tissue_.body().sleep.wake_whole(tissue_.body().particles); }
     /// What hangs on the table's angle.
     void turn_gravity();
     [[nodiscard]] float wanted_head(const Inputs& inputs) const {
@@ -151,6 +153,7 @@ class Scene {
     };
     std::vector<Clearance> clearance_;
     std::uint64_t clearance_revision_ = 0;  // of the shell
+    std::uint64_t shell_revision_ = 0;      // that tissue was awake to meet
     RigidTransform blade_pose_;             // where the particles last met it
     RigidTransform grip_;
     Snapshot snapshot_;

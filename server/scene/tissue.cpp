@@ -181,6 +181,7 @@ void SoftTissue::set_stiffness(float soft) {
 }
 
 void SoftTissue::update_moduli() {
+    body_.sleep.wake_whole(body_.particles);
     moduli_.clear();
     for (const std::uint32_t t : meshed_) {
         moduli_.push_back(anatomy::tetrahedron_modulus(patient_, t, soft_));
@@ -205,14 +206,33 @@ void SoftTissue::update_moduli() {
     body_.links.set_stiffness(moduli_);
 }
 
+void SoftTissue::let_sleep() {
+    std::vector<bool> mesh = tongue_.moved();
+    if (body_.tetrahedra.size() > 0) {
+        mesh.assign(body_.particles.size(), false);
+        for (const std::uint32_t i : body_.tetrahedra.particles()) {
+            mesh[i] = true;
+        }
+    }
+    body_.sleep.configure(body_.particles, body_.shapes, body_.links, mesh, {});
+}
+
 void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
     frames.resize(patient_.frame_rest_centre.size());
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
-    frames_of(body_.shapes, held_clusters_, frames);
-    fitted_.fit(body_.particles.position);
-    frames_of(fitted_, fitted_clusters_, frames);
+    constexpr std::size_t block = pbd::ShapeMatching::block_size;
+    for (std::size_t first = 0; first < held_clusters_.size(); first += block) {
+        if (body_.sleep.block_awake(first / block)) {
+            frames_of(body_.shapes, held_clusters_, first, std::min(first + block, held_clusters_.size()),
+                      frames);
+        }
+    }
+    if (body_.sleep.mesh_awake() || body_.sleep.held_awake()) {
+        fitted_.fit(body_.particles.position);
+        frames_of(fitted_, fitted_clusters_, 0, fitted_clusters_.size(), frames);
+    }
     const RigidTransform& skull = bones_[static_cast<std::size_t>(anatomy::Bone::skull)];
     for (std::size_t f = anatomy::bone_count + cluster_turn_.size(); f < frames.size(); ++f) {
         frames[f] = {skull * (head_size * patient_.frame_rest_centre[f]), skull.rotation};
@@ -220,8 +240,8 @@ void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
 }
 
 void SoftTissue::frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
-                           std::vector<FramePose>& frames) const {
-    for (std::size_t k = 0; k < clusters.size(); ++k) {
+                           std::size_t first, std::size_t end, std::vector<FramePose>& frames) const {
+    for (std::size_t k = first; k < end; ++k) {
         const std::uint32_t c = clusters[k];
         const Quatf rotation = shapes.rotation()[k];
         frames[anatomy::bone_count + c] = {

@@ -33,9 +33,13 @@ class SoftTissue {
     /// Young's modulus of tongue and mucosa [Pa]; in shape and state nothing changes.
     void set_stiffness(float soft);
 
+    /// From now on tissue at rest sleeps, where begin_step() and end_step() of the body enclose a step.
+    void let_sleep();
+
     /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
-    /// that tetrahedra stand in for are fitted to the particles here. `head_size` is the cranium's over that
-    /// of the built one.
+    /// that tetrahedra stand in for are fitted to the particles here. Those that sleep are left in `frames`
+    /// as the last call put them, which is to be from before they fell asleep. `head_size` is the cranium's
+    /// over that of the built one.
     void frames(std::vector<FramePose>& frames, float head_size = 1.0f);
 
     /// Edges of the mesh's surface whose ends both move: pairs of particles.
@@ -58,8 +62,9 @@ class SoftTissue {
     /// The particle at rest in the model's posture, as far as the tongue has grown.
     [[nodiscard]] Vec3f grown(std::size_t particle) const;
     void update_moduli();
+    /// Of the clusters from `first` to before `end`.
     void frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
-                   std::vector<FramePose>& frames) const;
+                   std::size_t first, std::size_t end, std::vector<FramePose>& frames) const;
 
     const anatomy::Patient& patient_;
     pbd::SoftBody body_;

@@ -6,12 +6,19 @@
 #include <cmath>
 #include <utility>
 
+#include "server/anatomy/patient.hpp"
+
 namespace eti::scene {
 
 void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
                        pbd::Particles& particles, float substep) {
     substep_ = substep;
-    mesh_.configure(mesh, particles, particles.inverse_mass);
+    constexpr float lighter = anatomy::tissue_density / anatomy::tissue_own_density;
+    std::vector<float> inverse_mass = particles.inverse_mass;
+    for (float& w : inverse_mass) {
+        w *= lighter;
+    }
+    mesh_.configure(mesh, particles, inverse_mass);
     moved_.assign(particles.size(), false);
     std::vector<std::uint32_t> movers;
     for (std::size_t k = 0; k < mesh_.particles().size(); ++k) {
@@ -71,7 +78,7 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
         const std::uint32_t i = used[k];
         from_[k] = p.position[i];
         if (moved_[i]) {
-            p.velocity[i] += dt * body.settings.acceleration;
+            p.velocity[i] += dt * acceleration;
             p.predicted[i] = p.position[i];
         } else {
             p.predicted[i] = p.position[i] + fraction * (p.rest[i] - p.position[i]);

@@ -19,8 +19,11 @@ namespace eti::scene {
 /// that the exchange settles.
 class Tongue {
   public:
-    /// `particles` get the inverse masses that substeps of `substep` [s] see. Clusters have to be configured
-    /// before, with a mesh that they do not move.
+    /// [m/s^2], beyond the weight that the unloaded shape already bears.
+    Vec3f acceleration = Vec3f::Zero();
+
+    /// The mesh has tissue's own mass; `particles` get the inverse masses that substeps of `substep` [s] see.
+    /// Clusters have to be configured before, with a mesh that they do not move.
     void configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
                    pbd::Particles& particles, float substep);
     [[nodiscard]] bool empty() const { return mesh_.size() == 0; }

@@ -13,6 +13,8 @@ namespace {
 
 // [m]; beside the tube's own way, tissue and tube come no closer to each other within a step.
 constexpr float slack = 2e-3f;
+// [m], a particle's radius, and more.
+constexpr float wake_margin = 3e-3f;
 // A lubricated tube on wet mucosa, and on wet steel: a rigid sled on the wall of the small bowel slides at
 // 0.007 to 0.054 (Lyle et al., Tribology Letters 2013;51:377). Figures of what holds a wet tube at rest
 // depend on how long it lay, and none stands out; so one coefficient for both.
@@ -78,6 +80,33 @@ void TubeContact::nodes(std::vector<Vec3f>& out) const {
     rod_.nodes(out);
 }
 
+float TubeContact::find_reach(const RigidTransform& grip_from, const RigidTransform& grip_to) {
+    // As far as the tube went in the last step and the grip goes in this one: hands do not jump.
+    float way = (grip_to.translation - grip_from.translation).norm();
+    find_ends();
+    for (std::size_t s = 0; s < last_ends_.size(); ++s) {
+        way = std::max(way, (ends_[s].front - last_ends_[s].front).norm());
+    }
+    return slack + 1.5f * way;
+}
+
+void TubeContact::wake(pbd::SoftBody& body, const RigidTransform& grip_from, const RigidTransform& grip_to) {
+    const float reach = rod_.radius() + find_reach(grip_from, grip_to);
+    Eigen::AlignedBox3f box;
+    for (const Ends& e : ends_) {
+        box.extend(e.rear);
+        box.extend(e.front);
+    }
+    const Vec3f margin = Vec3f::Constant(reach + wake_margin);
+    box.min() -= margin;
+    box.max() += margin;
+    body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
+        return std::ranges::any_of(ends_, [&](const Ends& e) {
+            return pbd::away_from(e.rear, e.front, p).squaredNorm() < (reach + radius) * (reach + radius);
+        });
+    });
+}
+
 void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
                              const RigidTransform& grip_to, const RigidTransform& blade_from,
                              const RigidTransform& blade_to) {
@@ -87,14 +116,8 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     grip_to_ = grip_to;
     blade_from_ = blade_from;
     blade_to_ = blade_to;
-    // As far as the tube went in the last step and the grip goes in this one: hands do not jump.
-    float way = (grip_to.translation - grip_from.translation).norm();
-    find_ends();
-    for (std::size_t s = 0; s < last_ends_.size(); ++s) {
-        way = std::max(way, (ends_[s].front - last_ends_[s].front).norm());
-    }
+    const float reach = find_reach(grip_from, grip_to);
     last_ends_ = ends_;
-    const float reach = slack + 1.5f * way;
     Eigen::AlignedBox3f box;
     near_blade_ = false;
     for (const Ends& e : ends_) {
@@ -109,10 +132,10 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
     box.max() += margin;
     std::swap(near_, last_near_);
     near_.clear();
-    for (std::uint32_t i = 0; i < particles.size(); ++i) {
+    const auto pick = [&](std::uint32_t i) {
         if ((particles.channels[i] & pbd::channel::tube) == 0 || particles.inverse_mass[i] == 0.0f ||
             !box.contains(particles.position[i])) {
-            continue;
+            return;
         }
         const float far = rod_.radius() + particles.radius[i] + reach;
         Near near{i, static_cast<std::uint32_t>(rod_.size()), 0};
@@ -125,6 +148,11 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
         }
         if (near.first < near.end) {
             near_.push_back(near);
+        }
+    };
+    for (const auto& [begin, end] : particles.awake) {
+        for (std::uint32_t i = begin; i < end; ++i) {
+            pick(i);
         }
     }
     keep_forces();

@@ -9,6 +9,7 @@
 #include "common/model/tools.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/rod.hpp"
+#include "server/pbd/soft_body.hpp"
 
 namespace eti::scene {
 
@@ -17,6 +18,9 @@ class TubeContact {
   public:
     TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip);
 
+    /// Wakes tissue that the tube may meet while the grip goes from one pose to the other. Before
+    /// begin_step().
+    void wake(pbd::SoftBody& body, const RigidTransform& grip_from, const RigidTransform& grip_to);
     /// Starts a step in which grip and blade go from one pose to the other.
     void begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
                     const RigidTransform& grip_to, const RigidTransform& blade_from,
@@ -45,6 +49,8 @@ class TubeContact {
     };
 
     void find_ends();
+    /// [m], from the tube's surface, that tissue has to be away not to be met in this step. Finds the ends.
+    [[nodiscard]] float find_reach(const RigidTransform& grip_from, const RigidTransform& grip_to);
     /// What pressed on a particle in the last step does so as this one begins: friction builds on it.
     void keep_forces();
     void meet_shell(const DistanceGrid& shell);

@@ -166,7 +166,7 @@ class Charts(unittest.TestCase):
     def test_launcher_knows_its_commands(self):
         done = subprocess.run([BENCH, "--help"], stdout=subprocess.PIPE, text=True)
         self.assertEqual(done.returncode, 0)
-        for command in ("speed", "accuracy", "calibration", "stability", "sufficiency", "haptics"):
+        for command in ("speed", "accuracy", "calibration", "stability", "sufficiency", "sleep", "haptics"):
             self.assertIn(command, done.stdout)
         self.assertEqual(subprocess.run([BENCH, "nothing"], stderr=subprocess.DEVNULL).returncode, 2)
 
@@ -311,6 +311,28 @@ class Charts(unittest.TestCase):
         rows = self.quick_run("calibration")
         self.assertEqual(len(rows), 1)
         self.assertAlmostEqual(float(rows[0]["ratio"]), 1.19, delta=0.05)     # 5 mm, two cells across: all surface
+
+    def test_sleep_costs_less_than_half_a_per_cent_of_forces_and_view(self):
+        """Over the attempt: means, and of the forces the difference (rms) against the greatest."""
+        rows = plot.rows_of(CHARTS / "sleep.csv")
+        self.assertEqual({row["model"] for row in rows}, {"tetrahedra", "implicit"})
+        for row in rows:
+            for measure in ("blade_n", "tongue_n", "gum_n", "view_percent"):
+                mean, asleep = float(row[f"{measure}_mean"]), float(row[f"{measure}_sleep_mean"])
+                greatest = float(row[f"{measure}_max"])
+                self.assertLess(abs(asleep - mean), 0.005 * greatest, (row["model"], measure))
+                if measure != "view_percent":
+                    self.assertLess(float(row[f"{measure}_sleep_difference_rms"]), 0.005 * greatest,
+                                    (row["model"], measure))
+            self.assertEqual(float(row["rest_awake_percent"]), 0.0, row["model"])
+            self.assertLess(float(row["rest_step_sleep_ms"]), 0.4, row["model"])
+
+    def test_sleep_runs(self):
+        rows = self.quick_run("sleep")
+        self.assertEqual(len(rows), 1)
+        self.assertEqual(float(rows[0]["rest_awake_percent"]), 0.0)
+        self.assertLess(float(rows[0]["rest_ratio"]), 0.5)
+        self.assertLess(float(rows[0]["shape_sleep_max_mm"]), 0.01)
 
     def test_accuracy_runs(self):
         rows = self.quick_run("accuracy")

@@ -9,6 +9,7 @@
 
 #include "tests/bench/server/accuracy.hpp"
 #include "tests/bench/server/calibration.hpp"
+#include "tests/bench/server/sleep.hpp"
 #include "tests/bench/server/speed.hpp"
 #include "tests/bench/server/stability.hpp"
 #include "tests/bench/server/sufficiency.hpp"
@@ -59,6 +60,12 @@ int main(int argc, char** argv) {
     costs->add_flag("--json", speed.json, "Print one JSON object");
     costs->add_flag("--quick", speed.quick, "Fewer repetitions");
     costs->add_flag("--sweeps", speed.sweeps, "Only the scene's steps while posture and tissue change");
+    eti::bench::SleepOptions sleep;
+    CLI::App* resting = app.add_subcommand(
+        "sleep", "What an attempt loses and a step saves where tissue at rest sleeps (ten minutes)");
+    resting->add_option("--out", sleep.out, "Folder for the tables")->capture_default_str();
+    resting->add_option("--scenario", sleep.scenarios, "Scenarios by name or path")->capture_default_str();
+    resting->add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -73,6 +80,9 @@ int main(int argc, char** argv) {
         }
         if (moduli->parsed()) {
             return eti::bench::calibration(calibration);
+        }
+        if (resting->parsed()) {
+            return eti::bench::sleep(sleep);
         }
         if (costs->parsed()) {
             if (threads > 0) {

@@ -84,7 +84,8 @@ void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& 
 }
 
 /// A step of a whole scene at rest, of which the name says what it is.
-void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& name) {
+void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& name,
+                const std::string& state = "tools at rest") {
     const anatomy::Patient patient = app::patient_of(scenario);
     const scene::Inputs inputs = app::parked(scenario);
     app::Simulation simulation(scenario, patient, inputs);
@@ -92,16 +93,22 @@ void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& 
         simulation.scene().step(inputs);
     }
     const double whole = meter.fastest([&] { simulation.scene().step(inputs); });
-    meter.add(fmt::format("{}: {} particles of tissue, tools at rest, per step of 1/180 s", name,
-                          patient.particles.size()),
+    meter.add(fmt::format("{}: {} particles of tissue, {}, per step of 1/180 s", name,
+                          patient.particles.size(), state),
               1e-6 * whole, "ms");
 }
 
 }  // namespace
 
 void measure_whole_scenes(SpeedMeter& meter) {
-    whole_step(meter, load_scenario(find_data_file("premature", "scenarios")), "scenario 'premature'");
-    Scenario fine = load_scenario(find_data_file("term", "scenarios"));
+    const Scenario term = load_scenario(find_data_file("term", "scenarios"));
+    whole_step(meter, term, "scenario 'term'", "asleep");
+    // What a step costs once something moves: all of it.
+    Scenario premature = load_scenario(find_data_file("premature", "scenarios"));
+    premature.physics.sleep = false;
+    whole_step(meter, premature, "scenario 'premature'");
+    Scenario fine = term;
+    fine.physics.sleep = false;
     fine.physics.spacing = 1.5e-3f;
     fine.physics.fine_spacing = 0.75e-3f;
     fine.physics.region = 15e-3f;
@@ -150,7 +157,8 @@ void measure_sweeps(SpeedMeter& meter) {
 }
 
 void measure_scene(SpeedMeter& meter) {
-    const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
+    Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
+    scenario.physics.sleep = false;  // stages of what moves, also where tools stand still to be measured
     const anatomy::Patient patient = app::patient_of(scenario);
     scene::Inputs inputs = app::parked(scenario);
     app::Simulation simulation(scenario, patient, inputs);

@@ -21,11 +21,16 @@ using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
 
-std::vector<std::string> own_transport_files() {
+// Those whose lock a process holds open: other processes make and lose theirs meanwhile.
+std::vector<std::string> transport_files_of(pid_t process) {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
-        const std::string name = entry.path().filename().string();
-        if (name.starts_with("fastrtps_") && name.ends_with("_el")) {
+    std::error_code closed;
+    for (const auto& entry :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/fd")) {
+        const std::filesystem::path file = std::filesystem::read_symlink(entry.path(), closed);
+        const std::string name = file.filename().string();
+        if (!closed && file.parent_path() == "/dev/shm" && name.starts_with("fastrtps_") &&
+            name.ends_with("_el")) {
             names.push_back(name.substr(0, name.size() - 3));
         }
     }
@@ -33,14 +38,8 @@ std::vector<std::string> own_transport_files() {
 }
 
 TEST(SharedMemory, ALivingNodesFilesAreNotStale) {
-    const auto before = own_transport_files();
     const Node node(options("living"));
-    std::vector<std::string> made;
-    for (const auto& name : own_transport_files()) {
-        if (std::ranges::find(before, name) == before.end()) {
-            made.push_back(name);
-        }
-    }
+    const auto made = transport_files_of(::getpid());
     ASSERT_THAT(made, Not(IsEmpty())) << "the node made no shared memory; what is tested here?";
     for (const auto& name : find_stale_shared_memory().transport) {
         EXPECT_THAT(made, Not(Contains(name)));
@@ -49,7 +48,6 @@ TEST(SharedMemory, ALivingNodesFilesAreNotStale) {
 
 // The real thing: a process that is killed leaves its files.
 TEST(SharedMemory, AKilledNodesFilesAreStale) {
-    const auto before = own_transport_files();
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     const pid_t child = ::fork();
@@ -62,12 +60,7 @@ TEST(SharedMemory, AKilledNodesFilesAreStale) {
     }
     char byte = 0;
     ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-    std::vector<std::string> made;
-    for (const auto& name : own_transport_files()) {
-        if (std::ranges::find(before, name) == before.end()) {
-            made.push_back(name);
-        }
-    }
+    const auto made = transport_files_of(child);
     ASSERT_EQ(::kill(child, SIGKILL), 0);
     ASSERT_EQ(::waitpid(child, nullptr, 0), child);
     ::close(ready[0]);

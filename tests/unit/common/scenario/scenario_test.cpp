@@ -44,7 +44,7 @@ patient: {weight_kg: 1.1, gestational_age_weeks: 28, tongue_scale: 1.15, head_el
           jaw_opening_deg: 20, tissue_stiffness_kpa: 9}
 laryngoscope: {blade: miller_0}
 tube: {inner_diameter_mm: 2.5, length_mm: 150, youngs_modulus_mpa: 12, grip_from_tip_mm: 90, curve_radius_mm: 130}
-physics: {substeps: 6, spacing_mm: 1.5, fine_spacing_mm: 0.75, region_mm: 12}
+physics: {substeps: 6, spacing_mm: 1.5, fine_spacing_mm: 0.75, region_mm: 12, sleep: off}
 saliva: on
 view: {enhanced: on}
 time_limit_s: 20
@@ -66,6 +66,7 @@ seed: 42
     EXPECT_FLOAT_EQ(s.tube.grip_from_tip, 0.09f);
     EXPECT_FLOAT_EQ(s.tube.curve_radius, 0.13f);
     EXPECT_EQ(s.physics.substeps, 6);
+    EXPECT_FALSE(s.physics.sleep);
     EXPECT_FLOAT_EQ(s.physics.spacing, 1.5e-3f);
     EXPECT_FLOAT_EQ(s.physics.fine_spacing, 0.75e-3f);
     EXPECT_FLOAT_EQ(s.physics.region, 12e-3f);
@@ -82,6 +83,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     EXPECT_EQ(s.patient.shape.weight, defaults.patient.shape.weight);
     EXPECT_EQ(s.blade, defaults.blade);
     EXPECT_EQ(s.physics.substeps, defaults.physics.substeps);
+    EXPECT_TRUE(s.physics.sleep);
     EXPECT_EQ(s.time_limit, defaults.time_limit);
     EXPECT_EQ(s.saliva, defaults.saliva);
     EXPECT_FALSE(read("saliva: on\n").saliva_standby);

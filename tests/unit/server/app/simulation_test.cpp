@@ -42,10 +42,11 @@ TEST(Simulation, RefusesTissueThatItsTetrahedraCannotBear) {
     // 0.8 * 4000 kg/m^3 * (3.5 mm * 720 / s)^2 = 20.3 kPa.
     EXPECT_THAT(refusal_of(stiff(21e3f, 4, TissueModel::tetrahedra)),
                 AllOf(HasSubstr("'stiff'"), HasSubstr("tissue_stiffness_kpa is 21"),
-                      HasSubstr("at most 20.3"), HasSubstr("physics.substeps to 5"), HasSubstr("clusters")));
+                      HasSubstr("at most 20.3"), HasSubstr("physics.substeps to 5"), HasSubstr("implicit")));
     EXPECT_EQ(refusal_of(stiff(20e3f, 4, TissueModel::tetrahedra)), "none");
     EXPECT_EQ(refusal_of(stiff(21e3f, 5, TissueModel::tetrahedra)), "none");
     EXPECT_EQ(refusal_of(stiff(21e3f, 4, TissueModel::clusters)), "none");
+    EXPECT_EQ(refusal_of(stiff(100e3f, 1, TissueModel::implicit)), "none");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 
@@ -77,8 +78,7 @@ TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
 
 TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
     const auto pressed = [&] {
-        const Settings settings{.tissue_model = TissueModel::implicit, .rigid = {}};
-        auto scene = std::make_unique<Scene>(coarse_newborn(), scope_, Tube{}, away_, settings);
+        auto scene = std::make_unique<Scene>(coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}});
         press(*scene);
         for (int k = 0; k < 240; ++k) {
             scene->step(pressing(std::min(6e-3f + 0.15e-3f * static_cast<float>(k), 12e-3f)));
@@ -109,6 +109,54 @@ TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
     for (const std::size_t threads : {1, 8}) {
         EXPECT_EQ(test::with_threads(threads, [&] { return pressed()->state_hash(); }), scene.state_hash());
     }
+}
+
+// The reference is the same scene with other substeps: at rest the force is the material's.
+TEST_F(SceneTest, AnImplicitTonguesForceHangsOnNoSubstep) {
+    const auto force_with = [&](int substeps) {
+        Scene scene = make({.substeps = substeps, .rigid = {}});
+        press(scene);
+        for (int k = 0; k < 240; ++k) {
+            scene.step(pressing(std::min(6e-3f + 0.15e-3f * static_cast<float>(k), 12e-3f)));
+        }
+        return scene.snapshot().tissue_force.norm();
+    };
+    const float usual = force_with(8);
+    EXPECT_GT(usual, 0.1f);
+    EXPECT_NEAR(force_with(4), usual, 0.03f * usual);
+    EXPECT_NEAR(force_with(16), usual, 0.03f * usual);
+}
+
+TEST_F(SceneTest, AnImplicitTongueBearsAnyStiffnessAndAQuickBlade) {
+    Inputs stiff = away_;
+    stiff.tissue_stiffness = 100e3f;
+    Scene scene = make();
+    scene.reset(stiff);
+    EXPECT_FLOAT_EQ(scene.snapshot().tissue_stiffness, 100e3f);
+    const auto pressed = [&](float depth) {
+        Inputs inputs = pressing(depth);
+        inputs.tissue_stiffness = 100e3f;
+        return inputs;
+    };
+    scene.place_laryngoscope(pressed(0.0f).laryngoscope);
+    // Half a metre a second: 2.8 mm in a step, in which the tongue is solved four times.
+    float depth = 0.0f;
+    for (; depth < 12e-3f; depth += 0.5f / steps_per_second) {
+        scene.step(pressed(depth));
+        ASSERT_TRUE(scene.snapshot().tissue_force.allFinite());
+    }
+    float least = std::numeric_limits<float>::infinity();
+    float most = 0.0f;
+    for (int k = 0; k < 240; ++k) {
+        scene.step(pressed(depth));
+        const float force = scene.snapshot().tissue_force.norm();
+        if (k >= 120) {
+            least = std::min(least, force);
+            most = std::max(most, force);
+        }
+    }
+    EXPECT_GT(least, 1.0f);
+    EXPECT_LT(most - least, 0.01f * most) << "it stands still";
 }
 
 TEST_F(SceneTest, TissueThatMeetsTissueIsLeftAloneAtRestAndStillGivesWay) {

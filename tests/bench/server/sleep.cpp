@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/bench/server/sleep.hpp"
+
+#include <spdlog/spdlog.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/operator/operator.hpp"
+#include "server/app/local_operator.hpp"
+#include "server/app/simulation.hpp"
+#include "tests/bench/server/table.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+constexpr double longest = 120.0;     // [s] of simulation time
+constexpr double quick_course = 2.0;  // [s]
+constexpr int rest_steps = 3 * scene::steps_per_second;
+constexpr int after_steps = 10 * scene::steps_per_second;
+constexpr int steps_per_row = scene::steps_per_second / 10;
+constexpr float beside = 1e-6f;  // [m]
+
+constexpr std::array<const char*, 3> model_names = {"clusters", "tetrahedra", "implicit"};
+
+/// Processor time [ms]: whoever else works on the machine counts less than by the clock.
+double processor_ms() {
+    timespec now{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+double ms_of(app::Simulation& simulation, const scene::Inputs& inputs) {
+    const double before = processor_ms();
+    simulation.scene().step(inputs);
+    const double took = processor_ms() - before;
+    simulation.assessor().observe(simulation.snapshot(), std::nullopt);
+    return took;
+}
+
+/// Of the particles that are not held by bone, the share that the last step solved.
+double share_awake(const scene::Scene& scene) {
+    const pbd::Particles& p = scene.tissue().body().particles;
+    std::size_t free = 0;
+    std::size_t awake = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        free += p.inverse_mass[i] > 0.0f ? 1 : 0;
+    }
+    for (const auto& [begin, end] : p.awake) {
+        for (std::uint32_t i = begin; i < end; ++i) {
+            awake += p.inverse_mass[i] > 0.0f ? 1 : 0;
+        }
+    }
+    return static_cast<double>(awake) / static_cast<double>(free);
+}
+
+/// What is compared: forces [N], view [%].
+enum Measure : std::size_t { blade, tongue, gum, view, measures };
+constexpr std::array<const char*, measures> measure_names = {"blade_n", "tongue_n", "gum_n", "view_percent"};
+
+std::array<double, measures> measured(const app::Simulation& simulation) {
+    const metrics::TissueForces forces = metrics::tissue_forces(simulation.snapshot());
+    return {static_cast<double>(simulation.snapshot().tissue_force.norm()), forces.tongue, forces.gum,
+            static_cast<double>(simulation.metrics().live().glottic_opening_percent)};
+}
+
+/// Distance [m] between the same tissue in two scenes.
+struct Apart {
+    double squares = 0.0;
+    std::size_t count = 0;
+    double greatest = 0.0;
+
+    void add(const scene::Scene& a, const scene::Scene& b) {
+        const pbd::Particles& p = a.tissue().body().particles;
+        const pbd::Particles& q = b.tissue().body().particles;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            if (p.inverse_mass[i] > 0.0f) {
+                const auto squared = static_cast<double>((p.position[i] - q.position[i]).squaredNorm());
+                squares += squared;
+                ++count;
+                greatest = std::max(greatest, squared);
+            }
+        }
+    }
+    [[nodiscard]] double rms() const {
+        return std::sqrt(squares / std::max(1.0, static_cast<double>(count)));
+    }
+    [[nodiscard]] double most() const { return std::sqrt(greatest); }
+};
+
+/// A scene that goes the reference's way, and how far it leaves it.
+struct Follower {
+    app::Simulation simulation;
+    std::array<double, measures> greatest{}, mean{}, squares{};
+    Apart apart;
+};
+
+void compare(const std::string& name, const Scenario& shipped, TissueModel model, const SleepOptions& options,
+             Table& table, Table& course) {
+    Scenario awake = shipped;
+    awake.physics.tissue_model = model;
+    awake.physics.sleep = false;
+    Scenario sleeping = awake;
+    sleeping.physics.sleep = true;
+    const char* const model_name = model_names[static_cast<std::size_t>(model)];
+    const OperatorScript script = load_operator(find_data_file("expert", "operators"));
+    const anatomy::Patient patient = app::patient_of(awake);
+    scene::Inputs inputs = app::parked(awake);
+    std::array<Follower, 3> scenes = {Follower{{awake, patient, inputs}, {}, {}, {}, {}},
+                                      Follower{{sleeping, patient, inputs}, {}, {}, {}, {}},
+                                      Follower{{awake, patient, inputs}, {}, {}, {}, {}}};
+    app::Simulation& reference = scenes[0].simulation;
+
+    // At rest, tools away.
+    std::array<double, 2> rest_ms{};
+    for (int k = 0; k < rest_steps; ++k) {
+        for (std::size_t s = 0; s < rest_ms.size(); ++s) {
+            const double took = ms_of(scenes[s].simulation, inputs);
+            rest_ms[s] += 2 * k >= rest_steps ? took / (rest_steps / 2) : 0.0;
+        }
+    }
+    const double rest_awake = share_awake(scenes[1].simulation.scene());
+
+    app::LocalOperator hands(script, reference.scope(), awake.tube, awake.seed ^ script.seed,
+                             reference.observation());
+    hands.hold(inputs);
+    for (Follower& f : scenes) {
+        f.simulation.scene().reset(inputs);
+    }
+    std::array<double, 2> all_ms{}, row_ms{};
+    double all_awake = 0.0;
+    Apart row_apart;
+    int steps = 0;
+    const double end = reference.time() + (options.quick ? quick_course : longest);
+    while (!hands.finished() && reference.time() < end) {
+        hands.advance(reference.observation(), reference.snapshot());
+        hands.hold(inputs);
+        ++steps;
+        for (std::size_t s = 0; s < scenes.size(); ++s) {
+            scene::Inputs own = inputs;
+            if (s == 2) {
+                own.laryngoscope.translation.x() += beside;
+            }
+            const double took = ms_of(scenes[s].simulation, own);
+            if (s < all_ms.size()) {
+                all_ms[s] += took;
+                row_ms[s] += took / steps_per_row;
+            }
+        }
+        const double share = share_awake(scenes[1].simulation.scene());
+        all_awake += share;
+        const std::array<double, measures> there = measured(reference);
+        for (Follower& f : scenes) {
+            const std::array<double, measures> here = measured(f.simulation);
+            for (std::size_t m = 0; m < measures; ++m) {
+                f.greatest[m] = std::max(f.greatest[m], here[m]);
+                f.mean[m] += here[m];
+                f.squares[m] += (here[m] - there[m]) * (here[m] - there[m]);
+            }
+        }
+        if (steps % steps_per_row != 0) {
+            continue;
+        }
+        std::string row = fmt::format("{},{},{:.1f}", name, model_name,
+                                      static_cast<double>(steps) / scene::steps_per_second);
+        for (std::size_t m = 0; m < measures; ++m) {
+            for (const Follower& f : scenes) {
+                row += fmt::format(",{:.4g}", measured(f.simulation)[m]);
+            }
+        }
+        for (std::size_t s = 1; s < scenes.size(); ++s) {
+            Apart now;
+            now.add(scenes[s].simulation.scene(), reference.scene());
+            scenes[s].apart.add(scenes[s].simulation.scene(), reference.scene());
+            row += fmt::format(",{:.3g},{:.3g}", 1e3 * now.rms(), 1e3 * now.most());
+        }
+        course.row(row + fmt::format(",{:.1f},{:.3f},{:.3f}", 100.0 * share, row_ms[0], row_ms[1]));
+        row_ms = {};
+    }
+    // The tools stay where the attempt left them.
+    for (int k = 0; k < after_steps && !options.quick; ++k) {
+        scenes[1].simulation.scene().step(inputs);
+    }
+    const double after_awake = share_awake(scenes[1].simulation.scene());
+    const auto count = static_cast<double>(steps);
+    std::string row = fmt::format("{},{},{},{:.1f},{:.3f},{:.3f},{:.4f},{:.1f},{:.3f},{:.3f},{:.3f},{:.1f}",
+                                  name, model_name, steps, 100.0 * rest_awake, rest_ms[0], rest_ms[1],
+                                  rest_ms[1] / rest_ms[0], 100.0 * all_awake / count, all_ms[0] / count,
+                                  all_ms[1] / count, all_ms[1] / all_ms[0], 100.0 * after_awake);
+    for (std::size_t m = 0; m < measures; ++m) {
+        for (const Follower& f : scenes) {
+            row += fmt::format(",{:.4f},{:.4f}", f.greatest[m], f.mean[m] / count);
+            if (&f != scenes.data()) {
+                row += fmt::format(",{:.4f}", std::sqrt(f.squares[m] / count));
+            }
+        }
+    }
+    for (std::size_t s = 1; s < scenes.size(); ++s) {
+        row += fmt::format(",{:.4f},{:.4f}", 1e3 * scenes[s].apart.rms(), 1e3 * scenes[s].apart.most());
+    }
+    table.row(row);
+    spdlog::info(
+        "{} {}: {:.1f} % awake at rest, {:.3f} of the time; {:.0f} % awake in the attempt, {:.2f} of the "
+        "time; {:.1f} % awake ten seconds later; blade {:.3f} N, asleep {:.3f} N",
+        name, model_name, 100.0 * rest_awake, rest_ms[1] / rest_ms[0], 100.0 * all_awake / count,
+        all_ms[1] / all_ms[0], 100.0 * after_awake, scenes[0].greatest[blade], scenes[1].greatest[blade]);
+}
+
+}  // namespace
+
+int sleep(const SleepOptions& options) {
+    std::string header =
+        "scenario,model,steps,rest_awake_percent,rest_step_ms,rest_step_sleep_ms,rest_ratio,awake_percent,"
+        "step_ms,"
+        "step_sleep_ms,ratio,after_awake_percent";
+    std::string course_header = "scenario,model,time_s";
+    for (const char* const measure : measure_names) {
+        for (const char* const of : {"", "_sleep", "_beside"}) {
+            header += fmt::format(",{0}{1}_max,{0}{1}_mean", measure, of);
+            header += *of != '\0' ? fmt::format(",{}{}_difference_rms", measure, of) : "";
+            course_header += fmt::format(",{}{}", measure, of);
+        }
+    }
+    for (const char* const of : {"sleep", "beside"}) {
+        header += fmt::format(",shape_{0}_rms_mm,shape_{0}_max_mm", of);
+        course_header += fmt::format(",shape_{0}_rms_mm,shape_{0}_max_mm", of);
+    }
+    Table table(options.out, "sleep.csv", header);
+    Table course(options.out, "sleep-course.csv", course_header + ",awake_percent,step_ms,step_sleep_ms");
+    for (const std::string& name : options.scenarios) {
+        const Scenario shipped = load_scenario(find_data_file(name, "scenarios"));
+        std::vector<TissueModel> models = {shipped.physics.tissue_model};
+        for (const TissueModel other : {TissueModel::tetrahedra, TissueModel::implicit}) {
+            if (!options.quick && other != models.front()) {
+                models.push_back(other);
+            }
+        }
+        for (const TissueModel model : models) {
+            compare(shipped.name, shipped, model, options, table, course);
+        }
+    }
+    spdlog::info("wrote {}", table.path().string());
+    return 0;
+}
+
+}  // namespace eti::bench

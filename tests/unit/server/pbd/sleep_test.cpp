@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/pbd/sleep.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+
+#include "server/pbd/self_contact.hpp"
+#include "tests/support/cluster_block.hpp"
+#include "tests/support/threads.hpp"
+
+namespace eti::pbd {
+namespace {
+
+constexpr int substeps = 8;
+constexpr float dt = 1.0f / (180.0f * substeps);  // [s]
+constexpr Sleep::Settings settings;
+
+using Tool = std::function<void(Particles&)>;  ///< takes hold of predicted positions
+
+/// A cube of 24 mm in blocks of clusters, hung by its uppermost layers.
+class SleepTest : public ::testing::Test {
+  protected:
+    static constexpr int n = 13;
+
+    [[nodiscard]] static SoftBody cube(bool sleeps) {
+        SoftBody body = test::cluster_block(n, 8e3f, Vec3f::Zero(), 2);
+        body.settings.damping = 60.0f;
+        if (sleeps) {
+            body.sleep.configure(body.particles, body.shapes, body.links, {}, settings);
+        }
+        return body;
+    }
+
+    static void step(SoftBody& body, const Tool& tool = {}) {
+        body.begin_step();
+        for (int s = 0; s < substeps; ++s) {
+            body.predict(dt, 1.0f / static_cast<float>(substeps - s));
+            body.project(dt);
+            if (tool) {
+                tool(body.particles);
+            }
+            body.finish(dt);
+        }
+        body.end_step();
+    }
+
+    static void rest(SoftBody& body) {
+        for (int k = 0; k <= settings.steps; ++k) {
+            step(body);
+        }
+    }
+
+    [[nodiscard]] static SoftBody sleeping_cube() {
+        SoftBody body = cube(true);
+        rest(body);
+        EXPECT_EQ(body.sleep.awake_groups(), 0u);
+        return body;
+    }
+
+    /// Wakes what lies within 3 mm of a corner of the cube that hangs free.
+    static void touch_corner(SoftBody& body) {
+        const Eigen::AlignedBox3f box(Vec3f::Constant(-3e-3f), Vec3f::Constant(3e-3f));
+        body.sleep.wake_near(body.particles, box, [](const Vec3f&, float) { return true; });
+    }
+
+    /// Holds the corner's particle at `x` [m] from its rest.
+    [[nodiscard]] static Tool pull(float x) {
+        return [x](Particles& p) { p.predicted[0] = p.rest[0] + Vec3f(x, 0, 0); };
+    }
+
+    [[nodiscard]] static float apart(const SoftBody& a, const SoftBody& b) {
+        float most = 0.0f;
+        for (std::size_t i = 0; i < a.particles.size(); ++i) {
+            most = std::max(most, (a.particles.position[i] - b.particles.position[i]).norm());
+        }
+        return most;
+    }
+};
+
+TEST_F(SleepTest, WhatRestsFallsAsleepAfterItsStepsAndIsNotSolved) {
+    SoftBody body = cube(true);
+    for (int k = 0; k < settings.steps; ++k) {
+        step(body);
+        EXPECT_TRUE(body.sleep.whole_awake()) << k;
+    }
+    step(body);
+    EXPECT_EQ(body.sleep.awake_groups(), 0u);
+    EXPECT_GT(body.sleep.groups(), 20u);
+    body.begin_step();
+    EXPECT_TRUE(body.particles.awake.empty());
+    // What is solved would come back from here.
+    body.particles.position[0].x() += 1e-3f;
+    const std::vector<Vec3f> before = body.particles.position;
+    step(body);
+    EXPECT_EQ(body.particles.position, before);
+    EXPECT_EQ(body.particles.mobility(0), 0.0f);
+}
+
+TEST_F(SleepTest, WithoutSleepNothingFallsAsleep) {
+    SoftBody body = cube(false);
+    for (int k = 0; k < 3 * settings.steps; ++k) {
+        step(body);
+    }
+    EXPECT_EQ(body.particles.awake.size(), 1u);
+    EXPECT_GT(body.particles.mobility(0), 0.0f);
+}
+
+TEST_F(SleepTest, AToolWakesWhatItIsNearAndNothingElse) {
+    SoftBody body = sleeping_cube();
+    const Eigen::AlignedBox3f box(Vec3f::Constant(-3e-3f), Vec3f::Constant(3e-3f));
+    body.sleep.wake_near(body.particles, box, [](const Vec3f&, float) { return false; });
+    EXPECT_EQ(body.sleep.awake_groups(), 0u);
+    touch_corner(body);
+    EXPECT_GT(body.sleep.awake_groups(), 0u);
+    EXPECT_LT(2 * body.sleep.awake_groups(), body.sleep.groups());
+    EXPECT_GT(body.particles.mobility(0), 0.0f);
+    EXPECT_EQ(body.particles.mobility(body.particles.size() / 2), 0.0f);
+    // Nothing moved it: it sleeps again.
+    rest(body);
+    EXPECT_EQ(body.sleep.awake_groups(), 0u);
+}
+
+TEST_F(SleepTest, RestShapeAndResetWakeTheWhole) {
+    SoftBody body = sleeping_cube();
+    body.set_rest();
+    EXPECT_TRUE(body.sleep.whole_awake());
+    rest(body);
+    EXPECT_EQ(body.sleep.awake_groups(), 0u);
+    body.reset();
+    EXPECT_TRUE(body.sleep.whole_awake());
+    step(body);
+    EXPECT_EQ(body.particles.awake.size(), 1u);
+    EXPECT_EQ(std::ranges::count(body.particles.asleep, 1), 0);
+}
+
+TEST_F(SleepTest, ASlowDriftIsFollowedHoweverSlow) {
+    SoftBody body = sleeping_cube();
+    SoftBody awake = cube(false);
+    constexpr float drift = 0.1e-6f;  // [m] per step, 18 um/s
+    constexpr int steps = 3000;
+    std::array<float, 2> most{};
+    int wakings = 0;
+    for (int k = 0; k < steps; ++k) {
+        touch_corner(body);
+        const std::size_t before = body.sleep.awake_groups();
+        const Tool tool = pull(drift * static_cast<float>(k));
+        step(body, tool);
+        step(awake, tool);
+        wakings += body.sleep.awake_groups() > before ? 1 : 0;
+        float& half = most[2 * k < steps ? 0 : 1];
+        half = std::max(half, apart(body, awake));
+    }
+    // Neighbours asleep hold what they share with the block that is pulled, so that this goes `shift` only
+    // when it would else have gone several times as far; then they wake and follow. What is missed does not
+    // add up.
+    EXPECT_GT(wakings, 2);
+    EXPECT_LT(most[0], 0.1f * drift * steps);
+    EXPECT_LT(most[1], 1.25f * most[0]);
+}
+
+TEST_F(SleepTest, WhatWokeComesBackToWhereItWouldBeHadItNeverSlept) {
+    SoftBody body = sleeping_cube();
+    SoftBody awake = cube(false);
+    for (int k = 0; k < 40; ++k) {
+        touch_corner(body);
+        step(body, pull(3e-3f));
+        step(awake, pull(3e-3f));
+    }
+    EXPECT_GT(2 * body.sleep.awake_groups(), body.sleep.groups()) << "it has gone through the body";
+    EXPECT_LT(apart(body, awake), settings.shift + settings.still);
+    for (int k = 0; k < 400; ++k) {
+        step(body);
+        step(awake);
+    }
+    EXPECT_EQ(body.sleep.awake_groups(), 0u);
+    EXPECT_LT(apart(body, awake), settings.shift + settings.still);
+}
+
+TEST_F(SleepTest, ThreadsDoNotChangeABit) {
+    const auto run = [](std::size_t threads) {
+        return test::with_threads(threads, [] {
+            SoftBody body = sleeping_cube();
+            for (int k = 0; k < 60; ++k) {
+                if (k < 20) {
+                    touch_corner(body);
+                }
+                step(body, k < 20 ? pull(2e-3f) : Tool());
+            }
+            EXPECT_GT(body.sleep.awake_groups(), 0u);
+            EXPECT_FALSE(body.sleep.whole_awake());
+            return body.particles.position;
+        });
+    };
+    const std::vector<Vec3f> one = run(1);
+    EXPECT_EQ(run(2), one);
+    EXPECT_EQ(run(8), one);
+}
+
+TEST_F(SleepTest, ALinkWakesWhatItTies) {
+    SoftBody body = cube(false);
+    const auto far = static_cast<std::uint32_t>(n - 1);  // the next corner
+    body.links.configure({{0u, far}}, {100.0f}, body.particles);
+    body.sleep.configure(body.particles, body.shapes, body.links, {}, settings);
+    rest(body);
+    ASSERT_EQ(body.sleep.awake_groups(), 0u);
+    for (int k = 0; k < 3; ++k) {
+        touch_corner(body);
+        step(body, pull(1e-3f));
+    }
+    EXPECT_GT(body.particles.mobility(far), 0.0f);
+}
+
+TEST_F(SleepTest, WhatMayTouchSomethingThatStirsWakes) {
+    SoftBody body = sleeping_cube();
+    constexpr std::uint32_t other = n * (n - 1);  // the corner along y
+    body.particles.radius.assign(body.particles.size(), 0.5f * test::cluster_spacing * n);
+    SelfContact contact;
+    contact.configure({0u, other}, {}, {}, body.particles);
+    touch_corner(body);
+    ASSERT_EQ(body.particles.mobility(other), 0.0f);
+    contact.find(body.particles, 2e-3f);
+    ASSERT_EQ(contact.pairs().size(), 1u);
+    step(body, pull(1e-3f));
+    contact.wake(body.particles, body.sleep);
+    EXPECT_GT(body.particles.mobility(other), 0.0f);
+}
+
+}  // namespace
+}  // namespace eti::pbd
