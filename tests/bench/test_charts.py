@@ -54,10 +54,13 @@ class Charts(unittest.TestCase):
             self.assertGreater(of[CLUSTERS, 24], 0.9 * of[CLUSTERS, 8], case)
             self.assertGreater(of[CLUSTERS, 24], 0.35, case)
 
-    def test_drag_has_no_part_in_the_reference_of_the_lift(self):
+    def test_reference_of_the_lift_is_as_sure_as_said(self):
+        """Its end is an equilibrium whatever the drag, but friction remembers the way that drag changes, and holds a tenth of
+        the force at most: a third of that is left to it."""
         rows = {row["variant"]: row for row in plot.rows_of(CHARTS / "lift-reference.csv")}
         self.assertEqual(float(rows["as it is"]["force_difference"]), 0.0)
-        self.assertLess(float(rows["four times the drag"]["force_difference"]), 0.02)
+        self.assertLess(float(rows["four times the drag"]["force_difference"]), 0.033)
+        self.assertLess(float(rows["surroundings of the implicit tongue"]["force_difference"]), 0.033)
 
     def test_shipped_setting_is_what_scenarios_default_to(self):
         header = (ROOT / "common/scenario/scenario.hpp").read_text()
