@@ -49,9 +49,13 @@ void bend_tubes(AccuracyTable& table, bool quick);
 /// mesh.
 void press_tongue(AccuracyTable& table, Table& forces, bool quick);
 
-/// The scene as the expert sees the glottis best: the tongue's force on the blade, its displacements and the
-/// view, against finite elements of the tongue between the same surroundings.
+/// The scene as the expert sees the glottis best: the tongue's force on the blade, as the tool is told it and
+/// as the material bears it in the same places; the tongue's displacements, the view, and how fast what ought
+/// to stand still trembles [mm/s]; against finite elements of the tongue between the same surroundings.
 void lift_tongue(AccuracyTable& table, bool quick);
+
+/// lift-reference.csv: what those finite elements' own choices change of them. Nothing where `quick`.
+void vary_lift_reference(AccuracyTable& table, bool quick);
 
 /// Water: a column at rest, and the dam break of Martin & Moyce 1952.
 void pour_water(AccuracyTable& table, bool quick);

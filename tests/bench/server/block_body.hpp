@@ -23,6 +23,7 @@ enum class Method {
     clusters_for_indentation,  ///< or the force on an indenter,
     clusters_for_tongue,       ///< or the force of the patient's tongue, as shipped
     tetrahedra,
+    tetrahedra_implicit,  ///< one solve per step instead of one pass per substep
     mass_springs
 };
 
@@ -40,6 +41,8 @@ enum class Method {
             return "clusters, calibrated on the tongue";
         case Method::tetrahedra:
             return "tetrahedra, XPBD";
+        case Method::tetrahedra_implicit:
+            return "tetrahedra, implicit";
         case Method::mass_springs:
             break;
     }

@@ -10,6 +10,7 @@
 #include "server/app/simulation.hpp"
 #include "server/pbd/cluster_calibration.hpp"
 #include "server/pbd/contact.hpp"
+#include "server/pbd/implicit_tetrahedra.hpp"
 #include "server/pbd/soft_body.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/server/accuracy_table.hpp"
@@ -20,8 +21,9 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double seconds = 2.0;     // [s] of which the blade goes down in the first half;
-constexpr double measured = 0.2;    // [s], at the end, over which its force is averaged
+constexpr int steps = 2 * scene::steps_per_second;  // in the first half of which the blade goes down
+constexpr int averaged = steps / 10;                // at the end, over which its force is
+constexpr float damping = 40.0f;                    // [1/s]
 constexpr double penalty = 2000.0;  // [N/m] per node of the finite elements: some 0.02 mm under the blade
 
 /// The patient's tongue at the scenario's posture, held where it is fixed to bone or to the mouth's floor,
@@ -143,27 +145,102 @@ Pressed by_finite_elements(const Tongue& tongue, double depth, double youngs_mod
     return out;
 }
 
-Pressed by_particles(const Tongue& tongue, double depth, Method method, int substeps, double youngs_modulus) {
-    pbd::SoftBody body;
-    body.settings.damping = 40.0f;
-    pbd::Particles& p = body.particles;
+/// The tongue's particles at rest.
+pbd::Particles particles_of(const Tongue& tongue) {
+    pbd::Particles p;
     p.resize(tongue.rest.size());
     p.rest = p.position = p.predicted = tongue.rest;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        p.inverse_mass[i] = tongue.held[i] ? 0.0f : 1.0f / (anatomy::tissue_density * tongue.volume[i]);
+    }
+    return p;
+}
+
+pbd::Tetrahedra::Description mesh_of(const Tongue& tongue, double youngs_modulus) {
+    pbd::Tetrahedra::Description mesh;
+    mesh.tetrahedra = tongue.tetrahedra;
+    mesh.youngs_modulus.assign(mesh.tetrahedra.size(), static_cast<float>(youngs_modulus));
+    mesh.poisson_ratio = static_cast<float>(poisson_ratio);
+    return mesh;
+}
+
+/// The blade's axis, so deep at the end, after a share of the time.
+Capsule blade_at(const Tongue& tongue, double depth, double share) {
+    const Vec3d centre = tongue.axis_at(depth * std::min(1.0, 2.0 * share));
+    return {Vec3d(centre - 0.03 * tongue.along).cast<float>(),
+            Vec3d(centre + 0.03 * tongue.along).cast<float>(), static_cast<float>(tongue.radius)};
+}
+
+/// One solve per step, with the blade among what is solved for.
+Pressed by_implicit_tetrahedra(const Tongue& tongue, double depth, int iterations, double youngs_modulus) {
+    pbd::Particles p = particles_of(tongue);
+    pbd::ImplicitTetrahedra mesh;
+    mesh.configure(mesh_of(tongue, youngs_modulus), p, p.inverse_mass);
+    mesh.settings.iterations = iterations;
+    std::vector<bool> meshed(p.size(), false);
+    for (const std::uint32_t i : mesh.particles()) {
+        meshed[i] = !tongue.held[i];
+    }
+    constexpr float dt = scene::step_duration;
+    const float keep = std::exp(-damping * dt) / dt;
+    std::vector<Vec3f> force(p.size(), Vec3f::Zero());
+    Pressed out;
+    const auto start = std::chrono::steady_clock::now();
+    for (int step = 0; step < steps; ++step) {
+        const Capsule blade = blade_at(tongue, depth, static_cast<double>(step + 1) / steps);
+        mesh.contacts.clear();
+        for (std::uint32_t i = 0; i < p.size(); ++i) {
+            p.predicted[i] = p.position[i];
+            if (!meshed[i]) {
+                continue;
+            }
+            const Vec3f away = pbd::away_from(blade.a, blade.b, p.position[i]);
+            const float distance = away.norm();
+            if (distance < blade.radius || !force[i].isZero(0.0f)) {
+                pbd::MeshContact& c = mesh.contacts.emplace_back();
+                c.particle = {i, i};
+                c.normal = away / distance;
+                c.gap = distance - blade.radius;
+                c.force = force[i];
+            }
+        }
+        mesh.solve(p, dt);
+        std::ranges::fill(force, Vec3f::Zero());
+        for (const pbd::MeshContact& c : mesh.contacts) {
+            force[c.particle[0]] = c.force;
+            if (step >= steps - averaged) {
+                out.force += c.force.cast<double>().dot(tongue.down) / averaged;
+            }
+        }
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            p.velocity[i] = keep * (p.predicted[i] - p.position[i]);
+            p.position[i] = p.predicted[i];
+        }
+    }
+    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
+    out.frame_ms = wall.count() / steps * scene::steps_per_second / 90.0;
+    for (const Vec3f& x : p.position) {
+        out.position.push_back(x.cast<double>());
+    }
+    return out;
+}
+
+Pressed by_particles(const Tongue& tongue, double depth, Method method, int substeps, double youngs_modulus) {
+    pbd::SoftBody body;
+    body.settings.damping = damping;
+    pbd::Particles& p = body.particles;
+    p = particles_of(tongue);
     pbd::ShapeMatching::Description clusters;
     clusters.first.push_back(0);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        const float mass = anatomy::tissue_density * tongue.volume[i];
-        p.inverse_mass[i] = tongue.held[i] ? 0.0f : 1.0f / mass;
-        clusters.particle_volume.push_back(tongue.volume[i]);
-        clusters.fitting_mass.push_back(mass);
+    for (const float volume : tongue.volume) {
+        clusters.particle_volume.push_back(volume);
+        clusters.fitting_mass.push_back(anatomy::tissue_density * volume);
     }
     const float dt = scene::step_duration / static_cast<float>(substeps);
     const auto wanted = static_cast<float>(youngs_modulus);
     pbd::Tetrahedra::Description mesh;
     if (method == Method::tetrahedra) {
-        mesh.tetrahedra = tongue.tetrahedra;
-        mesh.youngs_modulus.assign(mesh.tetrahedra.size(), wanted);
-        mesh.poisson_ratio = static_cast<float>(poisson_ratio);
+        mesh = mesh_of(tongue, youngs_modulus);
     } else {
         const std::optional<pbd::ClusterLoad> load = calibration_of(method);
         const float modulus = load ? pbd::cluster_modulus({.spacing = tongue.spacing,
@@ -183,18 +260,14 @@ Pressed by_particles(const Tongue& tongue, double depth, Method method, int subs
     body.tetrahedra.configure(mesh, p);
     body.links.configure({}, {}, p);
 
-    const int steps = static_cast<int>(std::lround(seconds * scene::steps_per_second));
-    const int averaged = static_cast<int>(std::lround(measured * scene::steps_per_second));
     Pressed out;
     out.contact_force.assign(p.size(), Vec3f::Zero());
     const auto start = std::chrono::steady_clock::now();
     for (int step = 0; step < steps; ++step) {
         for (int s = 0; s < substeps; ++s) {
-            const double share = (step + static_cast<double>(s + 1) / substeps) / (0.5 * steps);
-            const Vec3d centre = tongue.axis_at(depth * std::min(1.0, share));
-            const Vec3f a = Vec3d(centre - 0.03 * tongue.along).cast<float>();
-            const Vec3f b = Vec3d(centre + 0.03 * tongue.along).cast<float>();
-            const pbd::MovingCapsule capsule{a, b, a, b, static_cast<float>(tongue.radius)};
+            const Capsule blade =
+                blade_at(tongue, depth, (step + static_cast<double>(s + 1) / substeps) / steps);
+            const pbd::MovingCapsule capsule{blade.a, blade.b, blade.a, blade.b, blade.radius};
             body.predict(dt, 1.0f);
             body.project(dt);
             for (std::size_t i = 0; i < p.size(); ++i) {
@@ -243,10 +316,7 @@ std::vector<LawForce> tongue_laws(bool quick) {
         const double reference = by_finite_elements(tongue, depth, modulus).force;
         const Pressed pressed =
             by_particles(tongue, depth, Method::tetrahedra, scenario.physics.substeps, modulus);
-        const Vec3d centre = tongue.axis_at(depth);
-        const Capsule blade{Vec3d(centre - 0.03 * tongue.along).cast<float>(),
-                            Vec3d(centre + 0.03 * tongue.along).cast<float>(),
-                            static_cast<float>(tongue.radius)};
+        const Capsule blade = blade_at(tongue, depth, 1.0);
         std::vector<devices::TissuePoint> points;
         Vec3f sum = Vec3f::Zero();
         for (std::size_t i = 0; i < pressed.position.size(); ++i) {
@@ -277,28 +347,42 @@ void press_tongue(AccuracyTable& table, Table& forces, bool quick) {
         for (const double depth : depths) {
             expected.push_back(by_finite_elements(tongue, depth, modulus));
         }
+        struct Row {
+            Method method;
+            int substeps, iterations;
+        };
+        std::vector<Row> rows;
         for (const Method method : {Method::shape_matching_xpbd, Method::clusters_for_indentation,
                                     Method::clusters_for_tongue, Method::tetrahedra}) {
-            const std::string_view name = name_of(method);
             for (const int substeps : quick ? std::vector{8} : std::vector{4, 8, 16}) {
-                double force = 0.0;
-                double shape = 0.0;
-                double frame_ms = 0.0;
-                for (std::size_t k = 0; k < depths.size(); ++k) {
-                    const Pressed found = by_particles(tongue, depths[k], method, substeps, modulus);
-                    force += std::pow(found.force / expected[k].force - 1.0, 2);
-                    shape += std::pow(difference(tongue, found, expected[k]), 2);
-                    frame_ms += found.frame_ms;
-                    forces.row(fmt::format("tongue,\"{}\",{:g},{},1,{:g},{:.6g},{:.6g}", name, 1e3 * spacing,
-                                           substeps, 1e3 * depths[k], found.force, expected[k].force));
-                }
-                const auto n = static_cast<double>(depths.size());
-                const std::size_t particles = tongue.rest.size();
-                table.add({"tongue-force", name, spacing, substeps, 1, particles, std::sqrt(force / n),
-                           frame_ms / n});
-                table.add({"tongue-shape", name, spacing, substeps, 1, particles, std::sqrt(shape / n),
-                           frame_ms / n});
+                rows.push_back({method, substeps, 1});
             }
+        }
+        for (const int iterations : quick ? std::vector{8} : std::vector{5, 8, 10}) {
+            rows.push_back({Method::tetrahedra_implicit, 1, iterations});
+        }
+        for (const auto& [method, substeps, iterations] : rows) {
+            const std::string_view name = name_of(method);
+            double force = 0.0;
+            double shape = 0.0;
+            double frame_ms = 0.0;
+            for (std::size_t k = 0; k < depths.size(); ++k) {
+                const Pressed found = method == Method::tetrahedra_implicit
+                                          ? by_implicit_tetrahedra(tongue, depths[k], iterations, modulus)
+                                          : by_particles(tongue, depths[k], method, substeps, modulus);
+                force += std::pow(found.force / expected[k].force - 1.0, 2);
+                shape += std::pow(difference(tongue, found, expected[k]), 2);
+                frame_ms += found.frame_ms;
+                forces.row(fmt::format("tongue,\"{}\",{:g},{},{},{:g},{:.6g},{:.6g}", name, 1e3 * spacing,
+                                       substeps, iterations, 1e3 * depths[k], found.force,
+                                       expected[k].force));
+            }
+            const auto n = static_cast<double>(depths.size());
+            const std::size_t particles = tongue.rest.size();
+            table.add({"tongue-force", name, spacing, substeps, iterations, particles, std::sqrt(force / n),
+                       frame_ms / n});
+            table.add({"tongue-shape", name, spacing, substeps, iterations, particles, std::sqrt(shape / n),
+                       frame_ms / n});
         }
     }
 }

@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::VectorXd;
 
 constexpr double within_reach = 5e-3;  // [m], farther than anything moves in an increment
-constexpr int iteration_limit = 100;   // in one round
+constexpr int iteration_limit = 200;   // in one round
 constexpr double far_off = 0.3;        // residual
 constexpr double first_bound = 1e-2;   // of the residual, in the first round
 
@@ -110,7 +110,7 @@ Solid::Sample FrictionPath::gap_of(const Contact& contact, const VectorXd& x) co
 }
 
 double FrictionPath::pressed(const Contact& contact, double gap) const {
-    return std::max(0.0, contact.multiplier - settings_.stiffness * gap);
+    return std::max(0.0, contact.multiplier - stiffness_of(contact) * gap);
 }
 
 Vec3d FrictionPath::slip_of(const Contact& contact, const VectorXd& x) const {
@@ -132,11 +132,16 @@ double FrictionPath::energy(const VectorXd& x) const {
         const double stretch = (at(x, spring.b) - at(x, spring.a)).norm() - spring.length;
         sum += 0.5 * spring.stiffness * stretch * stretch;
     }
+    if (duration_ > 0.0) {
+        for (std::uint32_t i = 0; i < problem_.drag.size(); ++i) {
+            sum += 0.5 * problem_.drag[i] / duration_ * (at(x, i) - at(before_, i)).squaredNorm();
+        }
+    }
     const double k = settings_.sticking;
     for (const std::uint32_t n : near_) {
         const Contact& c = contacts_[n];
         const double p = pressed(c, gap_of(c, x).distance);
-        sum += 0.5 * p * p / settings_.stiffness;
+        sum += 0.5 * p * p / stiffness_of(c);
         if (c.limit > 0.0) {
             const double slip = slip_of(c, x).norm();
             sum += k * slip > c.limit ? c.limit * (slip - 0.5 * c.limit / k) : 0.5 * k * slip * slip;
@@ -159,6 +164,12 @@ VectorXd FrictionPath::internal_force(const VectorXd& x) const {
 
 VectorXd FrictionPath::gradient(const VectorXd& x) const {
     VectorXd out = internal_force(x);
+    if (duration_ > 0.0) {
+        for (std::uint32_t i = 0; i < problem_.drag.size(); ++i) {
+            out.segment<3>(3 * static_cast<Index>(i)) +=
+                problem_.drag[i] / duration_ * (at(x, i) - at(before_, i));
+        }
+    }
     for (const std::uint32_t n : near_) {
         const Contact& c = contacts_[n];
         const Solid::Sample gap = gap_of(c, x);
@@ -184,6 +195,11 @@ const Eigen::SparseMatrix<double>& FrictionPath::hessian(const VectorXd& x, bool
             }
         }
     }
+    if (duration_ > 0.0) {
+        for (std::uint32_t i = 0; i < problem_.drag.size(); ++i) {
+            matrix_.add(i, i, problem_.drag[i] / duration_ * Matrix3d::Identity());
+        }
+    }
     for (const PathProblem::Spring& spring : problem_.springs) {
         const Vec3d apart = at(x, spring.b) - at(x, spring.a);
         const double length = apart.norm();
@@ -202,7 +218,7 @@ const Eigen::SparseMatrix<double>& FrictionPath::hessian(const VectorXd& x, bool
         const double p = pressed(c, gap.distance);
         Matrix3d k = Matrix3d::Zero();
         if (p > 0.0) {
-            k = settings_.stiffness * gap.slope * gap.slope.transpose();
+            k = stiffness_of(c) * gap.slope * gap.slope.transpose();
             if (!definite) {
                 k -= p * gap.bend;
             }
@@ -318,7 +334,7 @@ void FrictionPath::fix_friction() {
     }
 }
 
-void FrictionPath::update(Increment& out, double& changed) {
+void FrictionPath::update(Increment& out) {
     out.penetration = 0.0;
     double all = 0.0;
     double apart = 0.0;
@@ -326,13 +342,13 @@ void FrictionPath::update(Increment& out, double& changed) {
         Contact& c = contacts_[n];
         const Solid::Sample gap = gap_of(c, x_);
         const double p = pressed(c, gap.distance);
-        if (p > 0.0) {
+        if (p > 0.0 && !is_spring(c)) {
             // What is pressed but apart is as wrong as what penetrates.
             out.penetration = std::max(out.penetration, std::fabs(gap.distance));
         }
         Contact next = c;
         next.force = p;
-        next.multiplier = settings_.multipliers ? p : 0.0;
+        next.multiplier = settings_.multipliers && !is_spring(c) ? p : 0.0;
         next.limit = friction_of(c) * p;
         next.normal = gap.slope.normalized();
         all += p;
@@ -340,7 +356,7 @@ void FrictionPath::update(Increment& out, double& changed) {
         c.force = next.force;
         c.multiplier = next.multiplier;
     }
-    changed = all > 0.0 ? apart / all : 0.0;
+    out.changed = all > 0.0 ? apart / all : 0.0;
 }
 
 void FrictionPath::end() {
@@ -362,11 +378,15 @@ void FrictionPath::end() {
     }
 }
 
+void FrictionPath::restore(State state) {
+    x_ = std::move(state.x);
+    contacts_ = std::move(state.contacts);
+    pose_ = state.pose;
+    problem_.body.held = std::move(state.held);
+}
+
 Increment FrictionPath::advance(const Eigen::Isometry3d& tool, std::span<const double> displacement) {
-    const VectorXd x = x_;
-    const std::vector<Contact> contacts = contacts_;
-    const Eigen::Isometry3d pose = pose_;
-    const std::vector<Problem::Held> held = problem_.body.held;
+    State before = state();
     begin(tool, displacement);
     Increment out;
     double bound = std::max(settings_.residual, first_bound);
@@ -377,9 +397,8 @@ Increment FrictionPath::advance(const Eigen::Isometry3d& tool, std::span<const d
             break;
         }
         find_near(x_);
-        double changed = 0.0;
-        update(out, changed);
-        const bool settled = changed < settings_.friction &&
+        update(out);
+        const bool settled = out.changed < settings_.friction &&
                              (!settings_.multipliers || out.penetration < settings_.penetration);
         if (settled && bound <= settings_.residual) {
             out.converged = true;
@@ -391,10 +410,29 @@ Increment FrictionPath::advance(const Eigen::Isometry3d& tool, std::span<const d
         end();
         begun_ = true;
     } else {
-        x_ = x;
-        contacts_ = contacts;
-        pose_ = pose;
-        problem_.body.held = held;
+        restore(std::move(before));
+    }
+    return out;
+}
+
+Increment FrictionPath::step(const Eigen::Isometry3d& tool, std::span<const double> displacement,
+                             double duration, double bound) {
+    State before = state();
+    begin(tool, displacement);
+    Increment out;
+    out.rounds = 1;
+    find_near(x_);
+    fix_friction();
+    duration_ = duration;
+    out.converged = minimise(out, bound);
+    duration_ = 0.0;
+    if (out.converged) {
+        find_near(x_);
+        update(out);
+        end();
+        begun_ = true;
+    } else {
+        restore(std::move(before));
     }
     return out;
 }

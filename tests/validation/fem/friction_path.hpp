@@ -50,12 +50,16 @@ struct PathProblem {
     std::vector<Capsule> tool;
     const Solid* solid = nullptr;
     double tool_friction = 0.0, solid_friction = 0.0;
+    std::vector<double> drag;  ///< [N s/m] on each vertex, against motion in space; none where empty
 };
 
 struct PathSettings {
-    double stiffness = 2e3;        ///< [N/m] of every contact, across
-    double sticking = 1e3;         ///< [N/m], along, while it sticks
-    bool multipliers = true;       ///< without, contacts are springs of that stiffness
+    double stiffness = 2e3;   ///< [N/m] of every contact, across
+    double sticking = 1e3;    ///< [N/m], along, while it sticks
+    bool multipliers = true;  ///< without, contacts are springs of that stiffness
+    /// [N/m]; above zero contacts with the solid are springs of it. Between a tool and a solid that both do
+    /// not yield there may be no room for a body.
+    double solid_spring = 0.0;
     double penetration = 0.02e-3;  ///< [m], bound for the deepest contact, which multipliers see to
     double friction = 2e-3;  ///< bound for the change of friction from round to round, in parts of all force
     double residual = 1e-6;  ///< bound for the largest unbalanced force, in parts of the largest force
@@ -68,7 +72,8 @@ struct Increment {
     int rounds = 0;
     int iterations = 0;        ///< of Newton's method
     double residual = 0.0;     ///< largest unbalanced force, in parts of the largest force
-    double penetration = 0.0;  ///< [m], of the deepest contact
+    double penetration = 0.0;  ///< [m], of the deepest contact that has a multiplier
+    double changed = 0.0;      ///< what the last round changed of friction, in parts of all force
 };
 
 /// Quasi-static equilibria along a tool's way, one from the last: friction asks where things came from.
@@ -79,6 +84,11 @@ struct Increment {
 /// Mechanics, 2nd ed., sec. 10.5). In a round the limit, and with it the plane of sliding, stays what
 /// the last round left, so that each round has an energy to minimise, by Newton's method with line search;
 /// rounds go on until friction does not change.
+///
+/// Where bodies are pressed hard, equilibria end and the body snaps to others far off. step() follows it
+/// there in time: each is one of implicit Euler of the body slowed down by its drag, whose minimum exists and
+/// is near. Steps of growing length with a tool that stands still lead to an equilibrium (Kelley & Keyes
+/// 1998, SIAM J Numer Anal 35:508), in which drag has no part.
 class FrictionPath {
   public:
     FrictionPath(PathProblem problem, const PathSettings& settings);
@@ -86,6 +96,11 @@ class FrictionPath {
     /// The next equilibrium, with the tool at `tool` and held coordinates displaced as `displacement` [m]
     /// tells, in the order of body.held; as before if empty.
     Increment advance(const Eigen::Isometry3d& tool, std::span<const double> displacement = {});
+
+    /// A step of `duration` [s] in time, to a residual below `bound`: one round, that takes multipliers and
+    /// friction's limits from the step before. Where steps change nothing any more, nothing lags.
+    Increment step(const Eigen::Isometry3d& tool, std::span<const double> displacement, double duration,
+                   double bound);
 
     [[nodiscard]] const Eigen::VectorXd& position() const { return x_; }  ///< x0 y0 z0 x1 ... [m]
     /// [N], of the tool on each vertex, in the last increment.
@@ -119,6 +134,12 @@ class FrictionPath {
     [[nodiscard]] static Vec3d place_of(const Contact& contact, const Eigen::VectorXd& x);
     [[nodiscard]] Solid::Sample gap_of(const Contact& contact, const Eigen::VectorXd& x) const;
     [[nodiscard]] double pressed(const Contact& contact, double gap) const;
+    [[nodiscard]] double stiffness_of(const Contact& contact) const {
+        return is_spring(contact) ? settings_.solid_spring : settings_.stiffness;
+    }
+    [[nodiscard]] bool is_spring(const Contact& contact) const {
+        return contact.target == the_solid && settings_.solid_spring > 0.0;
+    }
     /// How far the spring along is stretched [m].
     [[nodiscard]] Vec3d slip_of(const Contact& contact, const Eigen::VectorXd& x) const;
     [[nodiscard]] Vec3d friction_force(const Contact& contact, const Eigen::VectorXd& x) const;
@@ -126,8 +147,16 @@ class FrictionPath {
     /// Limits of friction, their directions and places, from where things are and press now.
     void fix_friction();
     /// Takes over what presses now; tells what this changes.
-    void update(Increment& out, double& changed);
+    void update(Increment& out);
     void end();
+    struct State {
+        Eigen::VectorXd x;
+        std::vector<Contact> contacts;
+        Eigen::Isometry3d pose;
+        std::vector<Problem::Held> held;
+    };
+    [[nodiscard]] State state() const { return {x_, contacts_, pose_, problem_.body.held}; }
+    void restore(State state);
     [[nodiscard]] double friction_of(const Contact& contact) const {
         return contact.target == the_solid ? problem_.solid_friction : problem_.tool_friction;
     }
@@ -149,6 +178,7 @@ class FrictionPath {
     Eigen::VectorXd x_;
     Eigen::VectorXd carried_;  // where the tool would have carried each vertex in this increment
     Eigen::VectorXd before_;   // where each was before
+    double duration_ = 0.0;    // [s], of this step; 0: equilibrium
 };
 
 }  // namespace eti::fem

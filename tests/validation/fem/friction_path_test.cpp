@@ -110,6 +110,7 @@ TEST(FrictionPath, DerivativesMatchFiniteDifferences) {
         }
     }
     problem.springs.push_back({13, 26, 2e-3, 30.0});
+    problem.drag.assign(problem.body.rest.size(), 0.02);
     FrictionPath path(problem, {});
     ASSERT_TRUE(path.advance(pressed_in(2, 2e-3, 0.5e-3)).converged);
     ASSERT_TRUE(path.advance(pressed_in(2, 2.3e-3, 0.8e-3)).converged);
@@ -318,6 +319,100 @@ TEST(FrictionPath, LineContactIsHertzs) {
     RecordProperty("half_width_mm", std::to_string(1e3 * a));
     EXPECT_GT(a, 4 * cell);
     EXPECT_NEAR(std::sqrt(4.0 * moment / force) / a, 1.0, 0.05);
+}
+
+TEST(FrictionPath, StepsAreThoseOfImplicitEuler) {
+    // A tetrahedron on springs without length, one at each corner, that pull it as a whole: in each step its
+    // way back shrinks by 1 / (1 + k dt / c). Newton's method leaves 1e-6 of an element's forces, a mN.
+    constexpr double pull = 2.0;       // [N/m]
+    constexpr double drag = 0.1;       // [N s/m]
+    constexpr double duration = 0.02;  // [s]
+    PathProblem problem;
+    problem.body.youngs_modulus = youngs_modulus;
+    problem.body.rest = {{0, 0, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}, {0, 0, 2e-3}};
+    problem.body.tetrahedra = {{0, 1, 2, 3}};
+    const Vec3d away(3e-3, -2e-3, 1e-3);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        problem.body.rest.push_back(problem.body.rest[i] + away);
+        problem.body.hold(i + 4);
+        problem.springs.push_back({i, i + 4, 0.0, pull});
+    }
+    problem.drag.assign(8, drag);
+    FrictionPath path(problem, {});
+    double left = 1.0;
+    for (int k = 0; k < 5; ++k) {
+        ASSERT_TRUE(path.step(Isometry3d::Identity(), {}, duration, 1e-6).converged);
+        left /= 1.0 + pull * duration / drag;
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            const Vec3d expected = problem.body.rest[i] + (1.0 - left) * away;
+            EXPECT_LT((path.position().segment<3>(3 * Index{i}) - expected).norm(), 1e-3 * away.norm());
+        }
+    }
+}
+
+TEST(FrictionPath, AtRestDragHasNoPart) {
+    // A blade pressed in and drawn across in steps, then held until nothing changes: what is then there is an
+    // equilibrium, which advance() finds where it is. Without friction nothing is left of the way; advance()
+    // leaves 0.02 mm of penetration, and step() less, of 2 mm.
+    const auto at_rest = [](double drag, double friction) {
+        PathProblem problem = block_under_blade(6, 8, 3, friction, true);
+        problem.drag.assign(problem.body.rest.size(), drag);
+        FrictionPath path(problem, {});
+        for (int k = 0; k <= 8; ++k) {
+            const double share = static_cast<double>(k) / 8;
+            EXPECT_TRUE(
+                path.step(pressed_in(3, 6e-3 + 4e-3 * share, 2e-3 * share), {}, 0.02, 1e-6).converged);
+        }
+        for (double duration = 0.02; duration < 1e4; duration *= 2.0) {
+            EXPECT_TRUE(path.step(pressed_in(3, 10e-3, 2e-3), {}, duration, 1e-6).converged);
+        }
+        const VectorXd there = path.position();
+        EXPECT_TRUE(path.advance(pressed_in(3, 10e-3, 2e-3)).converged);
+        EXPECT_LT((path.position() - there).cwiseAbs().maxCoeff(), 1e-6);
+        return sum(path.tool_force());
+    };
+    const Vec3d usual = at_rest(0.01, 0.0);
+    EXPECT_LT((at_rest(0.04, 0.0) - usual).norm(), 1e-3 * usual.norm());
+    // Friction asks for the way, which drag changes: it may turn a tenth of the force, and turns less.
+    const Vec3d held_back = at_rest(0.01, 0.1);
+    EXPECT_LT((at_rest(0.04, 0.1) - held_back).norm(), 0.1 * held_back.norm());
+}
+
+TEST(FrictionPath, StepsFollowASnap) {
+    // A flat roof of two springs with a heavy hinge (a tetrahedron) that a blade pushes through: beyond the
+    // flat there is no equilibrium near, and let go it rests as far below as it stood above.
+    constexpr double half = 10e-3;  // [m]
+    constexpr double rise = 2e-3;   // [m]
+    PathProblem problem;
+    problem.body.youngs_modulus = youngs_modulus;
+    problem.body.rest = {{-1e-3, -1e-3, rise}, {1e-3, -1e-3, rise}, {0, 1e-3, rise}, {0, 0, rise - 2e-3}};
+    problem.body.tetrahedra = {{0, 1, 2, 3}};
+    const double length = std::hypot(half, rise);
+    // Each corner has a roof of its own along x and one along y, so that all it can do is go up and down.
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        for (const Vec3d& to :
+             {Vec3d(half, 0, -rise), Vec3d(-half, 0, -rise), Vec3d(0, half, -rise), Vec3d(0, -half, -rise)}) {
+            const auto anchor = static_cast<std::uint32_t>(problem.body.rest.size());
+            problem.body.rest.push_back(problem.body.rest[i] + to);
+            problem.body.hold(anchor);
+            problem.springs.push_back({i, anchor, length, 100.0});
+        }
+    }
+    problem.drag.assign(problem.body.rest.size(), 0.01);
+    problem.radius.assign(problem.body.rest.size(), 0.0);
+    problem.points = {0, 1, 2};
+    problem.tool = {{Vec3d(-0.05, 0.0, 0.0), Vec3d(0.05, 0.0, 0.0), 4e-3}};
+    FrictionPath path(problem, {});
+    for (int k = 0; k <= 30; ++k) {
+        ASSERT_TRUE(path.step(moved(Vec3d(0.0, 0.0, rise + 4e-3 - 0.1e-3 * k)), {}, 0.02, 1e-6).converged)
+            << k;
+    }
+    for (double duration = 0.02; duration < 1e3; duration *= 2.0) {
+        ASSERT_TRUE(path.step(moved(Vec3d(0.0, 0.0, 0.1)), {}, duration, 1e-6).converged);
+    }
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(path.position()[3 * Index{i} + 2] - problem.body.rest[i].z(), -2.0 * rise, 0.02e-3);
+    }
 }
 
 TEST(FrictionPath, ItsOwnChoicesHardlyMoveIt) {
