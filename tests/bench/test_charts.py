@@ -228,7 +228,7 @@ class Charts(unittest.TestCase):
     # scene turns head and jaw at 10 deg/s, by rows that are beside these. See docs/solver.md.
     ABSENT = {("disturbance", plot.SHIPPED_TONGUE): ("turned 180 deg", "upset 180 deg", "inverted", "random"),
               ("head in one step", "coarse patient"): ("jaw 0 to 35 deg",),
-              ("head in one step", "shipped patient"): ("jaw 0 to 35 deg", "head and jaw, there")}
+              ("head in one step", "shipped patient"): ("jaw 0 to 35 deg", "jaw, at 100 deg/s", "head and jaw, there")}
 
     def shipped_cells(self, rows):
         return [row for row in rows if plot.is_shipped(row) and (row["map"], row["column"]) not in self.BEYOND and
