@@ -16,21 +16,10 @@ namespace {
 constexpr float tongue_friction = 0.2f;
 constexpr int swelling_delay = 90;  // steps; half a second
 constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
-constexpr float most_blade_way = 1e-3f;       // [m] in a solve of the tongue; 0.18 m/s with one in a step
 constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
 
 float approach(float from, float to, float most) {
     return from + std::clamp(to - from, -most, most);
-}
-
-/// Into how many solves of the tongue a step is cut in which the blade goes so far [m]; divides `substeps`.
-int solves_for(float blade_way, int substeps) {
-    int solves = 1;
-    while (solves < substeps &&
-           (substeps % solves != 0 || blade_way > most_blade_way * static_cast<float>(solves))) {
-        ++solves;
-    }
-    return solves;
 }
 
 /// FNV-1a over raw bytes.
@@ -255,7 +244,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     lap(Stage::reach);
     Tongue& tongue = tissue_.tongue();
     const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
-    const int solves = tongue_moves ? solves_for(blade_.way(), substeps) : 1;
+    const int solves = tongue_moves ? Tongue::solves_for(blade_.way(), substeps) : 1;
     const int per_solve = substeps / solves;
     for (int s = 0; s < substeps; ++s) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);

@@ -36,6 +36,9 @@ class Tongue {
     /// Forgets contacts; particles have to be at rest.
     void reset(pbd::Particles& particles);
 
+    /// Into how many solves a step of `substeps` is cut in which the blade goes so far [m]; divides them.
+    [[nodiscard]] static int solves_for(float blade_way, int substeps);
+
     /// Solves for a part of a step of `dt` [s], in which `blade` goes from one pose to the other. Particles
     /// held by bone go the `fraction` of the remaining way to their rest position. The blade's impulses go to
     /// `felt`.

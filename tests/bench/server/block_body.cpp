@@ -43,7 +43,9 @@ BlockBody::BlockBody(int x_mm, int y_mm, int z_mm, const Setting& setting)
     : setting_(setting),
       lattice_(test::tetrahedral_lattice(cells(x_mm, setting.cell), cells(y_mm, setting.cell),
                                          cells(z_mm, setting.cell), setting.cell)) {
-    mass_ = test::node_share(lattice_, particle_density);
+    const bool implicit = setting.method == Method::tetrahedra_implicit;
+    density_ = implicit ? implicit_density : particle_density;
+    mass_ = test::node_share(lattice_, density_);
     volume_ = test::node_share(lattice_, 1.0);
     force.assign(mass_.size(), Vec3d::Zero());
     particles_.resize(mass_.size());
@@ -74,7 +76,7 @@ void BlockBody::substep(float dt, double share) {
     if (setting_.method == Method::mass_springs) {
         springs_.accelerate(p, dt);
     }
-    const Vec3d acceleration = (share * 1000.0 / particle_density) * gravity;
+    const Vec3d acceleration = (share * 1000.0 / density_) * gravity;
     for (std::size_t i = 0; i < p.size(); ++i) {
         if (p.inverse_mass[i] > 0.0f) {
             p.velocity[i] += dt * (acceleration + share * force[i] / mass_[i]).cast<float>();
@@ -84,14 +86,8 @@ void BlockBody::substep(float dt, double share) {
     for (const Held& h : held_) {
         p.predicted[h.particle] = h.path(share).cast<float>();
     }
-    for (int k = 0; k < setting_.iterations; ++k) {
-        if (setting_.method == Method::tetrahedra) {
-            tetrahedra_.project(p, dt);
-        } else if (setting_.method != Method::mass_springs) {
-            shapes_.project(p, dt);
-        }
-    }
-    if (contact) {
+    project(dt);
+    if (contact && setting_.method != Method::tetrahedra_implicit) {
         contact(p, static_cast<double>(dt), share);
     }
     const float keep = static_cast<float>(std::exp(-setting_.damping * static_cast<double>(dt))) / dt;
@@ -101,13 +97,42 @@ void BlockBody::substep(float dt, double share) {
     }
 }
 
+void BlockBody::project(float dt) {
+    pbd::Particles& p = particles_;
+    if (setting_.method == Method::tetrahedra_implicit) {
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            if (p.inverse_mass[i] > 0.0f) {
+                p.predicted[i] = p.position[i];  // where its only step begins
+            }
+        }
+        if (before_solve) {
+            before_solve(implicit_, p, static_cast<double>(dt));
+        }
+        implicit_.solve(p, dt);
+        if (after_solve) {
+            after_solve(implicit_, p, static_cast<double>(dt));
+        }
+        return;
+    }
+    for (int k = 0; k < setting_.iterations; ++k) {
+        if (setting_.method == Method::tetrahedra) {
+            tetrahedra_.project(p, dt);
+        } else if (setting_.method != Method::mass_springs) {
+            shapes_.project(p, dt);
+        }
+    }
+}
+
 double BlockBody::settle(double seconds) {
+    const pbd::Tetrahedra::Description mesh = {
+        lattice_.tetrahedra,
+        std::vector<float>(lattice_.tetrahedra.size(), static_cast<float>(setting_.youngs_modulus)),
+        static_cast<float>(poisson_ratio)};
     if (setting_.method == Method::tetrahedra) {
-        tetrahedra_.configure(
-            {lattice_.tetrahedra,
-             std::vector<float>(lattice_.tetrahedra.size(), static_cast<float>(setting_.youngs_modulus)),
-             static_cast<float>(poisson_ratio)},
-            particles_);
+        tetrahedra_.configure(mesh, particles_);
+    } else if (setting_.method == Method::tetrahedra_implicit) {
+        implicit_.configure(mesh, particles_, particles_.inverse_mass);
+        implicit_.settings.iterations = setting_.iterations;
     } else if (setting_.method == Method::mass_springs) {
         springs_ = test::MassSprings(lattice_, setting_.youngs_modulus);
     } else {
@@ -124,12 +149,13 @@ double BlockBody::settle(double seconds) {
         shapes_.configure(description, particles_);
     }
     const int steps = static_cast<int>(std::lround(seconds / setting_.step));
-    const auto dt = static_cast<float>(setting_.step / setting_.substeps);
     const auto before = std::chrono::steady_clock::now();
     int step = 0;
     for (; step < steps && particles_.velocity.back().allFinite(); ++step) {
-        for (int s = 0; s < setting_.substeps; ++s) {
-            const double time = (step + (s + 1.0) / setting_.substeps) * setting_.step;
+        const int substeps = cut ? cut() : setting_.substeps;
+        const auto dt = static_cast<float>(setting_.step / substeps);
+        for (int s = 0; s < substeps; ++s) {
+            const double time = (step + (s + 1.0) / substeps) * setting_.step;
             substep(dt, std::min(1.0, time / loading_time));
         }
         if (watch) {

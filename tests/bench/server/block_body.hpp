@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/pbd/cluster_calibration.hpp"
+#include "server/pbd/implicit_tetrahedra.hpp"
 #include "server/pbd/shape_matching.hpp"
 #include "server/pbd/tetrahedra.hpp"
 #include "tests/support/lattice_clusters.hpp"
@@ -68,7 +69,7 @@ struct Setting {
     Method method = Method::shape_matching_xpbd;
     double cell = 2.5e-3;         ///< [m]
     int substeps = 8;             ///< per step
-    int iterations = 1;           ///< passes per substep
+    int iterations = 1;           ///< passes per substep; of the implicit method, conjugate gradients
     double step = 1.0 / 180.0;    ///< [s]
     double youngs_modulus = 8e3;  ///< [Pa], of tongue and mucosa
     /// [1/s], of velocity; by default no faster than the slowest mode of the loaded cases.
@@ -79,6 +80,7 @@ struct Setting {
 /// What all methods compute: the material, and how heavy its particles are.
 inline constexpr double poisson_ratio = 0.45;
 inline constexpr double particle_density = 4e3;  ///< [kg/m^3], as of the patient's particles
+inline constexpr double implicit_density = 1e3;  ///< of those that the implicit method moves: tissue's own
 
 /// A block of soft tissue, one corner at the origin, on a lattice that all methods share: particles at its
 /// nodes, tetrahedra in its cells, clusters around every second node, springs along edges and diagonals.
@@ -103,8 +105,13 @@ class BlockBody {
     std::vector<Vec3d> force;       ///< [N], per particle
 
     /// After the constraints of a substep; moves predicted positions. Arguments: substep [s], share of the
-    /// loading reached.
+    /// loading reached. Not of the implicit method, which knows all forces before it solves:
     std::function<void(pbd::Particles&, double, double)> contact;
+    /// before a solve, after it; with the substep [s].
+    std::function<void(pbd::ImplicitTetrahedra&, const pbd::Particles&, double)> before_solve, after_solve;
+
+    /// Before every step, if set: into how many substeps it is cut.
+    std::function<int()> cut;
 
     /// After every step.
     std::function<void(const pbd::Particles&)> watch;
@@ -115,6 +122,7 @@ class BlockBody {
 
   private:
     void substep(float dt, double share);
+    void project(float dt);
 
     struct Held {
         std::size_t particle;
@@ -124,10 +132,12 @@ class BlockBody {
     Setting setting_;
     test::TetrahedralLattice lattice_;
     pbd::Particles particles_;
+    double density_ = particle_density;
     std::vector<double> mass_, volume_;
     std::vector<Held> held_;
     pbd::ShapeMatching shapes_;
     pbd::Tetrahedra tetrahedra_;
+    pbd::ImplicitTetrahedra implicit_;
     test::MassSprings springs_;
 };
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // The blade driven into tissue that lies on bone.
+#include <map>
+#include <set>
+
 #include "server/pbd/contact.hpp"
+#include "server/scene/tongue.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 
 namespace eti::bench {
@@ -11,8 +15,9 @@ namespace {
 constexpr double watched = 4.0;  // [s]
 constexpr double pressed = 1.0;  // [s], then the blade is lifted off
 constexpr double height = 10e-3;
-constexpr double radius = 3.5e-3;  // [m], of the blade's distal capsule
-constexpr double gap = 0.5e-3;     // [m], that the rigid layer keeps between blade and bone
+constexpr double radius = 3.5e-3;              // [m], of the blade's distal capsule
+constexpr std::string_view as_cut = "as cut";  // column: by the scene, for fast blades
+constexpr double gap = 0.5e-3;                 // [m], that the rigid layer keeps between blade and bone
 
 struct Push {
     std::string name;
@@ -41,21 +46,99 @@ class Driven {
     }
 
     [[nodiscard]] pbd::MovingCapsule capsule() const {
-        const auto end = [](double x, double bottom) {
-            return Vec3d(x, 10e-3, bottom + radius).cast<float>().eval();
-        };
-        return {end(-10e-3, before_), end(30e-3, before_), end(-10e-3, bottom_), end(30e-3, bottom_),
-                static_cast<float>(radius)};
+        const Capsule from = capsule_at(before_), to = capsule_at(bottom_);
+        return {from.a, from.b, to.a, to.b, to.radius};
+    }
+
+    /// [m], in the last advance().
+    [[nodiscard]] float way() const { return static_cast<float>(std::fabs(bottom_ - before_)); }
+
+    /// Where a laryngoscope with scope()'s capsules is after a share of the last advance().
+    [[nodiscard]] RigidTransform pose(double share) const {
+        return {Quatf::Identity(), Vec3d(0.0, 0.0, before_ + share * (bottom_ - before_)).cast<float>()};
+    }
+    [[nodiscard]] static Laryngoscope scope() {
+        Laryngoscope scope;
+        scope.capsules.fill({Vec3f::Ones(), Vec3f::Ones(), 0.0f});  // a metre away
+        scope.capsules.back() = capsule_at(0.0);
+        return scope;
     }
 
   private:
+    [[nodiscard]] static Capsule capsule_at(double bottom) {
+        const auto end = [&](double x) { return Vec3d(x, 10e-3, bottom + radius).cast<float>().eval(); };
+        return {end(-10e-3), end(30e-3), static_cast<float>(radius)};
+    }
+
     Push push_;
     double bottom_ = height + 0.5e-3, before_ = bottom_;
     double velocity_ = 0.0;
 };
 
-Course drive(Method method, double rate, const Push& push) {
-    const Setting setting = with_rate(method, rate);
+/// Edges of the lattice's surface: those of triangles that belong to one tetrahedron only.
+std::vector<scene::TongueContacts::Edge> surface_edges(const test::TetrahedralLattice& lattice) {
+    std::map<std::array<std::uint32_t, 3>, int> owners;
+    for (const auto& corner : lattice.tetrahedra) {
+        for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+            std::array<std::uint32_t, 3> face;
+            for (std::size_t k = 0; k < 3; ++k) {
+                face[k] = corner[(left_out + 1 + k) % 4];
+            }
+            std::ranges::sort(face);
+            ++owners[face];
+        }
+    }
+    std::set<scene::TongueContacts::Edge> edges;
+    for (const auto& [face, count] : owners) {
+        if (count == 1) {
+            edges.insert({{face[0], face[1]}, {face[0], face[2]}, {face[1], face[2]}});
+        }
+    }
+    return {edges.begin(), edges.end()};
+}
+
+/// The blade against implicit tetrahedra, by what the scene finds contacts with.
+class SceneContact {
+  public:
+    explicit SceneContact(BlockBody& body) {
+        const pbd::Particles& p = body.particles();
+        std::vector<std::uint32_t> movers;
+        for (std::uint32_t i = 0; i < p.size(); ++i) {
+            if (p.inverse_mass[i] > 0.0f) {
+                movers.push_back(i);
+            }
+        }
+        std::vector<scene::TongueContacts::Edge> edges = surface_edges(body.lattice());
+        std::erase_if(edges, [&](const auto& ends) {
+            return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
+        });
+        contacts_.configure(std::move(movers), std::move(edges));
+        nothing_.size = {2, 2, 2};
+        nothing_.value.assign(8, 1.0f);
+    }
+
+    void find(pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, const RigidTransform& from,
+              const RigidTransform& to) {
+        contacts_.find(p, {scope_, from, to}, nothing_, mesh.contacts);
+    }
+
+    /// [N], of the tissue on the blade, upwards.
+    [[nodiscard]] static double reaction(const pbd::ImplicitTetrahedra& mesh) {
+        double sum = 0.0;
+        for (const pbd::MeshContact& c : mesh.contacts) {
+            sum -= static_cast<double>(c.force.z());
+        }
+        return std::isfinite(sum) ? sum : 0.0;
+    }
+
+  private:
+    Laryngoscope scope_ = Driven::scope();
+    DistanceGrid nothing_;
+    scene::TongueContacts contacts_;
+};
+
+/// `cut`: the blade goes on by steps of the setting, cut into as many solves as the scene cuts them.
+Course drive(const Setting& setting, bool cut, const Push& push) {
     BlockBody body(20, 20, 10, setting);
     for (std::size_t i = 0; i < body.lattice().position.size(); ++i) {
         if (body.lattice().position[i].z() < 1e-9) {
@@ -65,6 +148,30 @@ Course drive(Method method, double rate, const Push& push) {
     Driven blade(push);
     double time = 0.0;
     double reaction = 0.0;
+    SceneContact contact(body);
+    int solves = 1;
+    int solved = 0;
+    double felt = 0.0;
+    if (cut) {
+        body.cut = [&] {
+            blade.advance(time + setting.step, setting.step, reaction);
+            solves = scene::Tongue::solves_for(blade.way(), Scenario::Physics{}.substeps);
+            solved = 0;
+            return solves;
+        };
+    }
+    body.before_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, double dt) {
+        time += dt;
+        if (!cut) {
+            blade.advance(time, dt, reaction);
+            solved = 0;
+        }
+        contact.find(mesh, p, blade.pose(double(solved) / solves), blade.pose((solved + 1.0) / solves));
+    };
+    body.after_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles&, double) {
+        felt = (solved == 0 ? 0.0 : felt) + SceneContact::reaction(mesh) / solves;
+        reaction = ++solved == solves ? felt : reaction;
+    };
     body.contact = [&](pbd::Particles& p, double dt, double) {
         time += dt;
         blade.advance(time, dt, reaction);
@@ -96,12 +203,16 @@ Course drive(Method method, double rate, const Push& push) {
 
 void blade_into_tissue_on_bone(const Sweep& sweep, Maps& maps) {
     for (const Method method : sweep.methods) {
-        for (const double rate : sweep.rates) {
+        std::vector<Column> columns = columns_of(sweep, method);
+        if (method == Method::tetrahedra_implicit) {
+            columns.push_back({std::string(as_cut), scene::steps_per_second});
+        }
+        for (const auto& [column, rate] : columns) {
             for (const Push& push :
                  {Push{"5 N", 5.0, 0.0}, Push{"50 N", 50.0, 0.0}, Push{"0.1 m/s", 0.0, 0.1},
                   Push{"1 m/s", 0.0, 1.0}, Push{"10 m/s", 0.0, 10.0}}) {
-                maps.add("contacts", "blade into tissue on bone", name_of(method), push.name, step_name(rate),
-                         drive(method, rate, push));
+                maps.add("contacts", "blade into tissue on bone", name_of(method), push.name, column,
+                         drive(with_rate(method, rate), column == as_cut, push));
             }
         }
     }

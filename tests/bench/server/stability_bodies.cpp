@@ -99,9 +99,10 @@ Course undamped(Setting setting) {
 
 void blocks_thrown_and_released(const Sweep& sweep, Maps& maps) {
     for (const Method method : sweep.methods) {
-        for (const double rate : sweep.rates) {
-            const auto add = [&](std::string_view map, std::string_view row, const Course& course) {
-                maps.add(figure, map, name_of(method), row, step_name(rate), course);
+        for (const auto& [column, rate] : columns_of(sweep, method)) {
+            const auto add = [&, &column = column](std::string_view map, std::string_view row,
+                                                   const Course& course) {
+                maps.add(figure, map, name_of(method), row, column, course);
             };
             for (const double modulus : {8e1, 8e2, 8e3, 8e4, 8e5, 8e6, 8e7}) {
                 const Setting setting = with_rate(method, rate, modulus);

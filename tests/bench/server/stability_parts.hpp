@@ -21,25 +21,47 @@ namespace eti::bench {
 struct Sweep {
     bool quick = false;
     std::vector<Method> methods = {Method::shape_matching_pbd, Method::shape_matching_xpbd,
-                                   Method::tetrahedra, Method::mass_springs};
+                                   Method::tetrahedra, Method::tetrahedra_implicit, Method::mass_springs};
     std::vector<double> rates = {30, 60, 180, 360, 720, 1440, 2000};  ///< substeps per second
+    std::vector<int> solves = {1, 2, 4, 8};  ///< of the implicit method in a step of the scene
 };
 
 [[nodiscard]] inline std::string step_name(double rate) {
     return fmt::format("1/{:g} s", rate);
 }
 
+struct Column {
+    std::string name;
+    double rate = 0.0;  ///< [1/s], of substeps or solves
+};
+
+/// What is swept across a panel.
+[[nodiscard]] inline std::vector<Column> columns_of(const Sweep& sweep, Method method) {
+    std::vector<Column> columns;
+    if (method == Method::tetrahedra_implicit) {
+        for (const int count : sweep.solves) {
+            columns.push_back({std::to_string(count), double{scene::steps_per_second} * count});
+        }
+    } else {
+        for (const double rate : sweep.rates) {
+            columns.push_back({step_name(rate), rate});
+        }
+    }
+    return columns;
+}
+
 /// [1/s], of velocity: a sixteenth of what the patient's tissue has, so that nothing is stable by damping
 /// alone.
 inline constexpr double light_damping = 12.0;
 
-/// A block's setting with one pass per step of 1 / `rate` [s].
+/// A block's setting with one pass, or one solve, per step of 1 / `rate` [s].
 [[nodiscard]] inline Setting with_rate(Method method, double rate,
                                        double youngs_modulus = Setting{}.youngs_modulus) {
     return {.method = method,
             .cell = 2.5e-3,
             .substeps = 1,
-            .iterations = 1,
+            .iterations =
+                method == Method::tetrahedra_implicit ? pbd::ImplicitTetrahedra::Settings{}.iterations : 1,
             .step = 1.0 / rate,
             .youngs_modulus = youngs_modulus,
             .damping = light_damping};

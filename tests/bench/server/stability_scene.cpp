@@ -71,6 +71,8 @@ void head_in_one_step(const Sweep& sweep, Maps& maps) {
         {"head 0 to 30 deg", rest, head},
         {"head 30 to 0 deg", head, rest},
         {"jaw 0 to 35 deg", rest, jaw},
+        {"jaw, at 100 deg/s", rest, jaw, 100.0f * degree},
+        {"jaw, as fast as a scene", rest, jaw, scene::Settings{}.posture_rate},
         {"head and jaw, there", rest, both},
         {"head and jaw, back", both, rest},
         {"both, as fast as a scene", rest, both, scene::Settings{}.posture_rate}};

@@ -138,6 +138,7 @@ Course two_links(float stiffness_ratio, double rate) {
 Course links_against_body(Method method, double rate, float stiffness) {
     const Setting setting = with_rate(method, rate);
     BlockBody body(10, 10, 10, setting);
+    const std::array ways = {Vec3f(1, 0, 0), Vec3f(0, 0, 1)};  // one would do: over-constrained
     std::vector<std::size_t> corners;
     for (std::size_t i = 0; i < body.lattice().position.size(); ++i) {
         const Vec3d rest = body.lattice().position[i];
@@ -152,9 +153,18 @@ Course links_against_body(Method method, double rate, float stiffness) {
     double time = 0.0;
     double thrown = 0.0;
     Follower follower(side, watched);
+    body.before_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, double) {
+        mesh.springs.clear();
+        for (const std::size_t i : time < 0.5 * watched ? std::span(corners) : std::span<std::size_t>()) {
+            for (const Vec3f& way : ways) {
+                mesh.springs.push_back(
+                    {static_cast<std::uint32_t>(i), p.rest[i] + static_cast<float>(side) * way, stiffness});
+            }
+        }
+    };
     body.contact = [&](pbd::Particles& p, double dt, double) {
         for (const std::size_t i : time < 0.5 * watched ? std::span(corners) : std::span<std::size_t>()) {
-            for (const Vec3f& way : {Vec3f(1, 0, 0), Vec3f(0, 0, 1)}) {  // one would do: over-constrained
+            for (const Vec3f& way : ways) {
                 Vec3f anchor = p.rest[i] + static_cast<float>(side) * way;
                 pbd::project_link(anchor, p.predicted[i], 0.0f, p.inverse_mass[i], 0.0f, stiffness,
                                   static_cast<float>(dt));
@@ -188,11 +198,13 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps) {
              return Vec3f(1e-6f * Vec3f(random.normal(), random.normal(), random.normal()));
          }}};
     for (const Method method : sweep.methods) {
-        for (const double rate : sweep.rates) {
-            const auto add = [&](std::string_view map, std::string_view row, const Course& course) {
-                maps.add(figure, map, name_of(method), row, step_name(rate), course);
+        for (const auto& [column, rate] : columns_of(sweep, method)) {
+            const auto add = [&, &column = column](std::string_view map, std::string_view row,
+                                                   const Course& course) {
+                maps.add(figure, map, name_of(method), row, column, course);
             };
-            if (method != Method::tetrahedra) {  // of which flat ones are left out
+            if (method != Method::tetrahedra &&
+                method != Method::tetrahedra_implicit) {  // flat ones are left out
                 for (const Shape& shape : shapes()) {
                     for (const Placement& placement : placements) {
                         add("clusters without volume", shape.name + ", " + placement.name,
