@@ -71,6 +71,8 @@ class Sleep {
     /// Groups that move anything.
     [[nodiscard]] std::size_t groups() const { return groups_; }
     [[nodiscard]] std::size_t awake_groups() const { return groups_ - sleeping_; }
+    /// Whether anything may move; where nothing ever sleeps there are no groups, and all is awake.
+    [[nodiscard]] bool any_awake() const { return !on() || sleeping_ < groups_; }
     [[nodiscard]] bool mesh_awake() const { return !on() || asleep_[mesh()] == 0; }
     [[nodiscard]] bool held_awake() const { return !on() || asleep_[held()] == 0; }
     [[nodiscard]] bool block_awake(std::size_t block) const { return !on() || asleep_[block] == 0; }

@@ -228,7 +228,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     }
     blade_.wake(body, blade_pose_, blade_to);
     tube_.wake(body, grip_, inputs.tube_grip);
-    if (self_contact_ && body.sleep.awake_groups() > 0) {
+    if (self_contact_ && body.sleep.any_awake()) {
         self_contact_->find(body.particles, self_contact_margin);
         self_contact_->wake(body.particles, body.sleep);
     }

@@ -172,6 +172,26 @@ TEST_F(SceneTest, TissueThatMeetsTissueIsLeftAloneAtRestAndStillGivesWay) {
     EXPECT_GT(scene.snapshot().tissue_force.z(), 0.01f);
 }
 
+// The reference is the same scene with sleep: what contact does must not hang on that.
+TEST_F(SceneTest, TissueMeetsTissueWhereNothingSleeps) {
+    const auto pressed = [&](bool self_contact, bool sleep) {
+        Scene scene = make({.rigid = {}, .self_contact = self_contact, .sleep = sleep});
+        press(scene);
+        return scene.tissue().body().particles.position;
+    };
+    const auto farthest = [](const std::vector<Vec3f>& from, const std::vector<Vec3f>& to) {
+        float most = 0.0f;
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            most = std::max(most, (to[i] - from[i]).norm());
+        }
+        return most;
+    };
+    const std::vector<Vec3f> meets = pressed(true, false);
+    const float sleeps_through = pbd::Sleep::Settings{}.shift;
+    EXPECT_GT(farthest(pressed(false, false), meets), 50.0f * sleeps_through);
+    EXPECT_LT(farthest(pressed(true, true), meets), sleeps_through);
+}
+
 TEST_F(SceneTest, TimeIsStepsOverTheRate) {
     Scene scene = make();
     for (int k = 0; k < steps_per_second; ++k) {

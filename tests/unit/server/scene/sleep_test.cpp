@@ -62,11 +62,13 @@ TEST_P(SceneSleepTest, AStepAtRestWorksAtNoTissue) {
     EXPECT_GT(sleep_of(scene).groups(), 10u);
     scene.step(away_);
     EXPECT_TRUE(scene.tissue().body().particles.awake.empty());
+    EXPECT_FALSE(sleep_of(scene).any_awake());
     Scene awake = make(false);
     for (int k = 0; k < 21; ++k) {
         awake.step(away_);
     }
     EXPECT_EQ(sleep_of(awake).awake_groups(), 0u) << "there are no groups at all";
+    EXPECT_TRUE(sleep_of(awake).any_awake());
     EXPECT_EQ(awake.tissue().body().particles.awake.size(), 1u);
     for (std::size_t f = 0; f < awake.snapshot().frames.size(); ++f) {
         ASSERT_LT((scene.snapshot().frames[f].centre - awake.snapshot().frames[f].centre).norm(), 0.5e-6f)
