@@ -4,6 +4,7 @@
 #include "common/math/units.hpp"
 #include "server/anatomy/build.hpp"
 #include "tests/bench/server/stability_parts.hpp"
+#include "tests/support/coarse_newborn.hpp"
 
 namespace eti::bench {
 
@@ -77,15 +78,14 @@ void head_in_one_step(const Sweep& sweep, Maps& maps) {
         {"head and jaw, back", both, rest},
         {"both, as fast as a scene", rest, both, scene::Settings{}.posture_rate}};
     const int shipped = Scenario::Physics{}.substeps;
-    const anatomy::Patient coarse =
-        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
     for (const Move& m : moves) {
         if (sweep.quick && m.name != "head and jaw, there") {
             continue;
         }
         for (const int substeps : sweep.quick ? std::vector{shipped} : std::vector{1, 2, 4, shipped, 16}) {
             maps.add("scene", "head in one step", "coarse patient", m.name,
-                     step_name(scene::steps_per_second * substeps), move(coarse, m, substeps));
+                     step_name(scene::steps_per_second * substeps),
+                     move(test::coarse_newborn(), m, substeps));
         }
     }
     if (!sweep.quick) {

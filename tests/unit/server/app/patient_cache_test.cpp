@@ -9,11 +9,12 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/support/coarse_newborn.hpp"
+
 namespace eti::app {
 namespace {
 
-constexpr anatomy::BuildSettings coarse{
-    .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f};
+using test::coarse_build;
 
 /// A cache of its own for each test.
 class PatientCache : public ::testing::Test {
@@ -50,7 +51,7 @@ void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) 
 }
 
 TEST_F(PatientCache, AnotherStiffnessBuildsNothing) {
-    anatomy::BuildSettings settings = coarse;
+    anatomy::BuildSettings settings = coarse_build;
     const anatomy::Patient usual = cached_patient({}, settings);
     EXPECT_EQ(files(), 1);
     settings.tissue_stiffness = 12e3f;
@@ -63,8 +64,8 @@ TEST_F(PatientCache, AnotherStiffnessBuildsNothing) {
 
 // Reference: the same built from nothing.
 TEST_F(PatientCache, OtherSpacingsBorrowTheSurfaces) {
-    const anatomy::Patient usual = cached_patient({}, coarse);
-    anatomy::BuildSettings finer = coarse;
+    const anatomy::Patient usual = cached_patient({}, coarse_build);
+    anatomy::BuildSettings finer = coarse_build;
     finer.spacing = 3e-3f;
     const anatomy::Patient patient = cached_patient({}, finer);
     EXPECT_EQ(files(), 2);
@@ -76,18 +77,18 @@ TEST_F(PatientCache, OtherSpacingsBorrowTheSurfaces) {
 }
 
 TEST_F(PatientCache, AnotherShapeBorrowsNothing) {
-    const anatomy::Patient usual = cached_patient({}, coarse);
-    const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, coarse);
+    const anatomy::Patient usual = cached_patient({}, coarse_build);
+    const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, coarse_build);
     EXPECT_NE(large.surfaces[0].mesh.vertices, usual.surfaces[0].mesh.vertices);
     EXPECT_EQ(files(), 2);
 }
 
 TEST_F(PatientCache, ADamagedModelLendsNothing) {
-    const anatomy::Patient usual = cached_patient({}, coarse);
+    const anatomy::Patient usual = cached_patient({}, coarse_build);
     for (const auto& file : std::filesystem::directory_iterator(folder_)) {
         std::filesystem::resize_file(file.path(), 1000);
     }
-    anatomy::BuildSettings finer = coarse;
+    anatomy::BuildSettings finer = coarse_build;
     finer.spacing = 3e-3f;
     expect_same_surfaces(cached_patient({}, finer), anatomy::build_patient(NewbornShape{}, finer));
 }

@@ -4,19 +4,13 @@
 
 #include <gmock/gmock.h>
 
-#include "server/anatomy/build.hpp"
+#include "tests/support/coarse_newborn.hpp"
 
 namespace eti::app {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-const anatomy::Patient& coarse() {
-    static const anatomy::Patient patient =
-        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
-    return patient;
-}
 
 Scenario stiff(float modulus, int substeps, TissueModel model) {
     Scenario scenario;
@@ -28,7 +22,7 @@ Scenario stiff(float modulus, int substeps, TissueModel model) {
 }
 
 std::string refusal_of(const Scenario& scenario) {
-    anatomy::Patient patient = coarse();
+    anatomy::Patient patient = test::coarse_newborn();
     patient.tissue_stiffness = scenario.patient.tissue_stiffness;
     try {
         const Simulation simulation(scenario, patient, parked(scenario));

@@ -14,19 +14,12 @@
 #include <numeric>
 
 #include "common/math/units.hpp"
-#include "server/anatomy/build.hpp"
 #include "tests/support/allocations.hpp"
+#include "tests/support/coarse_newborn.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::scene {
 namespace {
-
-/// The built-in newborn, coarse enough to build in a second.
-const anatomy::Patient& coarse_newborn() {
-    static const anatomy::Patient patient =
-        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
-    return patient;
-}
 
 class SceneTest : public ::testing::Test {
   protected:
@@ -38,7 +31,7 @@ class SceneTest : public ::testing::Test {
     }
 
     [[nodiscard]] Scene make(const Settings& settings = {}) const {
-        return {coarse_newborn(), scope_, Tube{}, away_, settings};
+        return {test::coarse_newborn(), scope_, Tube{}, away_, settings};
     }
 
     /// The blade in the mouth, its tip over the tongue where that is highest, and `depth` [m] lower.
@@ -78,7 +71,8 @@ TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
 
 TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
     const auto pressed = [&] {
-        auto scene = std::make_unique<Scene>(coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}});
+        auto scene =
+            std::make_unique<Scene>(test::coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}});
         press(*scene);
         for (int k = 0; k < 240; ++k) {
             scene->step(pressing(std::min(6e-3f + 0.15e-3f * static_cast<float>(k), 12e-3f)));
@@ -311,7 +305,7 @@ TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
     const auto settled = [&](std::optional<float> first, std::optional<float> later) {
         Inputs start = away_;
         start.tissue_stiffness = first;
-        Scene scene(coarse_newborn(), scope_, Tube{}, start, {});
+        Scene scene(test::coarse_newborn(), scope_, Tube{}, start, {});
         press(scene);
         Inputs held = pressing(0.15e-3f * 39.0f);
         held.tissue_stiffness = later;
@@ -389,7 +383,7 @@ TEST_F(SceneTest, TheHeadGrowsAndNothingMeetsIt) {
     Inputs inputs = away_;
     Inputs grow = away_;
     grow.head_scale = 1.08f;  // a fifth more
-    const std::size_t first = anatomy::bone_count + coarse_newborn().clusters.size();
+    const std::size_t first = anatomy::bone_count + test::coarse_newborn().clusters.size();
     const std::vector<FramePose> before = large.snapshot().frames;
     ASSERT_EQ(before.size(), first + anatomy::head_frame_count);
     for (int k = 0; k < 3 * steps_per_second; ++k) {
@@ -402,7 +396,7 @@ TEST_F(SceneTest, TheHeadGrowsAndNothingMeetsIt) {
     EXPECT_EQ(large.state_hash(), usual.state_hash());
     for (std::size_t f = 0; f < before.size(); ++f) {
         const FramePose& now = large.snapshot().frames[f];
-        const float way = f < first ? 0.0f : 0.2f * coarse_newborn().frame_rest_centre[f].norm();
+        const float way = f < first ? 0.0f : 0.2f * test::coarse_newborn().frame_rest_centre[f].norm();
         ASSERT_TRUE(f < first || way > 5e-3f);
         EXPECT_NEAR((now.centre - usual.snapshot().frames[f].centre).norm(), way, 1e-6f) << "frame " << f;
     }

@@ -6,18 +6,12 @@
 #include <functional>
 
 #include "common/math/units.hpp"
-#include "server/anatomy/build.hpp"
 #include "server/scene/scene.hpp"
+#include "tests/support/coarse_newborn.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::scene {
 namespace {
-
-const anatomy::Patient& coarse_newborn() {
-    static const anatomy::Patient patient =
-        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
-    return patient;
-}
 
 class SceneSleepTest : public ::testing::TestWithParam<TissueModel> {
   protected:
@@ -28,7 +22,7 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueModel> {
     }
 
     [[nodiscard]] Scene make(bool sleeps = true) const {
-        return {coarse_newborn(), scope_, Tube{}, away_,
+        return {test::coarse_newborn(), scope_, Tube{}, away_,
                 Settings{.tissue_model = GetParam(), .rigid = {}, .sleep = sleeps}};
     }
 

@@ -4,21 +4,19 @@
 
 #include <gtest/gtest.h>
 
-#include "server/anatomy/build.hpp"
 #include "server/scene/scene.hpp"
+#include "tests/support/coarse_newborn.hpp"
 
 namespace eti::scene {
 namespace {
 
 TEST(StageClock, BooksAWholeStepAndChangesNothing) {
-    const anatomy::Patient patient =
-        anatomy::build_patient({}, {.spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f});
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     Inputs inputs;
     inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
     inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-    Scene plain(patient, scope, Tube{}, inputs, {});
-    Scene timed(patient, scope, Tube{}, inputs, {});
+    Scene plain(test::coarse_newborn(), scope, Tube{}, inputs, {});
+    Scene timed(test::coarse_newborn(), scope, Tube{}, inputs, {});
     StageClock clock;
     timed.time_stages(&clock);
     for (int k = 0; k < 5; ++k) {

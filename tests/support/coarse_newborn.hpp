@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "server/anatomy/build.hpp"
+
+namespace eti::test {
+
+/// Coarse enough to build the newborn in a second.
+inline constexpr anatomy::BuildSettings coarse_build{
+    .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f};
+
+/// The built-in newborn, built once in a program.
+inline const anatomy::Patient& coarse_newborn() {
+    static const anatomy::Patient patient = anatomy::build_patient({}, coarse_build);
+    return patient;
+}
+
+}  // namespace eti::test
