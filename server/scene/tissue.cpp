@@ -8,6 +8,7 @@
 #include "server/anatomy/made_of.hpp"
 #include "server/anatomy/stiffness.hpp"
 #include "server/pbd/cluster_calibration.hpp"
+#include "server/pbd/surface_edges.hpp"
 
 namespace eti::scene {
 
@@ -54,6 +55,10 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
         p.channels[ends[0]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
         p.channels[ends[1]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
     }
+    surface_edges_ = pbd::surface_edges(patient.tetrahedra.corners);
+    std::erase_if(surface_edges_, [&](const auto& ends) {
+        return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
+    });
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
     if (model != TissueModel::clusters) {
@@ -84,7 +89,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
         }
         body_.shapes.configure(held, p);
         p.inverse_mass = own;
-        tongue_.configure(mesh, surface_edges(), p, substep);
+        tongue_.configure(mesh, surface_edges_, p, substep);
     } else {
         body_.tetrahedra.configure(mesh, p);
         held.early = meshed;
@@ -248,37 +253,6 @@ void SoftTissue::frames_of(const pbd::ShapeMatching& shapes, std::span<const std
             rotation * (cluster_posed_centre_[c] - shapes.rest_centre()[k]) + shapes.centre()[k],
             (rotation * cluster_turn_[c]).normalized()};
     }
-}
-
-std::vector<std::array<std::uint32_t, 2>> SoftTissue::surface_edges() const {
-    // A face of two tetrahedra lies inside.
-    std::vector<std::array<std::uint32_t, 3>> faces;
-    faces.reserve(4 * patient_.tetrahedra.corners.size());
-    for (const auto& corners : patient_.tetrahedra.corners) {
-        for (std::size_t out = 0; out < 4; ++out) {
-            std::array<std::uint32_t, 3> face{};
-            std::ranges::copy_if(corners, face.begin(), [&](std::uint32_t i) { return i != corners[out]; });
-            std::ranges::sort(face);
-            faces.push_back(face);
-        }
-    }
-    std::ranges::sort(faces);
-    std::vector<std::array<std::uint32_t, 2>> edges;
-    for (auto face = faces.begin(); face != faces.end();) {
-        const auto next = std::find_if(face, faces.end(), [&](const auto& other) { return other != *face; });
-        for (std::size_t out = 0; next - face == 1 && out < 3; ++out) {
-            const std::uint32_t a = (*face)[out == 0 ? 1 : 0];
-            const std::uint32_t b = (*face)[out == 2 ? 1 : 2];
-            if (body_.particles.inverse_mass[a] > 0.0f && body_.particles.inverse_mass[b] > 0.0f) {
-                edges.push_back({a, b});
-            }
-        }
-        face = next;
-    }
-    std::ranges::sort(edges);
-    const auto repeated = std::ranges::unique(edges);
-    edges.erase(repeated.begin(), repeated.end());
-    return edges;
 }
 
 void SoftTissue::reset() {

@@ -43,7 +43,9 @@ class SoftTissue {
     void frames(std::vector<FramePose>& frames, float head_size = 1.0f);
 
     /// Edges of the mesh's surface whose ends both move: pairs of particles.
-    [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> surface_edges() const;
+    [[nodiscard]] const std::vector<std::array<std::uint32_t, 2>>& surface_edges() const {
+        return surface_edges_;
+    }
 
     /// The tongue, where it is of tetrahedra; else empty.
     [[nodiscard]] Tongue& tongue() { return tongue_; }
@@ -68,6 +70,7 @@ class SoftTissue {
 
     const anatomy::Patient& patient_;
     pbd::SoftBody body_;
+    std::vector<std::array<std::uint32_t, 2>> surface_edges_;
     Tongue tongue_;
     pbd::ShapeMatching fitted_;  // to particles that tetrahedra move: only for their frames
     std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // the patient's numbers of both

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // The blade driven into tissue that lies on bone.
-#include <map>
-#include <set>
-
 #include "server/pbd/contact.hpp"
+#include "server/pbd/surface_edges.hpp"
 #include "server/scene/tongue.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 
@@ -75,28 +73,6 @@ class Driven {
     double velocity_ = 0.0;
 };
 
-/// Edges of the lattice's surface: those of triangles that belong to one tetrahedron only.
-std::vector<scene::TongueContacts::Edge> surface_edges(const test::TetrahedralLattice& lattice) {
-    std::map<std::array<std::uint32_t, 3>, int> owners;
-    for (const auto& corner : lattice.tetrahedra) {
-        for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-            std::array<std::uint32_t, 3> face;
-            for (std::size_t k = 0; k < 3; ++k) {
-                face[k] = corner[(left_out + 1 + k) % 4];
-            }
-            std::ranges::sort(face);
-            ++owners[face];
-        }
-    }
-    std::set<scene::TongueContacts::Edge> edges;
-    for (const auto& [face, count] : owners) {
-        if (count == 1) {
-            edges.insert({{face[0], face[1]}, {face[0], face[2]}, {face[1], face[2]}});
-        }
-    }
-    return {edges.begin(), edges.end()};
-}
-
 /// The blade against implicit tetrahedra, by what the scene finds contacts with.
 class SceneContact {
   public:
@@ -108,7 +84,7 @@ class SceneContact {
                 movers.push_back(i);
             }
         }
-        std::vector<scene::TongueContacts::Edge> edges = surface_edges(body.lattice());
+        std::vector<scene::TongueContacts::Edge> edges = pbd::surface_edges(body.lattice().tetrahedra);
         std::erase_if(edges, [&](const auto& ends) {
             return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
         });
