@@ -33,6 +33,15 @@ struct Particles {
     [[nodiscard]] std::size_t size() const { return position.size(); }
     /// [1/kg], with which contacts and constraints may move a particle now.
     [[nodiscard]] float mobility(std::size_t i) const { return asleep[i] != 0 ? 0.0f : inverse_mass[i]; }
+    /// body(particle) for each that is awake, ascending.
+    template <class Body>
+    void for_awake(const Body& body) const {
+        for (const auto& [begin, end] : awake) {
+            for (std::uint32_t i = begin; i < end; ++i) {
+                body(i);
+            }
+        }
+    }
     void resize(std::size_t count) {
         position.resize(count, Vec3f::Zero());
         predicted.resize(count, Vec3f::Zero());

@@ -207,17 +207,15 @@ void Sleep::arrange(Particles& particles, ShapeMatching& shapes, Links& links) {
 
 void Sleep::count_stillness(const Particles& particles) {
     const float squared = settings_.still * settings_.still;
-    for (const auto& [begin, end] : particles.awake) {
-        for (std::uint32_t i = begin; i < end; ++i) {
-            // What is not a number never counts as still.
-            if ((particles.position[i] - still_at_[i]).squaredNorm() <= squared) {
-                age_[i] = static_cast<std::uint8_t>(std::min(age_[i] + 1, settings_.steps));
-            } else {
-                still_at_[i] = particles.position[i];
-                age_[i] = 0;
-            }
+    particles.for_awake([&](std::uint32_t i) {
+        // What is not a number never counts as still.
+        if ((particles.position[i] - still_at_[i]).squaredNorm() <= squared) {
+            age_[i] = static_cast<std::uint8_t>(std::min(age_[i] + 1, settings_.steps));
+        } else {
+            still_at_[i] = particles.position[i];
+            age_[i] = 0;
         }
-    }
+    });
 }
 
 bool Sleep::is_still(std::uint32_t group) {

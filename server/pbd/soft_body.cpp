@@ -24,7 +24,7 @@ Four four(const float* from) {
 }
 
 template <class Body>
-void for_awake(const Particles& particles, const Body& body) {
+void for_awake_ranges(const Particles& particles, const Body& body) {
     for (const auto& run : particles.awake) {
         const std::size_t first = run[0];
         parallel::for_ranges(run[1] - first, grain,
@@ -44,13 +44,13 @@ void SoftBody::predict(float dt, float fraction) {
     Particles& p = particles;
     if (!settings.acceleration.isZero(0.0f)) {
         const Vec3f faster = dt * settings.acceleration;
-        for_awake(p, [&](std::size_t begin, std::size_t end) {
+        for_awake_ranges(p, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 p.velocity[i] += p.inverse_mass[i] > 0.0f ? faster : Vec3f(Vec3f::Zero());
             }
         });
     }
-    for_awake(p, [&](std::size_t begin, std::size_t end) {
+    for_awake_ranges(p, [&](std::size_t begin, std::size_t end) {
         std::size_t i = begin;
         // Four particles fill three registers.
         for (; i + 4 <= end; i += 4) {
@@ -99,7 +99,7 @@ void SoftBody::finish(float dt) {
     if (p.size() == 0) {
         return;
     }
-    for_awake(p, [&](std::size_t begin, std::size_t end) {
+    for_awake_ranges(p, [&](std::size_t begin, std::size_t end) {
         const float* __restrict predicted = p.predicted.front().data();
         float* __restrict position = p.position.front().data();
         float* __restrict velocity = p.velocity.front().data();

@@ -136,11 +136,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
             }
         }
     };
-    for (const auto& [begin, end] : particles.awake) {
-        for (std::uint32_t i = begin; i < end; ++i) {
-            pick(i);
-        }
-    }
+    particles.for_awake(pick);
     edge_meetings_.clear();
     for (const std::uint32_t i : reachable_) {
         if (i + std::size_t{1} >= first_edge_.size()) {

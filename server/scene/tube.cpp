@@ -150,11 +150,7 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
             near_.push_back(near);
         }
     };
-    for (const auto& [begin, end] : particles.awake) {
-        for (std::uint32_t i = begin; i < end; ++i) {
-            pick(i);
-        }
-    }
+    particles.for_awake(pick);
     keep_forces();
 }
 

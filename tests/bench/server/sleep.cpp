@@ -50,11 +50,7 @@ double share_awake(const scene::Scene& scene) {
     for (std::size_t i = 0; i < p.size(); ++i) {
         free += p.inverse_mass[i] > 0.0f ? 1 : 0;
     }
-    for (const auto& [begin, end] : p.awake) {
-        for (std::uint32_t i = begin; i < end; ++i) {
-            awake += p.inverse_mass[i] > 0.0f ? 1 : 0;
-        }
-    }
+    p.for_awake([&](std::uint32_t i) { awake += p.inverse_mass[i] > 0.0f ? 1 : 0; });
     return static_cast<double>(awake) / static_cast<double>(free);
 }
 
