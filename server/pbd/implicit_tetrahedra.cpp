@@ -185,10 +185,7 @@ void ImplicitTetrahedra::solve(Particles& particles, float dt) {
     for (MeshContact& c : contacts) {
         const auto [a, b] = corners_of(c);
         const auto [of_a, of_b] = c.shares();
-        const Vec3f way = share * (of_a * step_[a] + of_b * step_[b]).head<3>();
-        const Vec3f slip = c.slip_after(way);
-        c.force = c.force_after(way);
-        c.slip = slip;
+        c.take(share * (of_a * step_[a] + of_b * step_[b]).head<3>());
     }
 }
 

@@ -33,23 +33,20 @@ struct MeshContact {
     }
     [[nodiscard]] Vec3f across(const Vec3f& way) const { return way - way.dot(normal) * normal; }
 
-    /// The force [N] after the point has moved by `way` [m] from its predicted position. It never pulls, and
-    /// what it holds back across stays within Coulomb's bound.
-    [[nodiscard]] Vec3f force_after(const Vec3f& way) const {
+    /// Finds force and slip after the point has moved by `way` [m] from its predicted position. The force
+    /// never pulls, and what it holds back across stays within Coulomb's bound; what slides has no slip.
+    void take(const Vec3f& way) {
         const float pressing = std::max(0.0f, force.dot(normal) - stiffness * (gap + way.dot(normal)));
         if (pressing == 0.0f) {
-            return Vec3f::Zero();
+            force.setZero();
+            slip.setZero();
+            return;
         }
-        const Vec3f wanted = across(force) - stiffness * across(slip + way);
-        return pressing * normal + static_cast<float>(friction.share(wanted.norm(), pressing)) * wanted;
-    }
-
-    /// How far from where it stuck the point is after `way` [m]; none where it slides.
-    [[nodiscard]] Vec3f slip_after(const Vec3f& way) const {
-        const float pressing = std::max(0.0f, force.dot(normal) - stiffness * (gap + way.dot(normal)));
         const Vec3f off = across(slip + way);
-        const bool holds = (across(force) - stiffness * off).norm() < friction.stick * pressing;
-        return holds ? off : Vec3f(Vec3f::Zero());
+        const Vec3f wanted = across(force) - stiffness * off;
+        const float back = wanted.norm();
+        slip = back < friction.stick * pressing ? off : Vec3f(Vec3f::Zero());
+        force = pressing * normal + static_cast<float>(friction.share(back, pressing)) * wanted;
     }
 
     /// Whether the point acts in a step, and if so whether it sticks there.
