@@ -45,10 +45,9 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
     std::ranges::sort(movers);
     std::erase_if(surface, [&](const auto& ends) { return !moved_[ends[0]] || !moved_[ends[1]]; });
     const std::size_t movers_count = movers.size();
-    const std::size_t surface_count = surface.size();
     contacts_.configure(std::move(movers), std::move(surface));
-    // So that a step does not allocate: see TongueContacts.
-    mesh_.contacts.reserve(2 * movers_count + surface_count);
+    // So that a step does not allocate.
+    mesh_.contacts.reserve(contacts_.most());
     mesh_.springs.reserve(2 * movers_count);
     pulls_.reserve(movers_count);
     for (std::vector<Vec3f>* of : {&from_, &to_, &push_}) {

@@ -34,11 +34,9 @@ std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
 void TongueContacts::configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges) {
     movers_ = std::move(movers);
     edges_ = std::move(edges);
-    // As many as will touch at once, so that a step does not allocate; more may come.
-    const std::size_t most = 2 * movers_.size() + edges_.size();
-    last_.reserve(most);
-    now_.reserve(most);
-    obstacle_.reserve(most);
+    last_.reserve(most());
+    now_.reserve(most());
+    obstacle_.reserve(most());
     reset();
 }
 

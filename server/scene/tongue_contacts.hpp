@@ -35,6 +35,8 @@ class TongueContacts {
     void find(const pbd::Particles& particles, const MovingBlade& blade, const DistanceGrid& shell,
               std::vector<pbd::MeshContact>& contacts);
 
+    /// As many as will touch at once, so that room for them keeps a step from allocating; more may come.
+    [[nodiscard]] std::size_t most() const { return 2 * movers_.size() + edges_.size(); }
     /// Whether contact `number` is with the blade.
     [[nodiscard]] bool is_blades(std::size_t number) const { return obstacle_[number] < shell_obstacle; }
 
