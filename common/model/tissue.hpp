@@ -46,5 +46,10 @@ enum class TissueModel : std::uint8_t {
     tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which bears the blade; else clusters
     implicit,    ///< the same, solved to the end in each step instead of once in each substep
 };
+inline constexpr std::array<std::string_view, 3> tissue_model_names = {"clusters", "tetrahedra", "implicit"};
+
+[[nodiscard]] constexpr std::string_view name_of(TissueModel model) {
+    return tissue_model_names[static_cast<std::size_t>(model)];
+}
 
 }  // namespace eti

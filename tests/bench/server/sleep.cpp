@@ -25,8 +25,6 @@ constexpr int after_steps = 10 * scene::steps_per_second;
 constexpr int steps_per_row = scene::steps_per_second / 10;
 constexpr float beside = 1e-6f;  // [m]
 
-constexpr std::array<const char*, 3> model_names = {"clusters", "tetrahedra", "implicit"};
-
 /// Processor time [ms]: whoever else works on the machine counts less than by the clock.
 double processor_ms() {
     timespec now{};
@@ -102,7 +100,7 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
     awake.physics.sleep = false;
     Scenario sleeping = awake;
     sleeping.physics.sleep = true;
-    const char* const model_name = model_names[static_cast<std::size_t>(model)];
+    const std::string_view model_name = name_of(model);
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     const anatomy::Patient patient = app::patient_of(awake);
     scene::Inputs inputs = app::parked(awake);

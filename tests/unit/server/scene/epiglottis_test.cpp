@@ -125,9 +125,7 @@ TEST_P(EpiglottisTest, WithTongueInItsClusterItSticks) {
 
 INSTANTIATE_TEST_SUITE_P(TissueModels, EpiglottisTest,
                          ::testing::Values(TissueModel::clusters, TissueModel::tetrahedra),
-                         [](const auto& test) {
-                             return test.param == TissueModel::clusters ? "clusters" : "tetrahedra";
-                         });
+                         [](const auto& test) { return std::string(name_of(test.param)); });
 
 }  // namespace
 }  // namespace eti::scene
