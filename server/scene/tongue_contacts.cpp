@@ -23,6 +23,11 @@ constexpr float least_along = 0.1f;
 // forces would grow for ever.
 constexpr float shell_memory = 0.9f;
 
+// Of the way from where it stuck a point forgets half in a step. Drawn back by all of it, a fine tongue
+// between blade and jaw swings with the hand that holds the blade, and under a still blade points stick and
+// slide in turn for ever; forgetting all of it, every load would take the point farther.
+constexpr float stick_memory = 0.5f;
+
 /// Thirty-two bits for the first particle, twenty-four for the second and eight for the obstacle.
 std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
     return static_cast<std::uint64_t>(contact.particle[0]) << 32 |
@@ -78,7 +83,7 @@ void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle)
     obstacle_.push_back(obstacle);
     if (last != nullptr) {
         now_.back().force = (obstacle == shell_obstacle ? shell_memory : 1.0f) * last->force;
-        now_.back().slip += last->slip;
+        now_.back().slip += stick_memory * last->slip;
     }
 }
 
