@@ -71,6 +71,23 @@ class Publisher {
     std::unique_ptr<Impl> impl_;
 };
 
+/// Rings when a sample has come to one of the subscribers that ring it: for a thread that serves several
+/// topics. Has to outlive them.
+class Bell {
+  public:
+    Bell();
+    ~Bell();
+    Bell(const Bell&) = delete;
+    Bell& operator=(const Bell&) = delete;
+    /// Waits until it has rung since the last call; false: it has not within `timeout`.
+    [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
+    struct Impl;
+    [[nodiscard]] Impl& impl() const { return *impl_; }
+
+  private:
+    std::unique_ptr<Impl> impl_;
+};
+
 /// Reads one topic, for one thread. Samples wait in the reader's bounded history until taken; nothing is
 /// called back on a DDS thread, so message handling stays on the caller's thread.
 template <class Message>
@@ -87,6 +104,7 @@ class Subscriber {
     [[nodiscard]] bool take_latest(Message& message);
     /// Waits until there is something to take.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
+    void ring(Bell& bell);              ///< at every sample from now on
     [[nodiscard]] int matched() const;  ///< writers now matched
     [[nodiscard]] bool alive() const;   ///< some writer is matched and, where liveliness is asked for, alive
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <algorithm>
+#include <condition_variable>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <mutex>
 #include <utility>
 
 #include "common/bus/participant.hpp"
@@ -134,6 +137,29 @@ bool Publisher<Message>::wait_until_received(std::chrono::milliseconds timeout) 
     return impl_->writer->wait_for_acknowledgments(longest) == ReturnCode_t::RETCODE_OK;
 }
 
+/// The library calls it on its own thread, where it does no more than wake the one that waits.
+struct Bell::Impl : dds::DataReaderListener {
+    void on_data_available(dds::DataReader* /*reader*/) override {
+        {
+            const std::lock_guard lock(mutex);
+            rung = true;
+        }
+        changed.notify_one();
+    }
+
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool rung = false;
+};
+
+Bell::Bell() : impl_(std::make_unique<Impl>()) {}
+Bell::~Bell() = default;
+
+bool Bell::wait(std::chrono::milliseconds timeout) {
+    std::unique_lock lock(impl_->mutex);
+    return impl_->changed.wait_for(lock, timeout, [this] { return std::exchange(impl_->rung, false); });
+}
+
 template <class Message>
 struct Subscriber<Message>::Impl {
     std::shared_ptr<Participant> participant;
@@ -143,6 +169,7 @@ struct Subscriber<Message>::Impl {
 
     ~Impl() {
         if (reader != nullptr) {
+            reader->set_listener(nullptr, dds::StatusMask::none());
             participant->subscriber->delete_datareader(reader);
         }
     }
@@ -197,6 +224,11 @@ template <class Message>
 bool Subscriber<Message>::wait(std::chrono::milliseconds timeout) {
     return impl_->reader->wait_for_unread_message(
         Duration_t{static_cast<long double>(timeout.count()) * 1e-3L});
+}
+
+template <class Message>
+void Subscriber<Message>::ring(Bell& bell) {
+    impl_->reader->set_listener(&bell.impl(), dds::StatusMask::data_available());
 }
 
 template <class Message>

@@ -17,7 +17,7 @@ namespace {
 
 using bus::from_msg;
 
-constexpr std::chrono::milliseconds poll_interval{2};
+constexpr std::chrono::milliseconds poll_interval{5};  // for what nothing rings
 // Another session has begun when simulation time falls back by more than late messages account for.
 constexpr std::uint64_t session_gap_ns = 500'000'000;
 constexpr std::int64_t silence_ns = 500'000'000;  // worth a message to the person at the terminal
@@ -92,9 +92,12 @@ SceneLink::SceneLink(bus::Node& node, Feel feel)
       status_topic_(node, bus::topics::session_status) {
     if (feel == Feel::tissue) {
         tissue_topic_.emplace(node, bus::topics::tissue_contacts);
+        tissue_topic_->ring(bell_);
     } else if (feel == Feel::tube) {
         tube_topic_.emplace(node, bus::topics::tube_force);
+        tube_topic_->ring(bell_);
     }
+    proxy_topic_.ring(bell_);
     thread_ = std::thread([this] { run(); });
 }
 
@@ -112,10 +115,8 @@ std::optional<Surroundings> SceneLink::surroundings() const {
 
 void SceneLink::run() {
     while (!ending_.load(std::memory_order_relaxed)) {
-        // The server sends these right after ProxyState: once the second is here, both are.
-        (void)(tissue_topic_ ? tissue_topic_->wait(poll_interval)
-               : tube_topic_ ? tube_topic_->wait(poll_interval)
-                             : proxy_topic_.wait(poll_interval));
+        // Each at once: the proxy leaves the server before the tissue's forces are known.
+        (void)bell_.wait(poll_interval);
         bool changed = take_proxy();
         changed = take_tissue() || changed;
         changed = take_tube() || changed;

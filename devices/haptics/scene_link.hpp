@@ -58,6 +58,7 @@ class SceneLink {
     void watch_silence(std::int64_t now);
     void measure_pace(std::uint64_t simulation_ns, std::int64_t now);
 
+    bus::Bell bell_;
     bus::Subscriber<msg::ProxyState> proxy_topic_;
     std::optional<bus::Subscriber<msg::TissueContacts>> tissue_topic_;
     std::optional<bus::Subscriber<msg::TubeForce>> tube_topic_;

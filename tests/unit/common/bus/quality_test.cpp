@@ -143,6 +143,33 @@ TEST(Quality, WaitReturnsOnArrivalAndOnTimeout) {
     EXPECT_FALSE(pair.subscriber.wait(1ms)) << "nothing is left to take";
 }
 
+TEST(Quality, ABellRingsForWhicheverTopicHasASample) {
+    Node sender(options("sender"));
+    Node receiver(options("receiver"));
+    Bell bell;
+    Publisher<msg::Command> commands(sender, topics::command);
+    Publisher<msg::LiveMetrics> metrics(sender, topics::live_metrics);
+    Subscriber<msg::Command> command(receiver, topics::command);
+    Subscriber<msg::LiveMetrics> live(receiver, topics::live_metrics);
+    command.ring(bell);
+    live.ring(bell);
+    ASSERT_TRUE(eventually([&] { return command.matched() == 1 && live.matched() == 1; }));
+    EXPECT_FALSE(bell.wait(20ms)) << "nothing was sent";
+    msg::Command received;
+    msg::LiveMetrics measured;
+    ASSERT_TRUE(commands.publish(example<msg::Command>()));
+    EXPECT_TRUE(bell.wait(5s));
+    EXPECT_TRUE(command.take(received));
+    ASSERT_TRUE(metrics.publish(example<msg::LiveMetrics>()));
+    EXPECT_TRUE(bell.wait(5s));
+    EXPECT_TRUE(live.take(measured));
+    EXPECT_FALSE(bell.wait(20ms)) << "it has rung for both";
+    { const Subscriber<msg::Command> gone(std::move(command)); }
+    ASSERT_TRUE(eventually([&] { return commands.matched() == 0; }));
+    ASSERT_TRUE(metrics.publish(example<msg::LiveMetrics>()));
+    EXPECT_TRUE(bell.wait(5s)) << "the one that is left rings on";
+}
+
 TEST(Quality, AStuckReliableReaderDoesNotHoldTheWriter) {
     CommandPair pair;
     pair.connect();
