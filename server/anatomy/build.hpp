@@ -14,7 +14,7 @@ namespace eti::anatomy {
 struct BuildSettings {
     float spacing = 2.0e-3f;       ///< [m], particles of the bulk
     float fine_spacing = 1.0e-3f;  ///< [m], particles of epiglottis and larynx
-    float region = 10.0e-3f;       ///< [m], tissue farther from the airway moves with the bones
+    float region = 7.0e-3f;        ///< [m], tissue farther from the airway moves with the bones
     /// [Pa], Young's modulus of tongue and mucosa. Measured tissue has 8.0 +- 0.9 kPa (Cheng 2011, J Biomech
     /// 44:450), but here the mouth's floor cannot give way as a whole
     /// (docs/decisions/0024-tissue-stiffness.md).

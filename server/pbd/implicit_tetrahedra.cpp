@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "server/parallel/loops.hpp"
 #include "server/pbd/implicit_kernels.hpp"
@@ -51,6 +52,10 @@ constexpr auto apply_avx2 = apply_baseline;
     std::memcpy(to.data(), &from, sizeof from);
 }
 
+float total(std::span<const float> moduli) {
+    return std::accumulate(moduli.begin(), moduli.end(), 0.0f);
+}
+
 float sum(const Four& f) {
     return f[0] + f[1] + f[2];
 }
@@ -82,6 +87,8 @@ void ImplicitTetrahedra::configure(const Tetrahedra::Description& description, c
         rest_[k].head<3>() = particles.rest[used[k]];
     }
     measure_own_stiffness();
+    coarse_.configure(rest_, inverse_mass_, mesh_, 2.0f * longest_step_, 1.0f / ratio_);
+    configured_modulus_ = total(description.youngs_modulus);
 }
 
 void ImplicitTetrahedra::set_rest(const Particles& particles) {
@@ -94,6 +101,7 @@ void ImplicitTetrahedra::set_rest(const Particles& particles) {
 void ImplicitTetrahedra::set_youngs_modulus(std::span<const float> moduli) {
     mesh_.set_youngs_modulus(moduli);
     measure_own_stiffness();
+    coarse_.set_stiffness(total(moduli) / configured_modulus_);
 }
 
 void ImplicitTetrahedra::measure_own_stiffness() {
@@ -192,6 +200,7 @@ void ImplicitTetrahedra::solve(Particles& particles, float dt) {
 void ImplicitTetrahedra::linearise(const Particles& particles, float dt) {
     const auto used = mesh_.particles();
     const float per_mass = 1.0f / (dt * dt);
+    coarse_.begin(per_mass);
     for (std::size_t k = 0; k < used.size(); ++k) {
         x_[k].head<3>() = particles.predicted[used[k]];
     }
@@ -237,6 +246,7 @@ void ImplicitTetrahedra::add_springs(const Particles& particles) {
     for (const Spring& s : springs) {
         const std::uint32_t k = corner_of_[s.particle];
         diagonal_[k].array() += s.stiffness;
+        coarse_.add_spring(k, s.stiffness);
         residual_[k].head<3>() += s.stiffness * (s.to - particles.predicted[s.particle]);
     }
 }
@@ -253,6 +263,7 @@ void ImplicitTetrahedra::add_contacts() {
         const bool sticks = c.sticks();
         c.held = sticks ? MeshContact::Held::point : MeshContact::Held::normal;
         const Vec3f force = c.load();
+        coarse_.add_spring(ends, shares, sticks ? c.stiffness : c.stiffness / 3.0f);
         for (std::size_t e = 0; e < 2; ++e) {
             const float k = c.stiffness * shares[e] * shares[e];
             residual_[ends[e]].head<3>() += shares[e] * force;
@@ -295,44 +306,44 @@ void ImplicitTetrahedra::invert_blocks() {
 
 void ImplicitTetrahedra::conjugate_gradients() {
     const std::size_t count = inverse_mass_.size();
-    const auto preconditioned = [&](std::size_t k, const Four& r) {
-        const Inverse& m = inverse_[k];
-        return four(m.column[0]) * r[0] + four(m.column[1]) * r[1] + four(m.column[2]) * r[2];
+    const auto dot = [&](const Wide& a, const Wide& b) {
+        Four total{};
+        for (std::size_t k = 0; k < count; ++k) {
+            total += four(a[k]) * four(b[k]);
+        }
+        return sum(total);
     };
-    Four total{};
-    for (std::size_t k = 0; k < count; ++k) {
-        const Four r = four(residual_[k]);
-        const Four z = preconditioned(k, r);
-        put(z, along_[k]);
-        total += r * z;
-    }
-    float left = sum(total);
+    coarse_.factorise();
+    precondition(along_);
+    float left = dot(residual_, along_);
     for (int n = 0; n < settings.iterations && left > 0.0f; ++n) {
         apply();
-        total = Four{};
-        for (std::size_t k = 0; k < count; ++k) {
-            total += four(along_[k]) * four(image_[k]);
-        }
-        const float curvature = sum(total);
+        const float curvature = dot(along_, image_);
         if (!(curvature > 0.0f)) {
             break;  // rounding: what is left is nothing
         }
         const float way = left / curvature;
-        Four next{};
         for (std::size_t k = 0; k < count; ++k) {
             put(four(step_[k]) + way * four(along_[k]), step_[k]);
-            const Four r = four(residual_[k]) - way * four(image_[k]);
-            put(r, residual_[k]);
-            const Four z = preconditioned(k, r);
-            put(z, image_[k]);
-            next += r * z;
+            put(four(residual_[k]) - way * four(image_[k]), residual_[k]);
         }
-        const float turn = sum(next) / left;
-        left = sum(next);
+        precondition(image_);
+        const float next = dot(residual_, image_);
+        const float turn = next / left;
+        left = next;
         for (std::size_t k = 0; k < count; ++k) {
             put(four(image_[k]) + turn * four(along_[k]), along_[k]);
         }
     }
+}
+
+void ImplicitTetrahedra::precondition(Wide& to) {
+    for (std::size_t k = 0; k < inverse_mass_.size(); ++k) {
+        const Inverse& m = inverse_[k];
+        const Four r = four(residual_[k]);
+        put(four(m.column[0]) * r[0] + four(m.column[1]) * r[1] + four(m.column[2]) * r[2], to[k]);
+    }
+    coarse_.correct(residual_, to);
 }
 
 void ImplicitTetrahedra::apply() {

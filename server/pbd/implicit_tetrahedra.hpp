@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "server/pbd/coarse_level.hpp"
 #include "server/pbd/mesh_contact.hpp"
 #include "server/pbd/tetrahedra.hpp"
 
@@ -80,7 +81,7 @@ class ImplicitTetrahedra {
     };
 
   private:
-    using Wide = std::vector<Eigen::Vector4f>;  // by corner, and behind them those that fill up blocks
+    using Wide = CoarseLevel::Wide;  // by corner, and behind them those that fill up blocks
 
     /// Some of the tetrahedra, neighbours in space, that one thread works at, and what their corners get from
     /// them. The cut hangs on the mesh alone.
@@ -105,6 +106,8 @@ class ImplicitTetrahedra {
     void add_contacts();
     void invert_blocks();
     void conjugate_gradients();
+    /// The residual as both levels of the preconditioner would have it moved.
+    void precondition(Wide& to);
     /// Adds to image_ what the elements and contacts make of along_.
     void apply();
     [[nodiscard]] std::array<std::uint32_t, 2> corners_of(const MeshContact& contact) const {
@@ -121,6 +124,8 @@ class ImplicitTetrahedra {
     bool avx2_ = false;
     Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, image_, step_;
     std::vector<Inverse> inverse_;
+    CoarseLevel coarse_;
+    float configured_modulus_ = 0.0f;  // [Pa], sum over tetrahedra
 };
 
 }  // namespace eti::pbd

@@ -37,9 +37,9 @@ class LiquidWall {
     static constexpr float ball_size = 1.6f;
 
   private:
-    /// A ball that moved less since its blocks were last computed counts as unmoved: a hundredth of the least
-    /// spacing of liquid.
-    static constexpr float quantum = 5e-6f;  ///< [m]
+    /// A ball that moved less since its blocks were last computed counts as unmoved: a fiftieth of the
+    /// spacing of liquid, which is what wakes it.
+    static constexpr float quantum = 17e-6f;  ///< [m]
 
     static constexpr int block = 4;  ///< nodes along an edge of what is worked on at a time
 

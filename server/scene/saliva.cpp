@@ -16,6 +16,7 @@ namespace {
 // Lengths are those of a newborn of 3.5 kg and shrink with the patient, volumes with their cube.
 constexpr std::size_t capacity = 3000;         // particles; 3 ml
 constexpr float spacing = 1e-3f;               // [m]
+constexpr float least_spacing = 0.85e-3f;      // [m], of any patient: saliva is only looked at
 constexpr float pool = 1.2e-6f;                // [m^3], in the throat at the start
 constexpr float film = 0.4e-6f;                // [m^3], on the tongue
 constexpr float gland_flow = 2e-9f;            // [m^3/s], of each; half a millilitre a minute together
@@ -53,9 +54,13 @@ float size_of(const anatomy::Patient& patient) {
     return std::cbrt(patient.weight / 3.5f);
 }
 
+float spacing_in(const anatomy::Patient& patient) {
+    return std::max(size_of(patient) * spacing, least_spacing);
+}
+
 pbd::FluidSettings fluid_settings(const anatomy::Patient& patient) {
     const float size = size_of(patient);
-    pbd::FluidSettings s = saliva_settings(size * spacing, substep);
+    pbd::FluidSettings s = saliva_settings(spacing_in(patient), substep);
     const auto [lower, upper] = head_box(patient, size * beyond_head);
     s.capacity = capacity;
     s.lower = lower;
@@ -95,7 +100,7 @@ Saliva::Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float
       size_(size_of(patient)),
       seed_(seed),
       fluid_(fluid_settings(patient), seed),
-      wall_(2.0f * size_ * spacing, way) {
+      wall_(2.0f * fluid_.settings().spacing, way) {
     capsules_.reserve(64);
     now_.reserve(64);
     const pbd::FluidEmitter gland{.opening = 0.7f * fluid_.settings().spacing,

@@ -21,7 +21,7 @@ constexpr float least_along = 0.1f;
 // Of its force the shell forgets a tenth in a step. So it gives way like a wall ten times as firm as the
 // particle itself. Tissue that the blade presses on a wall has no room for both; were neither to yield, their
 // forces would grow for ever.
-constexpr float shell_memory = 0.9f;
+constexpr float shell_memory = 0.97f;
 
 // Of the way from where it stuck a point forgets half in a step. Drawn back by all of it, a fine tongue
 // between blade and jaw swings with the hand that holds the blade, and under a still blade points stick and

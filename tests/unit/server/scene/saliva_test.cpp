@@ -271,7 +271,7 @@ TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
     // It takes two seconds to be asked for ten times the flow, five more of it in each; each gland may owe a
     // particle. None has run out yet.
     const double given = 10.0 * 1.0 * 4.0 * 2e-9 * (1.1 / 3.5);
-    const double particle = std::pow(1e-3 * std::cbrt(1.1 / 3.5), 3);
+    const double particle = std::pow(static_cast<double>(scene.snapshot().saliva.spacing), 3);
     EXPECT_NEAR(static_cast<double>(scene.snapshot().saliva.positions.size()), given / particle, 5.0);
     inputs.secretion = 0.0f;
     for (int k = 0; k < 3 * steps_per_second; ++k) {
