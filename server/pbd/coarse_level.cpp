@@ -15,6 +15,7 @@ namespace {
 
 constexpr double cells_filled = 5.0;  // of the lattice, where the mesh is fine enough: some sixty nodes
 constexpr double least_cells = 3.0;   // of the mesh, along one of the lattice
+constexpr float least_width = 1e-6f;  // [m]; of a mesh without volume
 
 }  // namespace
 
@@ -22,8 +23,8 @@ void CoarseLevel::configure(std::span<const Eigen::Vector4f> rest, std::span<con
                             const Tetrahedra& mesh, float cell, float bulk_over_shear) {
     stiffness_ = 1.0f;
     const double cells = static_cast<double>(mesh.size()) / 6.0;
-    number_nodes(rest, inverse_mass,
-                 cell * static_cast<float>(std::max(std::cbrt(cells / cells_filled), least_cells)));
+    const auto wider = static_cast<float>(std::max(std::cbrt(cells / cells_filled), least_cells));
+    number_nodes(rest, inverse_mass, std::max(wider * cell, least_width));
     add_tetrahedra(mesh, 1.0f + bulk_over_shear);
     matrix_.setZero();
     for (std::uint32_t k = 0; k < inverse_mass.size(); ++k) {

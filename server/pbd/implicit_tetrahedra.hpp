@@ -17,7 +17,8 @@ namespace eti::pbd {
 /// step of implicit Euler, which XPBD's passes approach only with ever shorter substeps. It minimises
 ///     1/(2 dt^2) (x - x~)^T M (x - x~) + Psi(x),   x~ = position + dt velocity
 /// by one Newton step from the last position, solved by a fixed count of conjugate gradients without
-/// assembling the matrix, preconditioned by the particles' own 3x3 blocks. With the element's
+/// assembling the matrix, preconditioned by the particles' own 3x3 blocks and by how the body moves at large
+/// (see CoarseLevel). With the element's
 /// P = sum p_v Q_v (rows of Q)
 ///     K P = mu V (f P Q Q^T + (H : P) H / r + s dcof[P]),  H = det Q cof D,  s = (J - 1 - r) / r,
 /// r = mu / lambda; s is cut to what keeps every element's matrix positive (dcof's eigenvalues are at most

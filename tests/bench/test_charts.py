@@ -7,6 +7,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -341,6 +342,15 @@ class Charts(unittest.TestCase):
         for row in rows:
             if row["case"] not in plot.MEASURES:
                 self.assertLess(float(row["relative_error"]), 10.0, row)      # nothing flies apart
+
+    def test_two_builds_are_compared(self):
+        script = [sys.executable, ROOT / "tests/bench/compare.py"]
+        same = [*script, BENCH.parent, BENCH.parent, "--scenario", "term", "--from", "5", "--to", "20", "--rounds", "1"]
+        done = subprocess.run(same, stdout=subprocess.PIPE, text=True, check=True)
+        self.assertEqual([row.split("|")[1:3] for row in done.stdout.splitlines()[2:]], [[" term ", " 1 "], [" term ", " 2 "]])
+        done = subprocess.run([*script, BENCH.parent, "/none"], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("/none/eti-server", done.stderr)
 
     def test_unwritable_folder_is_refused(self):
         done = subprocess.run([BENCH, "accuracy", "--out", "/dev/null/charts"], stderr=subprocess.PIPE, text=True)

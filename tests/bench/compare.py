@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Costs of two builds of the server beside each other, in one run: what a step takes while the blade lifts.
+
+Usage: compare.py BEFORE_BIN AFTER_BIN [--scenario NAME]... [--from STEP] [--to STEP] [--rounds N]
+
+Each build runs its own scenarios and its own expert, as fast as it can, to both steps and by turns; a step's cost is
+the difference of both runs over the number of steps between, the least of all rounds. On one thread it is the
+processor's time, on two the clock's. Prints a table of milliseconds and ratios. For an older revision:
+
+    git worktree add ../before REVISION && cd ../before && cmake --preset release && cmake --build --preset release
+"""
+
+import argparse
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+
+def run(binary, scenario, threads, steps):
+    """Seconds that a run of so many steps takes: the processor's and the clock's."""
+    begun = time.monotonic()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = subprocess.run([binary, "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds", "--json",
+                           "--threads", str(threads), "--steps", str(steps)], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{binary} failed:\n{done.stderr}")
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, time.monotonic() - begun
+
+
+def compare(binaries, scenario, threads, first, last, rounds):
+    """Milliseconds a step, by binary."""
+    clock = 0 if threads == 1 else 1
+    least = [[float("inf")] * 2 for _ in binaries]
+    for _ in range(rounds):
+        for n, binary in enumerate(binaries):
+            for end, steps in enumerate((first, last)):
+                least[n][end] = min(least[n][end], run(binary, scenario, threads, steps)[clock])
+    return [1e3 * (long - short) / (last - first) for short, long in least]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("before", type=Path, help="folder with the older eti-server")
+    parser.add_argument("after", type=Path, help="folder with the newer one")
+    parser.add_argument("--scenario", action="append", help="default: term and premature")
+    parser.add_argument("--from", dest="first", type=int, default=1000, help="step at which counting begins [1000]")
+    parser.add_argument("--to", dest="last", type=int, default=1400, help="and at which it ends [1400]")
+    parser.add_argument("--rounds", type=int, default=5, help="of which the least counts [5]")
+    wanted = parser.parse_args()
+    if not 0 < wanted.first < wanted.last or wanted.rounds < 1:
+        parser.error("--from has to be at least 1 and below --to, and --rounds at least 1")
+    binaries = [folder / "eti-server" for folder in (wanted.before, wanted.after)]
+    for binary in binaries:
+        if not binary.is_file():
+            parser.error(f"there is no {binary}: give the folder that a build put eti-server into")
+    print("| scenario | threads | before [ms a step] | after [ms a step] | ratio |\n|---|---|---|---|---|", flush=True)
+    for scenario in wanted.scenario or ["term", "premature"]:
+        for threads in (1, 2):
+            before, after = compare(binaries, scenario, threads, wanted.first, wanted.last, wanted.rounds)
+            print(f"| {scenario} | {threads} | {before:.2f} | {after:.2f} | {after / before:.2f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
