@@ -44,10 +44,10 @@ class Charts(unittest.TestCase):
         """At the best view: force, displacements, and that it stands still. The bounds are what docs/solver.md says of them."""
         rows = plot.read(CHARTS / "accuracy.csv")
         error = {row["case"]: row["error"] for row in rows if plot.is_star(row) and row["spacing"] == 2.0}
-        for case, bound in (("lift-force", 0.105), ("lift-material", 0.135), ("lift-shape", 0.115), ("tongue-force", 0.006),
+        for case, bound in (("lift-force", 0.05), ("lift-material", 0.11), ("lift-shape", 0.05), ("tongue-force", 0.006),
                             ("tongue-shape", 0.006)):
             self.assertLess(error[case], bound, case)
-        self.assertLess(error["lift-still"], 0.25)      # mm/s
+        self.assertLess(error["lift-still"], 0.5)       # mm/s
         # With more substeps XPBD's tetrahedra come to finite elements, too, and clusters do not.
         for case in ("lift-force", "lift-shape"):
             of = {(row["method"], row["substeps"]): row["error"] for row in rows if row["case"] == case}
@@ -225,11 +225,11 @@ class Charts(unittest.TestCase):
         (f"tube on {wall}", speed) for speed in ("3 m/s", "10 m/s")
         for wall in ("flap", "cords", "wall of particles", "wall of the shell")}
 
-    # (map, method): rows that no scene has. Starts from inside out end in knots, which are rests of the material, too; a
+    # (map, method): rows that no scene has. Starts from upside down or at random end in knots, which are rests of the material, too; a
     # scene turns head and jaw at 10 deg/s, by rows that are beside these. See docs/solver.md.
-    ABSENT = {("disturbance", plot.SHIPPED_TONGUE): ("turned 180 deg", "upset 180 deg", "inverted", "random"),
+    ABSENT = {("disturbance", plot.SHIPPED_TONGUE): ("turned 180 deg", "upset 180 deg", "random"),
               ("head in one step", "coarse patient"): ("jaw 0 to 35 deg",),
-              ("head in one step", "shipped patient"): ("jaw 0 to 35 deg", "jaw, at 100 deg/s", "head and jaw, there")}
+              ("head in one step", "shipped patient"): ("jaw 0 to 35 deg",)}
 
     def shipped_cells(self, rows):
         return [row for row in rows if plot.is_shipped(row) and (row["map"], row["column"]) not in self.BEYOND and
@@ -248,7 +248,7 @@ class Charts(unittest.TestCase):
                 self.assertLess(float(row["rotation_error"]), 1e-6, row)
 
     def test_implicit_tongue_bears_what_tetrahedra_by_xpbd_bore(self):
-        """And more; but for starts from inside out, which end in knots."""
+        """And more; but for the starts that end in knots."""
         rows = [row for row in plot.read_maps(CHARTS / "stability.csv") if (row["map"], row["row"]) not in
                 {("disturbance", start) for start in self.ABSENT["disturbance", plot.SHIPPED_TONGUE]}]
         before = {(row["map"], row["row"]): row["fate"] for row in rows
