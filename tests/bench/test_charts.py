@@ -57,11 +57,12 @@ class Charts(unittest.TestCase):
 
     def test_reference_of_the_lift_is_as_sure_as_said(self):
         """Its end is an equilibrium whatever the drag, but friction remembers the way that drag changes, and holds a tenth of
-        the force at most: a third of that is left to it."""
+        the force at most: a third of that is left to it. Where clusters hold the tongue makes more of a difference, so that
+        each tongue is judged where its own do."""
         rows = {row["variant"]: row for row in plot.rows_of(CHARTS / "lift-reference.csv")}
         self.assertEqual(float(rows["as it is"]["force_difference"]), 0.0)
         self.assertLess(float(rows["four times the drag"]["force_difference"]), 0.033)
-        self.assertLess(float(rows["surroundings of the implicit tongue"]["force_difference"]), 0.033)
+        self.assertLess(float(rows["surroundings of the implicit tongue"]["force_difference"]), 0.05)
 
     def test_shipped_setting_is_what_scenarios_default_to(self):
         header = (ROOT / "common/scenario/scenario.hpp").read_text()
