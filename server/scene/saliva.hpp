@@ -85,6 +85,7 @@ class Saliva {
     std::uint64_t seed_;
     pbd::Fluid fluid_;
     LiquidWall wall_;
+    int step_ = 0;           // since the last reset
     pbd::Particles tissue_;  // positions and radii alone, as the step began: meanwhile the tissue moves on
     std::array<Gland, 4> glands_{};
     std::vector<pbd::MovingCapsule> capsules_;  // over the whole step
