@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 
 #include "server/pbd/lanes.hpp"
@@ -61,7 +60,6 @@ void CoarseLevel::number_nodes(std::span<const Eigen::Vector4f> rest, std::span<
     }
     const auto nodes = static_cast<Eigen::Index>(number.size());
     elastic_.setZero(nodes, nodes);
-    mass_.setZero(nodes, nodes);
     matrix_.setZero(nodes, nodes);
     motion_.setZero(nodes, 4);
     factor_ = Eigen::LLT<Eigen::MatrixXf>(nodes);
@@ -136,27 +134,20 @@ void CoarseLevel::correct(const Wide& residual, Wide& to) {
     float* const motion = motion_.data();
     for (std::size_t k = 0; k < place_.size(); ++k) {
         const Place& p = place_[k];
-        Four from;
-        std::memcpy(&from, residual[k].data(), sizeof from);
+        const Four from = four(residual[k]);
         for (std::size_t n = 0; n < support; ++n) {
             float* const node = motion + std::size_t{4} * p.node[n];
-            Four sum;
-            std::memcpy(&sum, node, sizeof sum);
-            sum += p.weight[n] * from;
-            std::memcpy(node, &sum, sizeof sum);
+            put(four(node) + p.weight[n] * from, node);
         }
     }
     factor_.solveInPlace(motion_);
     for (std::size_t k = 0; k < place_.size(); ++k) {
         const Place& p = place_[k];
-        Four sum;
-        std::memcpy(&sum, to[k].data(), sizeof sum);
+        Four sum = four(to[k]);
         for (std::size_t n = 0; n < support; ++n) {
-            Four part;
-            std::memcpy(&part, motion + std::size_t{4} * p.node[n], sizeof part);
-            sum += p.weight[n] * part;
+            sum += p.weight[n] * four(motion + std::size_t{4} * p.node[n]);
         }
-        std::memcpy(to[k].data(), &sum, sizeof sum);
+        put(sum, to[k]);
     }
 }
 

@@ -42,16 +42,6 @@ constexpr auto linearise_avx2 = linearise_baseline;
 constexpr auto apply_avx2 = apply_baseline;
 #endif
 
-[[gnu::always_inline]] inline Four four(const Eigen::Vector4f& v) {
-    Four out;
-    std::memcpy(&out, v.data(), sizeof out);
-    return out;
-}
-
-[[gnu::always_inline]] inline void put(const Four& from, Eigen::Vector4f& to) {
-    std::memcpy(to.data(), &from, sizeof from);
-}
-
 float total(std::span<const float> moduli) {
     return std::accumulate(moduli.begin(), moduli.end(), 0.0f);
 }

@@ -22,6 +22,22 @@ static_assert(sizeof(Eigen::Vector4f) == sizeof(Four));
     std::memcpy(&to, from, sizeof to);
 }
 
+[[nodiscard]] [[gnu::always_inline]] inline Four four(const float* from) {
+    Four out;
+    std::memcpy(&out, from, sizeof out);
+    return out;
+}
+[[nodiscard]] [[gnu::always_inline]] inline Four four(const Eigen::Vector4f& from) {
+    return four(from.data());
+}
+
+[[gnu::always_inline]] inline void put(const Four& from, float* to) {
+    std::memcpy(to, &from, sizeof from);
+}
+[[gnu::always_inline]] inline void put(const Four& from, Eigen::Vector4f& to) {
+    put(from, to.data());
+}
+
 /// Square roots: correctly rounded, so the same bits from every instruction set. One instruction where
 /// sources are compiled with -fno-math-errno.
 [[gnu::always_inline]] inline void take_root(Lanes& of) {

@@ -4,7 +4,6 @@
 
 #include <cassert>
 #include <cmath>
-#include <cstring>
 
 #include "server/parallel/loops.hpp"
 #include "server/pbd/lanes.hpp"
@@ -16,12 +15,6 @@ namespace {
 constexpr std::size_t grain = 4096;  // particles worth handing to another thread
 
 static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-
-Four four(const float* from) {
-    Four to;
-    std::memcpy(&to, from, sizeof to);
-    return to;
-}
 
 template <class Body>
 void for_awake_ranges(const Particles& particles, const Body& body) {
@@ -67,7 +60,7 @@ void SoftBody::predict(float dt, float fraction) {
                 const Four free = dt * four(velocity + 4 * k);
                 const Four held = fraction * (four(rest + 4 * k) - x);
                 const Four to = x + (of[k] > 0.0f ? free : held);
-                std::memcpy(predicted + 4 * k, &to, sizeof to);
+                put(to, predicted + 4 * k);
             }
         }
         for (; i < end; ++i) {

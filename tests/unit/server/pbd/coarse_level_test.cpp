@@ -19,7 +19,7 @@ struct Bar {
     test::TetrahedralBody body;
     std::vector<float> inverse_mass;
     CoarseLevel level;
-    CoarseLevel::Wide residual, moved;
+    CoarseLevel::Wide residual;
 
     explicit Bar(bool held)
         : body(test::tetrahedral_lattice(8, 8, 24, static_cast<double>(cell)), 8e3f, 0.45f) {
@@ -31,7 +31,6 @@ struct Bar {
         }
         level.configure(rest, inverse_mass, body.tetrahedra, cell, 9.0f);
         residual.assign(rest.size(), Eigen::Vector4f::Zero());
-        moved = residual;
     }
 
     CoarseLevel::Wide correct(const CoarseLevel::Wide& by) {
