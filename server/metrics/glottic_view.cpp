@@ -99,6 +99,9 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
         }
     }
     view.opening_percent = std::min(view.opening_percent, 100.0f);
+    if (view.opening_percent > 0.0f) {
+        return view;
+    }
 
     std::vector<Vec3f> targets;
     for (const anatomy::CarriedPoint& point : epiglottis_) {

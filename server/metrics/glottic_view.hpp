@@ -16,7 +16,7 @@ namespace eti::metrics {
 /// What an eye sees of the larynx.
 struct GlotticView {
     float opening_percent = 0.0f;  ///< POGO: share of the glottic opening's area in sight
-    bool epiglottis_seen = false;
+    bool epiglottis_seen = false;  ///< looked for only where nothing of the opening is in sight
 };
 
 /// Points spread evenly over a closed polygon, each with the share of the area it stands for.

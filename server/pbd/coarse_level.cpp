@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-
-#include "server/pbd/lanes.hpp"
-
 namespace eti::pbd {
 
 namespace {
@@ -126,29 +123,10 @@ void CoarseLevel::factorise() {
     factor_.compute(matrix_);
 }
 
-void CoarseLevel::correct(const Wide& residual, Wide& to) {
-    if (matrix_.rows() == 0) {
-        return;
-    }
-    motion_.setZero();
-    float* const motion = motion_.data();
-    for (std::size_t k = 0; k < place_.size(); ++k) {
-        const Place& p = place_[k];
-        const Four from = four(residual[k]);
-        for (std::size_t n = 0; n < support; ++n) {
-            float* const node = motion + std::size_t{4} * p.node[n];
-            put(four(node) + p.weight[n] * from, node);
-        }
-    }
+float CoarseLevel::solve(const Motion& force) {
+    motion_ = force;
     factor_.solveInPlace(motion_);
-    for (std::size_t k = 0; k < place_.size(); ++k) {
-        const Place& p = place_[k];
-        Four sum = four(to[k]);
-        for (std::size_t n = 0; n < support; ++n) {
-            sum += p.weight[n] * four(motion + std::size_t{4} * p.node[n]);
-        }
-        put(sum, to[k]);
-    }
+    return motion_.cwiseProduct(force).leftCols<3>().sum();
 }
 
 }  // namespace eti::pbd

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/math/transform.hpp"
+#include "server/pbd/lanes.hpp"
 #include "server/pbd/tetrahedra.hpp"
 
 namespace eti::pbd {
@@ -39,8 +40,29 @@ class CoarseLevel {
     void add_spring(const std::array<std::uint32_t, 2>& corners, const std::array<float, 2>& shares,
                     float stiffness);
     void factorise();
-    /// Adds to `to` where the coarse motions would go by the residual. Does not allocate.
-    void correct(const Wide& residual, Wide& to);
+
+    /// By node; of the four numbers three.
+    using Motion = Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor>;
+    [[nodiscard]] Motion none() const { return Motion::Zero(matrix_.rows(), 4); }
+    /// Adds to the nodes' forces what `residual` [N] is at a corner.
+    void restrict_to(Motion& force, std::size_t corner, const Four& residual) const {
+        const Place& p = place_[corner];
+        for (std::size_t n = 0; n < support; ++n) {
+            float* const node = force.data() + std::size_t{4} * p.node[n];
+            put(four(node) + p.weight[n] * residual, node);
+        }
+    }
+    /// Finds how the nodes go by these forces, and returns the work [J]. Does not allocate.
+    float solve(const Motion& force);
+    /// [m], where a corner goes with the nodes.
+    [[nodiscard]] Four way(std::size_t corner) const {
+        const Place& p = place_[corner];
+        Four sum{};
+        for (std::size_t n = 0; n < support; ++n) {
+            sum += p.weight[n] * four(motion_.data() + std::size_t{4} * p.node[n]);
+        }
+        return sum;
+    }
 
     [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(matrix_.rows()); }
 
@@ -63,7 +85,7 @@ class CoarseLevel {
     Eigen::MatrixXf mass_;      // [kg]
     Eigen::MatrixXf matrix_;    // [N/m], of this step; only its lower half counts
     Eigen::LLT<Eigen::MatrixXf> factor_;
-    Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> motion_;  // by node; of the four numbers three
+    Motion motion_;  // [m]
     float stiffness_ = 1.0f;
 };
 

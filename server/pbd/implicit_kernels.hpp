@@ -21,18 +21,6 @@ struct ImplicitSums {
     std::memcpy(to, &from, sizeof from);
 }
 
-[[gnu::always_inline]] inline void add_at(float* to, const std::uint32_t* at, const Lanes (&xyz)[3],
-                                          const Lanes& fourth) {
-    Lanes sum[3];
-    Lanes last;
-    gather(to, at, sum, last);
-    for (int i = 0; i < 3; ++i) {
-        sum[i] += xyz[i];
-    }
-    last += fourth;
-    scatter(to, at, sum, last);
-}
-
 /// The largest eigenvalue of C = F^T F, from above: (I1 + 2 sqrt(I1^2 - 3 I2)) / 3, with F^T F similar to
 /// D^T D Q Q^T. Exact where two eigenvalues are equal.
 [[gnu::always_inline]] inline void largest_stretch_squared(const Lanes (&edge)[3][3], const Lanes (&m)[6],
@@ -121,9 +109,9 @@ struct ImplicitSums {
                 mixed[i] = bulk * h[(i + 1) % 3] * h[(i + 2) % 3];
             }
             const Lanes own = v == 0 ? m[0] + m[1] + m[2] + 2.0f * (m[3] + m[4] + m[5]) : m[v - 1];
-            add_at(sums.gradient, b.corner[v], force, firmer * own);
-            add_at(sums.square, b.corner[v], square, none);
-            add_at(sums.mixed, b.corner[v], mixed, none);
+            scatter_add(sums.gradient, b.corner[v], force, firmer * own);
+            scatter_add(sums.square, b.corner[v], square, none);
+            scatter_add(sums.mixed, b.corner[v], mixed, none);
         }
     }
 }
@@ -185,7 +173,7 @@ struct ImplicitSums {
             y[0][i] = -(y[1][i] + y[2][i] + y[3][i]);
         }
         for (int v = 0; v < 4; ++v) {
-            add_at(to, b.corner[v], y[v], none);
+            scatter_add(to, b.corner[v], y[v], none);
         }
     }
 }

@@ -67,7 +67,7 @@ void ImplicitTetrahedra::configure(const Tetrahedra::Description& description, c
     }
     own_stiffness_.assign(used.size(), 0.0f);
     const std::size_t padded = used.size() + 4 * Tetrahedra::lanes;
-    for (Wide* wide : {&rest_, &x_, &diagonal_, &square_, &mixed_, &residual_, &along_, &image_, &step_}) {
+    for (Wide* wide : {&rest_, &x_, &diagonal_, &square_, &mixed_, &residual_, &along_, &moved_, &step_}) {
         wide->assign(padded, Eigen::Vector4f::Zero());
     }
     const Eigen::Vector4f none = Eigen::Vector4f::Zero();
@@ -78,6 +78,10 @@ void ImplicitTetrahedra::configure(const Tetrahedra::Description& description, c
     }
     measure_own_stiffness();
     coarse_.configure(rest_, inverse_mass_, mesh_, 2.0f * longest_step_, 1.0f / ratio_);
+    coarse_force_ = coarse_.none();
+    for (Range& range : ranges_) {
+        range.force = coarse_.none();
+    }
     configured_modulus_ = total(description.youngs_modulus);
 }
 
@@ -100,6 +104,12 @@ void ImplicitTetrahedra::measure_own_stiffness() {
     }
     x_ = rest_;
     linearise_elements();
+    energy_scale_ = 0.0f;
+    for (std::size_t colour = 0; colour < mesh_.colours(); ++colour) {
+        for (const Block& block : mesh_.blocks(colour)) {
+            energy_scale_ += total(block.stiffness);
+        }
+    }
     std::ranges::fill(own_stiffness_, 0.0f);
     for (const Part& part : parts_) {
         for (std::uint32_t k = part.first; k < part.end; ++k) {
@@ -112,6 +122,11 @@ void ImplicitTetrahedra::cut() {
     const Block* const blocks = mesh_.size() == 0 ? nullptr : mesh_.blocks(0).data();
     const auto corners = static_cast<std::uint32_t>(mesh_.particles().size());
     parts_.assign(part_count, {});
+    ranges_.assign(part_count, {});
+    for (std::size_t r = 0; r < part_count; ++r) {
+        ranges_[r].first = r * corners / part_count;
+        ranges_[r].end = (r + 1) * corners / part_count;
+    }
     std::size_t count = 0;
     double volume = 0.0;
     for (std::size_t colour = 0; colour < mesh_.colours(); ++colour) {
@@ -158,13 +173,16 @@ void ImplicitTetrahedra::cut() {
 }
 
 void ImplicitTetrahedra::solve(Particles& particles, float dt) {
+    linearise(particles, dt);
+    solve_linearised(particles, dt);
+}
+
+void ImplicitTetrahedra::solve_linearised(Particles& particles, float dt) {
     if (mesh_.size() == 0) {
         return;
     }
-    linearise(particles, dt);
     add_springs(particles);
     add_contacts();
-    invert_blocks();
     conjugate_gradients();
     const auto used = mesh_.particles();
     float farthest = 0.0f;
@@ -188,6 +206,9 @@ void ImplicitTetrahedra::solve(Particles& particles, float dt) {
 }
 
 void ImplicitTetrahedra::linearise(const Particles& particles, float dt) {
+    if (mesh_.size() == 0) {
+        return;
+    }
     const auto used = mesh_.particles();
     const float per_mass = 1.0f / (dt * dt);
     coarse_.begin(per_mass);
@@ -195,25 +216,30 @@ void ImplicitTetrahedra::linearise(const Particles& particles, float dt) {
         x_[k].head<3>() = particles.predicted[used[k]];
     }
     linearise_elements();
-    for (std::size_t k = 0; k < used.size(); ++k) {
-        const float w = inverse_mass_[k];
-        diagonal_[k].setConstant(w > 0.0f ? per_mass / w : 0.0f);
-        const std::uint32_t i = used[k];
-        const Vec3f off = particles.predicted[i] - (particles.position[i] + dt * particles.velocity[i]);
-        residual_[k].head<3>() = -diagonal_[k][0] * off;
-        square_[k].setZero();
-        mixed_[k].setZero();
-        step_[k].setZero();
-    }
-    for (const Part& part : parts_) {
-        for (std::uint32_t k = part.first; k < part.end; ++k) {
-            const Eigen::Vector4f& g = part.gradient[k];
-            residual_[k].head<3>() -= g.head<3>();
-            square_[k].head<3>() += part.square[k].head<3>();
-            square_[k][3] += g[3];
-            mixed_[k] += part.mixed[k];
+    parallel::for_each(ranges_.size(), 1, [&](std::size_t r) {
+        const Range& range = ranges_[r];
+        for (std::size_t k = range.first; k < range.end; ++k) {
+            const float w = inverse_mass_[k];
+            diagonal_[k].setConstant(w > 0.0f ? per_mass / w : 0.0f);
+            const std::uint32_t i = used[k];
+            const Vec3f off = particles.predicted[i] - (particles.position[i] + dt * particles.velocity[i]);
+            residual_[k].head<3>() = -diagonal_[k][0] * off;
+            square_[k].setZero();
+            mixed_[k].setZero();
+            step_[k].setZero();
+            along_[k].setZero();
         }
-    }
+        for (const Part& part : parts_) {
+            const std::size_t end = std::min<std::size_t>(part.end, range.end);
+            for (std::size_t k = std::max<std::size_t>(part.first, range.first); k < end; ++k) {
+                const Eigen::Vector4f& g = part.gradient[k];
+                residual_[k].head<3>() -= g.head<3>();
+                square_[k].head<3>() += part.square[k].head<3>();
+                square_[k][3] += g[3];
+                mixed_[k] += part.mixed[k];
+            }
+        }
+    });
 }
 
 void ImplicitTetrahedra::linearise_elements() {
@@ -268,8 +294,8 @@ void ImplicitTetrahedra::add_contacts() {
     }
 }
 
-void ImplicitTetrahedra::invert_blocks() {
-    for (std::size_t k = 0; k < inverse_mass_.size(); ++k) {
+void ImplicitTetrahedra::invert_blocks(const Range& range) {
+    for (std::size_t k = range.first; k < range.end; ++k) {
         if (inverse_mass_[k] == 0.0f) {
             continue;  // its inverse stays zero: it does not move
         }
@@ -295,48 +321,75 @@ void ImplicitTetrahedra::invert_blocks() {
 }
 
 void ImplicitTetrahedra::conjugate_gradients() {
-    const std::size_t count = inverse_mass_.size();
-    const auto dot = [&](const Wide& a, const Wide& b) {
-        Four total{};
-        for (std::size_t k = 0; k < count; ++k) {
-            total += four(a[k]) * four(b[k]);
-        }
-        return sum(total);
+    const auto for_ranges = [&](const auto& body) {
+        parallel::for_each(ranges_.size(), 1, [&](std::size_t r) { body(ranges_[r]); });
     };
     coarse_.factorise();
-    precondition(along_);
-    float left = dot(residual_, along_);
-    for (int n = 0; n < settings.iterations && left > 0.0f; ++n) {
-        apply();
-        const float curvature = dot(along_, image_);
+    for_ranges([&](Range& range) {
+        invert_blocks(range);
+        precondition(range);
+    });
+    float left = join_levels();
+    iterations_ = 0;
+    for_ranges([&](Range& range) { turn(range, 0.0f); });
+    const float enough = settings.tolerance * energy_scale_;
+    for (int n = 1; left > (n > settings.least_iterations ? enough : 0.0f); ++n) {
+        const float curvature = apply();
         if (!(curvature > 0.0f)) {
             break;  // rounding: what is left is nothing
         }
+        iterations_ = n;
         const float way = left / curvature;
-        for (std::size_t k = 0; k < count; ++k) {
-            put(four(step_[k]) + way * four(along_[k]), step_[k]);
-            put(four(residual_[k]) - way * four(image_[k]), residual_[k]);
+        advance_contacts(way);
+        if (n >= settings.iterations) {
+            for_ranges([&](Range& range) { advance(range, way); });
+            break;
         }
-        precondition(image_);
-        const float next = dot(residual_, image_);
-        const float turn = next / left;
+        for_ranges([&](Range& range) {
+            advance(range, way);
+            precondition(range);
+        });
+        const float next = join_levels();
+        for_ranges([&](Range& range) { turn(range, next / left); });
         left = next;
-        for (std::size_t k = 0; k < count; ++k) {
-            put(four(image_[k]) + turn * four(along_[k]), along_[k]);
-        }
     }
 }
 
-void ImplicitTetrahedra::precondition(Wide& to) {
-    for (std::size_t k = 0; k < inverse_mass_.size(); ++k) {
+void ImplicitTetrahedra::precondition(Range& range) {
+    Four product{};
+    range.force.setZero();
+    for (std::size_t k = range.first; k < range.end; ++k) {
         const Inverse& m = inverse_[k];
         const Four r = four(residual_[k]);
-        put(four(m.column[0]) * r[0] + four(m.column[1]) * r[1] + four(m.column[2]) * r[2], to[k]);
+        const Four to = four(m.column[0]) * r[0] + four(m.column[1]) * r[1] + four(m.column[2]) * r[2];
+        put(to, moved_[k]);
+        product += r * to;
+        coarse_.restrict_to(range.force, k, r);
     }
-    coarse_.correct(residual_, to);
+    range.product = sum(product);
 }
 
-void ImplicitTetrahedra::apply() {
+float ImplicitTetrahedra::join_levels() {
+    coarse_force_.setZero();
+    float product = 0.0f;
+    for (const Range& range : ranges_) {
+        coarse_force_ += range.force;
+        product += range.product;
+    }
+    return product + coarse_.solve(coarse_force_);
+}
+
+void ImplicitTetrahedra::turn(Range& range, float keep) {
+    Four curvature{};
+    for (std::size_t k = range.first; k < range.end; ++k) {
+        const Four to = four(moved_[k]) + coarse_.way(k) + keep * four(along_[k]);
+        put(to, along_[k]);
+        curvature += four(diagonal_[k]) * to * to;
+    }
+    range.curvature = sum(curvature);
+}
+
+float ImplicitTetrahedra::apply() {
     const Block* const blocks = mesh_.blocks(0).data();
     parallel::for_each(parts_.size(), 1, [&](std::size_t p) {
         Part& part = parts_[p];
@@ -345,28 +398,53 @@ void ImplicitTetrahedra::apply() {
             (avx2_ ? apply_avx2 : apply_baseline)(blocks + from, element_.data() + from, to - from,
                                                   along_.front().data(), part.image.front().data());
         }
-    });
-    for (std::size_t k = 0; k < inverse_mass_.size(); ++k) {
-        put(four(diagonal_[k]) * four(along_[k]), image_[k]);
-    }
-    for (const Part& part : parts_) {
+        Four curvature{};
         for (std::uint32_t k = part.first; k < part.end; ++k) {
-            put(four(image_[k]) + four(part.image[k]), image_[k]);
+            curvature += four(along_[k]) * four(part.image[k]);
         }
+        part.curvature = sum(curvature);
+    });
+    float curvature = 0.0f;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+        curvature += parts_[p].curvature + ranges_[p].curvature;
     }
     for (const MeshContact& c : contacts) {
-        if (c.held == MeshContact::Held::nothing) {
-            continue;
+        curvature += c.stiffness * way_held(c).squaredNorm();
+    }
+    return curvature;
+}
+
+Vec3f ImplicitTetrahedra::way_held(const MeshContact& contact) const {
+    if (contact.held == MeshContact::Held::nothing) {
+        return Vec3f::Zero();
+    }
+    const auto [a, b] = corners_of(contact);
+    const auto [of_a, of_b] = contact.shares();
+    const Vec3f way = (of_a * along_[a] + of_b * along_[b]).head<3>();
+    return contact.held == MeshContact::Held::normal ? Vec3f(way.dot(contact.normal) * contact.normal) : way;
+}
+
+void ImplicitTetrahedra::advance(const Range& range, float way) {
+    for (std::size_t k = range.first; k < range.end; ++k) {
+        const Four along = four(along_[k]);
+        put(four(step_[k]) + way * along, step_[k]);
+        put(four(residual_[k]) - way * four(diagonal_[k]) * along, residual_[k]);
+    }
+    for (const Part& part : parts_) {
+        const std::size_t end = std::min<std::size_t>(part.end, range.end);
+        for (std::size_t k = std::max<std::size_t>(part.first, range.first); k < end; ++k) {
+            put(four(residual_[k]) - way * four(part.image[k]), residual_[k]);
         }
+    }
+}
+
+void ImplicitTetrahedra::advance_contacts(float way) {
+    for (const MeshContact& c : contacts) {
+        const Vec3f force = way * c.stiffness * way_held(c);
         const auto [a, b] = corners_of(c);
         const auto [of_a, of_b] = c.shares();
-        Eigen::Vector4f way = of_a * along_[a] + of_b * along_[b];
-        if (c.held == MeshContact::Held::normal) {
-            way.head<3>() = way.head<3>().dot(c.normal) * c.normal;
-        }
-        way *= c.stiffness;
-        image_[a] += of_a * way;
-        image_[b] += of_b * way;
+        residual_[a].head<3>() -= of_a * force;
+        residual_[b].head<3>() -= of_b * force;
     }
 }
 

@@ -16,7 +16,7 @@ namespace eti::pbd {
 /// A tetrahedral mesh of stable neo-Hookean material (see neo_hookean.hpp), whose projection is finished: one
 /// step of implicit Euler, which XPBD's passes approach only with ever shorter substeps. It minimises
 ///     1/(2 dt^2) (x - x~)^T M (x - x~) + Psi(x),   x~ = position + dt velocity
-/// by one Newton step from the last position, solved by a fixed count of conjugate gradients without
+/// by one Newton step from the last position, solved by a few conjugate gradients without
 /// assembling the matrix, preconditioned by the particles' own 3x3 blocks and by how the body moves at large
 /// (see CoarseLevel). With the element's
 /// P = sum p_v Q_v (rows of Q)
@@ -31,7 +31,10 @@ namespace eti::pbd {
 class ImplicitTetrahedra {
   public:
     struct Settings {
-        int iterations = 8;  ///< of conjugate gradients; cost grows linearly
+        /// Of conjugate gradients, whose cost grows linearly. Beyond the least they end once one gains less
+        /// than the tolerance, in parts of the material's mu V [J]. The least go on relaxing what rests.
+        int iterations = 8, least_iterations = 3;
+        float tolerance = 3e-5f;
         /// Of contacts, in parts of their particles' own stiffness. Contacts find their force within a few
         /// steps; three times as firm, a tongue of 1 mm trembles between blade and jaw.
         float firmness = 0.3f;
@@ -61,6 +64,9 @@ class ImplicitTetrahedra {
     /// material says nothing. The same bits for any number of threads. Does not allocate once the counts are
     /// known.
     void solve(Particles& particles, float dt);
+    /// The same in two parts; springs and contacts may be filled in beside the first.
+    void linearise(const Particles& particles, float dt);
+    void solve_linearised(Particles& particles, float dt);
 
     /// The particles that are corners, in the order of the functions below.
     [[nodiscard]] std::span<const std::uint32_t> particles() const { return mesh_.particles(); }
@@ -69,6 +75,9 @@ class ImplicitTetrahedra {
     [[nodiscard]] float inverse_mass(std::size_t corner) const { return inverse_mass_[corner]; }
     /// [N/m], what a corner has against being moved alone, at rest; mean over directions.
     [[nodiscard]] float own_stiffness(std::size_t corner) const { return own_stiffness_[corner]; }
+
+    /// How many the last step took.
+    [[nodiscard]] int iterations() const { return iterations_; }
 
     /// Whether to use AVX2: set by configure() to what the processor has. The bits are the same without.
     void use_avx2(bool wanted) { avx2_ = wanted; }
@@ -92,41 +101,60 @@ class ImplicitTetrahedra {
         // Per corner: gradient and, fourth, the diagonal's part that all axes share; the rest of its diagonal
         // block: xx yy zz, yz zx xy; and the image of a direction.
         Wide gradient, square, mixed, image;
+        float curvature = 0.0f;  // of along_ [J]
     };
     struct Inverse {
         Eigen::Vector4f column[3];
+    };
+    /// Corners that one thread works at, and what the conjugate gradients sum over them.
+    struct Range {
+        std::size_t first = 0, end = 0;
+        float product = 0.0f;    // of residual and preconditioned residual, the blocks' part [J]
+        float curvature = 0.0f;  // of along_, by mass and springs [J]
+        CoarseLevel::Motion force;
     };
 
     void cut();
     void measure_own_stiffness();
     /// The parts' sums where x_ has the corners.
     void linearise_elements();
-    /// Elements, residual and diagonal blocks where `predicted` has the particles.
-    void linearise(const Particles& particles, float dt);
     void add_springs(const Particles& particles);
     void add_contacts();
-    void invert_blocks();
     void conjugate_gradients();
-    /// The residual as both levels of the preconditioner would have it moved.
-    void precondition(Wide& to);
-    /// Adds to image_ what the elements and contacts make of along_.
-    void apply();
+    void invert_blocks(const Range& range);
+    /// The residual as the corners' own blocks would have it moved, and what coarse motions need of it.
+    void precondition(Range& range);
+    /// Ends that: returns the product of the residual and what both levels would have it moved by [J].
+    [[nodiscard]] float join_levels();
+    /// The next direction, by how much it keeps of the last.
+    void turn(Range& range, float keep);
+    /// The parts' images of along_, and the curvature along it [J].
+    [[nodiscard]] float apply();
+    /// Goes along by so much.
+    void advance(const Range& range, float way);
+    void advance_contacts(float way);
+    /// What a contact holds of along_.
+    [[nodiscard]] Vec3f way_held(const MeshContact& contact) const;
     [[nodiscard]] std::array<std::uint32_t, 2> corners_of(const MeshContact& contact) const {
         return {corner_of_[contact.particle[0]], corner_of_[contact.particle[1]]};
     }
 
     Tetrahedra mesh_;
     std::vector<Part> parts_;
+    std::vector<Range> ranges_;
     std::vector<Element> element_;          // as the mesh's blocks
     std::vector<std::uint32_t> corner_of_;  // by particle
     std::vector<float> inverse_mass_, own_stiffness_;
     float ratio_ = 1.0f;         // mu / lambda
     float longest_step_ = 0.0f;  // [m]
+    int iterations_ = 0;
     bool avx2_ = false;
-    Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, image_, step_;
+    Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, moved_, step_;
     std::vector<Inverse> inverse_;
     CoarseLevel coarse_;
+    CoarseLevel::Motion coarse_force_;
     float configured_modulus_ = 0.0f;  // [Pa], sum over tetrahedra
+    float energy_scale_ = 0.0f;        // [J], mu V, sum over tetrahedra
 };
 
 }  // namespace eti::pbd

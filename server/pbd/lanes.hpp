@@ -67,22 +67,36 @@ static_assert(sizeof(Eigen::Vector4f) == sizeof(Four));
     w = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-[[gnu::always_inline]] inline void scatter(float* to, const std::uint32_t* at, const Lanes (&xyz)[3],
-                                           const Lanes& w) {
+/// The same back: vectors of lanes l and l + 4, for l from 0 to 3.
+[[gnu::always_inline]] inline void transpose(const Lanes (&xyz)[3], const Lanes& w, Lanes (&row)[4]) {
     const Lanes a = __builtin_shufflevector(xyz[0], xyz[1], 0, 8, 1, 9, 4, 12, 5, 13);
     const Lanes b = __builtin_shufflevector(xyz[0], xyz[1], 2, 10, 3, 11, 6, 14, 7, 15);
     const Lanes c = __builtin_shufflevector(xyz[2], w, 0, 8, 1, 9, 4, 12, 5, 13);
     const Lanes d = __builtin_shufflevector(xyz[2], w, 2, 10, 3, 11, 6, 14, 7, 15);
-    Lanes row[4];
     row[0] = __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13);
     row[1] = __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15);
     row[2] = __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13);
     row[3] = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
+[[gnu::always_inline]] inline void scatter(float* to, const std::uint32_t* at, const Lanes (&xyz)[3],
+                                           const Lanes& w) {
+    Lanes row[4];
+    transpose(xyz, w, row);
     for (int l = 0; l < 4; ++l) {
-        const Four low = __builtin_shufflevector(row[l], row[l], 0, 1, 2, 3);
-        const Four high = __builtin_shufflevector(row[l], row[l], 4, 5, 6, 7);
-        std::memcpy(to + at[l], &low, sizeof low);
-        std::memcpy(to + at[l + 4], &high, sizeof high);
+        put(__builtin_shufflevector(row[l], row[l], 0, 1, 2, 3), to + at[l]);
+        put(__builtin_shufflevector(row[l], row[l], 4, 5, 6, 7), to + at[l + 4]);
+    }
+}
+
+/// As scatter, but adds. No place may occur twice.
+[[gnu::always_inline]] inline void scatter_add(float* to, const std::uint32_t* at, const Lanes (&xyz)[3],
+                                               const Lanes& w) {
+    Lanes row[4];
+    transpose(xyz, w, row);
+    for (int l = 0; l < 4; ++l) {
+        put(four(to + at[l]) + __builtin_shufflevector(row[l], row[l], 0, 1, 2, 3), to + at[l]);
+        put(four(to + at[l + 4]) + __builtin_shufflevector(row[l], row[l], 4, 5, 6, 7), to + at[l + 4]);
     }
 }
 

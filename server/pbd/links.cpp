@@ -27,6 +27,27 @@ float compliance_of(float stiffness, float dt) {
     return 1.0f / (stiffness * dt * dt);
 }
 
+/// Rounds in each of which no particle occurs twice, one after the other.
+std::vector<std::uint32_t> in_rounds(std::span<const std::array<std::uint32_t, 2>> ends,
+                                     std::size_t particles) {
+    std::vector<std::uint32_t> left(ends.size());
+    std::iota(left.begin(), left.end(), 0u);
+    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> last_round(particles, 0);
+    for (std::uint32_t round = 1; !left.empty(); ++round) {
+        std::erase_if(left, [&](std::uint32_t i) {
+            const auto [a, b] = ends[i];
+            if (last_round[a] == round || last_round[b] == round) {
+                return false;
+            }
+            last_round[a] = last_round[b] = round;
+            order.push_back(i);
+            return true;
+        });
+    }
+    return order;
+}
+
 }  // namespace
 
 void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length,
@@ -40,8 +61,8 @@ void Links::configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vecto
     stiffness_ = std::move(stiffness);
     compliance_.reserve(ends_.size());
     met_.assign(ends_.size(), {Vec3f::Zero(), Vec3f::Zero()});
-    awake_.resize(ends_.size());
-    std::iota(awake_.begin(), awake_.end(), 0u);
+    order_ = in_rounds(ends_, particles.size());
+    awake_ = order_;
     compliance_dt_ = 0.0f;
     set_rest(particles);
 }
@@ -61,7 +82,7 @@ void Links::set_stiffness(std::span<const float> stiffness) {
 
 void Links::select(const Particles& particles) {
     awake_.clear();
-    for (std::uint32_t i = 0; i < ends_.size(); ++i) {
+    for (const std::uint32_t i : order_) {
         if (particles.asleep[ends_[i][0]] == 0 || particles.asleep[ends_[i][1]] == 0) {
             awake_.push_back(i);
         }

@@ -16,7 +16,7 @@ namespace eti::pbd {
 void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b, float length,
                   float stiffness, float dt);
 
-/// Pairs of particles held at their rest distance, projected in order (Gauss-Seidel).
+/// Pairs of particles held at their rest distance, projected one after the other (Gauss-Seidel).
 class Links {
   public:
     void configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
@@ -33,7 +33,9 @@ class Links {
   private:
     std::vector<std::array<std::uint32_t, 2>> ends_;
     std::vector<float> stiffness_, length_;
-    std::vector<std::uint32_t> awake_;  ///< links, ascending
+    /// Links so that neighbours in the list share no particle, where that can be: a processor then works at
+    /// several. All of them, and those that are awake.
+    std::vector<std::uint32_t> order_, awake_;
     /// [m], where the last pass met a link's ends. One that sleeps is met there: in the midst of the pass
     /// that left it in balance, not where that pass ended.
     std::vector<std::array<Vec3f, 2>> met_;

@@ -148,35 +148,36 @@ void RigidLayer::World::place(const RigidTransform& pose) {
     result.penetration = depth() / to_cm;
 }
 
+bool RigidLayer::World::may_touch(std::uint32_t triangle, const Capsule& capsule, float within) const {
+    const Vec3f line = capsule.b - capsule.a;
+    const Vec3f offset = middles[triangle] - capsule.a;
+    const float share = std::clamp(line.dot(offset) / std::max(line.squaredNorm(), 1e-12f), 0.0f, 1.0f);
+    const float limit = within + extents[triangle];
+    return (offset - share * line).squaredNorm() <= limit * limit;
+}
+
 // The box around a long oblique capsule holds many times the triangles near it; boxes around short
 // pieces do not. Sorted, so that the order does not depend on the tree.
-void RigidLayer::World::find_triangles(const Capsule& capsule, float margin) {
+void RigidLayer::World::find_about(const Capsule& capsule, float within, std::vector<std::uint32_t>& found) {
     constexpr float piece_length = 2.0f;  // [cm]
     const Vec3f axis = capsule.b - capsule.a;
     struct Collector : btTriangleCallback {
-        Collector(const World& in, const Capsule& around, float up_to)
-            : world(in), capsule(around), reach(up_to) {}
+        Collector(const World& in, const Capsule& around, float up_to, std::vector<std::uint32_t>& into)
+            : world(in), capsule(around), reach(up_to), found(into) {}
         void processTriangle(btVector3*, int, int index) override {
-            const std::size_t i = static_cast<std::size_t>(index);
-            const Vec3f line = capsule.b - capsule.a;
-            const Vec3f offset = world.middles[i] - capsule.a;
-            const float share =
-                std::clamp(line.dot(offset) / std::max(line.squaredNorm(), 1e-12f), 0.0f, 1.0f);
-            const float limit = reach + world.extents[i];
-            if ((offset - share * line).squaredNorm() <= limit * limit) {
-                found.push_back(static_cast<std::uint32_t>(index));
+            const auto triangle = static_cast<std::uint32_t>(index);
+            if (world.may_touch(triangle, capsule, reach)) {
+                found.push_back(triangle);
             }
         }
         const World& world;
         const Capsule& capsule;
         float reach;
-        std::vector<std::uint32_t> found;
-    } collector(*this, capsule, capsule.radius + margin);
-    collector.found.swap(nearby);
-    collector.found.clear();
-
+        std::vector<std::uint32_t>& found;
+    } collector(*this, capsule, within, found);
+    found.clear();
     const int pieces = std::max(1, static_cast<int>(std::ceil(axis.norm() / piece_length)));
-    const Vec3f room = Vec3f::Constant(capsule.radius + margin);
+    const Vec3f room = Vec3f::Constant(within);
     for (int i = 0; i < pieces; ++i) {
         const Vec3f from = capsule.a + static_cast<float>(i) / static_cast<float>(pieces) * axis;
         const Vec3f to = capsule.a + static_cast<float>(i + 1) / static_cast<float>(pieces) * axis;
@@ -184,9 +185,25 @@ void RigidLayer::World::find_triangles(const Capsule& capsule, float margin) {
         const Vec3f high = from.cwiseMax(to) + room;
         shell_shape->processAllTriangles(&collector, to_bullet(low), to_bullet(high));
     }
-    collector.found.swap(nearby);
-    std::sort(nearby.begin(), nearby.end());
-    nearby.erase(std::unique(nearby.begin(), nearby.end()), nearby.end());
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+}
+
+void RigidLayer::World::find_triangles(std::size_t number, const Capsule& capsule, float margin) {
+    Surroundings& about = surroundings[number];
+    const float gone = std::max((capsule.a - about.a).norm(), (capsule.b - about.b).norm());
+    if (!about.known || !(gone <= surroundings_slack)) {
+        about.a = capsule.a;
+        about.b = capsule.b;
+        about.known = true;
+        find_about(capsule, capsule.radius + margin + surroundings_slack, about.triangles);
+    }
+    nearby.clear();
+    for (const std::uint32_t triangle : about.triangles) {
+        if (may_touch(triangle, capsule, capsule.radius + margin)) {
+            nearby.push_back(triangle);
+        }
+    }
 }
 
 void RigidLayer::World::gather_contacts() {
@@ -201,7 +218,7 @@ void RigidLayer::World::gather_contacts() {
     for (std::uint32_t i = 0; i < capsules.size(); ++i) {
         const Capsule capsule{from_bullet(pose * to_bullet(capsules[i].a)),
                               from_bullet(pose * to_bullet(capsules[i].b)), capsules[i].radius};
-        find_triangles(capsule, margin);
+        find_triangles(i, capsule, margin);
         for (const std::uint32_t triangle : nearby) {
             append_contacts(capsule, i, triangle, mesh, margin, buffer.contacts);
         }

@@ -59,7 +59,11 @@ struct RigidLayer::World {
     void advance(float dt);
     void record_contacts(float step_dt);
     [[nodiscard]] std::pair<btVector3, btVector3> bounds() const;
-    void find_triangles(const Capsule& capsule, float margin);
+    /// Whether a triangle may come `within` so much [cm] of the capsule's axis.
+    [[nodiscard]] bool may_touch(std::uint32_t triangle, const Capsule& capsule, float within) const;
+    void find_about(const Capsule& capsule, float within, std::vector<std::uint32_t>& found);
+    /// Fills `nearby` for capsule `number`, which is now there.
+    void find_triangles(std::size_t number, const Capsule& capsule, float margin);
     [[nodiscard]] float depth() const;
     [[nodiscard]] bool too_deep() const { return depth() > depth_share * smallest_radius; }
     /// Smallest contact distance [cm] of each capsule; the margin where there is none.
@@ -97,7 +101,15 @@ struct RigidLayer::World {
     Vec3f device_velocity = Vec3f::Zero();          // [m/s]
     Vec3f device_angular_velocity = Vec3f::Zero();  // [rad/s]
     ProxyResult result;
-    std::vector<std::uint32_t> nearby;      // triangles that a capsule may touch
+    std::vector<std::uint32_t> nearby;  // triangles that a capsule may touch
+    /// Triangles that a capsule may touch while neither end goes farther than surroundings_slack from here.
+    struct Surroundings {
+        bool known = false;
+        Vec3f a = Vec3f::Zero(), b = Vec3f::Zero();  // [cm]
+        std::vector<std::uint32_t> triangles;
+    };
+    static constexpr float surroundings_slack = 0.15f;  // [cm]
+    std::array<Surroundings, 3> surroundings;
     bool embedded = false;                  // the step began too deep in the shell
     std::vector<std::uint32_t> merge_keys;  // capsule of each entry of result.contacts
 };

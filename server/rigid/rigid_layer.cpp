@@ -96,6 +96,9 @@ void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
     const auto [low, high] = w.bounds();
     w.shell_shape->refit(low, high);
     w.world.updateSingleAabb(w.shell.get());
+    for (World::Surroundings& about : w.surroundings) {
+        about.known = false;
+    }
 }
 
 void RigidLayer::reset(const RigidTransform& pose) {

@@ -113,7 +113,6 @@ void Scene::reset(const Inputs& start) {
     tissue_.pose(bones);
     tissue_.reset();
     shell_.pose_now(bones);
-    clearance_.clear();
     rigid_.move_shell(shell_.vertices());
     place_laryngoscope(start.laryngoscope);
     place_tube(start.tube_grip);
@@ -233,8 +232,8 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         self_contact_->wake(body.particles, body.sleep);
     }
     body.begin_step();
-    blade_.begin_step(body.particles, blade_pose_, blade_to);
-    tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to);
+    parallel::both([&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
+                   [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
     const bool liquid_moves = saliva_ && saliva_->flows(secretion_);
     if (liquid_moves) {
         saliva_->begin_step(about_saliva(blade_to, inputs.suction));
@@ -254,7 +253,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         if (tongue_moves && since_solve == 0) {
             const float until = static_cast<float>(s + per_solve) / static_cast<float>(substeps);
             tongue.solve(body, {blade_.scope(), blade_.pose_at(begin), blade_.pose_at(until)},
-                         shell_.distance(), dt * static_cast<float>(per_solve),
+                         {shell_.distance(), shell_.revision()}, dt * static_cast<float>(per_solve),
                          static_cast<float>(per_solve) / static_cast<float>(substeps - s), blade_);
             lap(Stage::tissue);
         }
@@ -327,26 +326,17 @@ void Scene::fill_saliva() {
 }
 
 void Scene::keep_out_of_shell(pbd::Particles& particles) {
-    if (clearance_.size() != meets_shell_.size() || clearance_revision_ != shell_.revision()) {
-        clearance_.assign(meets_shell_.size(), {});
-        clearance_revision_ = shell_.revision();
-    }
     if (particles.awake.empty()) {
         return;
     }
+    clearance_.begin(meets_shell_.size(), shell_.revision());
     parallel::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
         const std::uint32_t i = meets_shell_[k];
         if (particles.asleep[i] != 0) {
             return;
         }
         Vec3f& p = particles.predicted[i];
-        Clearance& last = clearance_[k];
-        // Along each axis the grid's distance changes by no more than the way, in all by sqrt(3) of it.
-        if (last.distance > 0.0f && 4.0f * (p - last.seen).squaredNorm() < last.distance * last.distance) {
-            return;
-        }
-        last = {p, shell_.distance().distance(p)};
-        if (last.distance < 0.0f) {
+        if (clearance_.inside(k, p, shell_.distance())) {
             p += pbd::push_out_of(shell_.distance(), particles.position[i], p, 0.0f, tongue_friction);
         }
     });

@@ -16,6 +16,7 @@
 #include "server/scene/blade.hpp"
 #include "server/scene/posed_shell.hpp"
 #include "server/scene/saliva.hpp"
+#include "server/scene/shell_clearance.hpp"
 #include "server/scene/snapshot.hpp"
 #include "server/scene/stage_clock.hpp"
 #include "server/scene/tissue.hpp"
@@ -145,16 +146,9 @@ class Scene {
     std::optional<Saliva> saliva_;
     std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's
     std::vector<std::uint32_t> meets_shell_;  // particles
-    /// Distance [m] that each of them had when it was last computed, and where. Until a particle has gone
-    /// that far it cannot meet the shell.
-    struct Clearance {
-        Vec3f seen = Vec3f::Zero();
-        float distance = 0.0f;
-    };
-    std::vector<Clearance> clearance_;
-    std::uint64_t clearance_revision_ = 0;  // of the shell
-    std::uint64_t shell_revision_ = 0;      // that tissue was awake to meet
-    RigidTransform blade_pose_;             // where the particles last met it
+    ShellClearance clearance_;                // of these
+    std::uint64_t shell_revision_ = 0;        // that tissue was awake to meet
+    RigidTransform blade_pose_;               // where the particles last met it
     RigidTransform grip_;
     Snapshot snapshot_;
     StageClock* clock_ = nullptr;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/anatomy/patient.hpp"
+#include "server/parallel/loops.hpp"
 
 namespace eti::scene {
 
@@ -89,8 +90,8 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
     }
 }
 
-void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const DistanceGrid& shell,
-                   float dt, float fraction, BladeContact& felt) {
+void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade,
+                   const TongueContacts::Shell& shell, float dt, float fraction, BladeContact& felt) {
     pbd::Particles& p = body.particles;
     dt_ = dt;
     const auto used = mesh_.particles();
@@ -105,8 +106,8 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
         }
     }
     gather_springs(p);
-    contacts_.find(p, blade, shell, mesh_.contacts);
-    mesh_.solve(p, dt);
+    parallel::both([&] { mesh_.linearise(p, dt); }, [&] { contacts_.find(p, blade, shell, mesh_.contacts); });
+    mesh_.solve_linearised(p, dt);
     for (std::size_t k = 0; k < used.size(); ++k) {
         to_[k] = p.predicted[used[k]];
         push_[k].setZero();

@@ -42,8 +42,8 @@ class Tongue {
     /// Solves for a part of a step of `dt` [s], in which `blade` goes from one pose to the other. Particles
     /// held by bone go the `fraction` of the remaining way to their rest position. The blade's impulses go to
     /// `felt`.
-    void solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const DistanceGrid& shell,
-               float dt, float fraction, BladeContact& felt);
+    void solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade,
+               const TongueContacts::Shell& shell, float dt, float fraction, BladeContact& felt);
     /// Puts the mesh's particles where they are after this share of the part.
     void place(pbd::Particles& particles, float share) const;
     /// Notes what the substep that ends at this share of the part has done to the mesh's particles, and puts

@@ -18,8 +18,8 @@ constexpr float edge_reach = 4e-3f;
 // Of an edge's way from one end to the other; nearer to an end, that end touches itself.
 constexpr float least_along = 0.1f;
 
-// Of its force the shell forgets a tenth in a step. So it gives way like a wall ten times as firm as the
-// particle itself. Tissue that the blade presses on a wall has no room for both; were neither to yield, their
+// What is left of the shell's force after a step. So it gives way like a wall some thirty times as firm as
+// its contacts. Tissue that the blade presses on a wall has no room for both; were neither to yield, their
 // forces would grow for ever.
 constexpr float shell_memory = 0.97f;
 
@@ -51,8 +51,8 @@ void TongueContacts::reset() {
     obstacle_.clear();
 }
 
-void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade,
-                          const DistanceGrid& shell, std::vector<pbd::MeshContact>& contacts) {
+void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade, const Shell& shell,
+                          std::vector<pbd::MeshContact>& contacts) {
     last_.clear();
     for (std::size_t n = 0; n < contacts.size(); ++n) {
         if (!contacts[n].force.isZero(0.0f)) {
@@ -91,13 +91,25 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
     const RigidTransform carry = blade.to * blade.from.inverse();
     const auto slip_of = [&](const Vec3f& before, const Vec3f& now) -> Vec3f { return now - carry * before; };
     near_.assign(particles.size(), false);
+    float widest = 0.0f;
+    for (const std::uint32_t i : movers_) {
+        widest = std::max(widest, particles.radius[i]);
+    }
     for (std::uint8_t c = 0; c < blade.scope.capsules.size(); ++c) {
         const Capsule& capsule = blade.scope.capsules[c];
         const Vec3f a = blade.to * capsule.a;
         const Vec3f b = blade.to * capsule.b;
         bool any = false;
+        Eigen::AlignedBox3f box(a.cwiseMin(b), a.cwiseMax(b));
+        const Vec3f margin = Vec3f::Constant(capsule.radius + widest + edge_reach);
+        box.min() -= margin;
+        box.max() += margin;
         for (const std::uint32_t i : movers_) {
             const Vec3f& x = particles.predicted[i];
+            if (!box.contains(x)) {
+                near_[i] = false;
+                continue;
+            }
             const Vec3f away = pbd::away_from(a, b, x);
             const float reach = capsule.radius + particles.radius[i];
             const float squared = away.squaredNorm();
@@ -140,20 +152,26 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
     }
 }
 
-void TongueContacts::meet_shell(const pbd::Particles& particles, const DistanceGrid& shell) {
-    for (const std::uint32_t i : movers_) {
+void TongueContacts::meet_shell(const pbd::Particles& particles, const Shell& shell) {
+    clearance_.begin(movers_.size(), shell.revision);
+    auto last = last_.begin();  // both lists go by the particle's number
+    for (std::size_t n = 0; n < movers_.size(); ++n) {
+        const std::uint32_t i = movers_[n];
         if ((particles.channels[i] & pbd::channel::shell) == 0) {
             continue;
         }
         const Vec3f& x = particles.predicted[i];
-        const float distance = shell.distance(x);
         pbd::MeshContact contact;
         contact.particle = {i, i};
-        contact.gap = distance;
-        if (distance >= 0.0f && known(contact, shell_obstacle) == nullptr) {
+        const std::uint64_t key = key_of(contact, shell_obstacle);
+        last = std::find_if(last, last_.end(), [&](const Known& k) { return k.key >= key; });
+        const bool touched = last != last_.end() && last->key == key;
+        if (!clearance_.inside(n, x, shell.distance) && !touched) {
             continue;
         }
-        contact.normal = shell.sample(x).normal;
+        const DistanceSample wall = shell.distance.sample(x);
+        contact.gap = wall.distance;
+        contact.normal = wall.normal;
         contact.slip = x - particles.position[i];
         contact.friction = shell_friction;
         add(contact, shell_obstacle);

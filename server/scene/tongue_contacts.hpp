@@ -10,6 +10,7 @@
 #include "common/model/tools.hpp"
 #include "server/pbd/mesh_contact.hpp"
 #include "server/pbd/particles.hpp"
+#include "server/scene/shell_clearance.hpp"
 
 namespace eti::scene {
 
@@ -26,13 +27,20 @@ class TongueContacts {
         RigidTransform from, to;
     };
 
-    /// `movers`: particles that the mesh moves; `edges`: those of its surface whose ends both move.
+    /// `revision` changes with the distances.
+    struct Shell {
+        const DistanceGrid& distance;
+        std::uint64_t revision;
+    };
+
+    /// `movers`, ascending: particles that the mesh moves; `edges`: those of its surface whose ends both
+    /// move.
     void configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges);
     void reset();
 
     /// What touches at the predicted positions, or did so last time. `contacts` are those of the last time,
     /// and become those of now, in an order that hangs on nothing but who touches what.
-    void find(const pbd::Particles& particles, const MovingBlade& blade, const DistanceGrid& shell,
+    void find(const pbd::Particles& particles, const MovingBlade& blade, const Shell& shell,
               std::vector<pbd::MeshContact>& contacts);
 
     /// As many as will touch at once, so that room for them keeps a step from allocating; more may come.
@@ -47,7 +55,7 @@ class TongueContacts {
     static constexpr std::uint8_t shell_obstacle = 3;  // below: a capsule's number
 
     void meet_blade(const pbd::Particles& particles, const MovingBlade& blade);
-    void meet_shell(const pbd::Particles& particles, const DistanceGrid& shell);
+    void meet_shell(const pbd::Particles& particles, const Shell& shell);
     struct Known {
         std::uint64_t key;
         Vec3f force, slip;
@@ -59,8 +67,9 @@ class TongueContacts {
 
     std::vector<std::uint32_t> movers_;
     std::vector<Edge> edges_;
-    std::vector<bool> near_;   // by particle
-    std::vector<Known> last_;  // sorted
+    ShellClearance clearance_;  // of the movers
+    std::vector<bool> near_;    // by particle
+    std::vector<Known> last_;   // sorted
     std::vector<pbd::MeshContact> now_;
     std::vector<std::uint8_t> obstacle_;
 };

@@ -203,6 +203,9 @@ void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, 
         meet_blade(between(blade_from_, blade_to_, begin), between(blade_from_, blade_to_, end));
         meet_tissue(particles);
         rod_.solve(contacts_);
+        if (std::ranges::none_of(contacts_, [](const pbd::RodContact& c) { return acts(c); })) {
+            break;  // nothing held, so nothing to weigh
+        }
     }
     for (std::size_t n = 0; n < near_.size(); ++n) {
         const std::uint32_t i = near_[n].particle;

@@ -95,7 +95,7 @@ class SceneContact {
 
     void find(pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, const RigidTransform& from,
               const RigidTransform& to) {
-        contacts_.find(p, {scope_, from, to}, nothing_, mesh.contacts);
+        contacts_.find(p, {scope_, from, to}, {nothing_, 1}, mesh.contacts);
     }
 
     /// [N], of the tissue on the blade, upwards.

@@ -285,7 +285,16 @@ TEST(GlotticView, EpiglottisIsSeenFromAboveAndNotThroughTheTongue) {
     Model model(24);
     GlotticViewer viewer(model.patient, make_laryngoscope(Blade::miller_1));
     model.snapshot.proxy.translation = Vec3f(0, 0, 5);
-    EXPECT_TRUE(viewer.look(model.snapshot, {0, 0.004f, 0.22f}).epiglottis_seen);
+    const Vec3f above(0, 0.004f, 0.22f);
+    const GlotticView open = viewer.look(model.snapshot, above);
+    EXPECT_GT(open.opening_percent, 0.0f);
+    EXPECT_FALSE(open.epiglottis_seen) << "grades 1 and 2 do not ask for it";
+    for (Vec3f& point : model.snapshot.glottis_contour) {
+        point.y() -= 0.1f;  // behind everything
+    }
+    const GlotticView hidden = viewer.look(model.snapshot, above);
+    EXPECT_EQ(hidden.opening_percent, 0.0f);
+    EXPECT_TRUE(hidden.epiglottis_seen);
     EXPECT_FALSE(viewer.look(model.snapshot, {0, -0.3f, 0.06f}).epiglottis_seen);
 }
 

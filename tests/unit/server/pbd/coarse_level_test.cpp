@@ -34,8 +34,15 @@ struct Bar {
     }
 
     CoarseLevel::Wide correct(const CoarseLevel::Wide& by) {
+        CoarseLevel::Motion force = level.none();
+        for (std::size_t k = 0; k < by.size(); ++k) {
+            level.restrict_to(force, k, four(by[k]));
+        }
+        level.solve(force);
         CoarseLevel::Wide to(by.size(), Eigen::Vector4f::Zero());
-        level.correct(by, to);
+        for (std::size_t k = 0; k < by.size(); ++k) {
+            put(level.way(k), to[k]);
+        }
         return to;
     }
 };

@@ -70,6 +70,26 @@ TEST(RigidLayer, PressedProxyCarriesTheSpringForce) {
     }
 }
 
+TEST(RigidLayer, AWayInManySmallStepsTouchesWhatAnyPlaceOnItTouches) {
+    // Triangles found once serve while the tool goes on; a layer of its own at each place finds its own.
+    const TriangleMesh shell = box_mesh(Vec3f::Constant(-0.03f), Vec3f::Constant(0.03f), 6);
+    const std::vector<Tissue> tissue = tissue_of(shell);
+    RigidLayer goes(rod_scope(), shell, tissue, Settings{});
+    int touched = 0;
+    for (int i = 0; i < 200; ++i) {
+        const float along = 0.4e-3f * static_cast<float>(i);
+        const Quatf turn(Eigen::AngleAxisf(0.01f * static_cast<float>(i), Vec3f(1, 2, 3).normalized()));
+        const RigidTransform place{turn, Vec3f(along, along - 0.06f, 0.5f * along - 0.06f)};
+        goes.reset(place);
+        RigidLayer stands(rod_scope(), shell, tissue, Settings{});
+        stands.reset(place);
+        EXPECT_EQ(goes.result().penetration, stands.result().penetration) << i;
+        touched += stands.result().penetration > 0.0f ? 1 : 0;
+    }
+    EXPECT_GT(touched, 10);
+    EXPECT_LT(touched, 190);
+}
+
 TEST(RigidLayer, TippedBladeBalancesForceAndTorque) {
     const TriangleMesh shell = floor_mesh(0.6f, 40);
     Settings settings;
