@@ -31,8 +31,9 @@ namespace eti::pbd {
 class ImplicitTetrahedra {
   public:
     struct Settings {
-        /// Of conjugate gradients, whose cost grows linearly. Beyond the least they end once one gains less
-        /// than the tolerance, in parts of the material's mu V [J]. The least go on relaxing what rests.
+        /// Of conjugate gradients, whose cost grows linearly. Beyond the least they end once less than the
+        /// tolerance is left to gain, in parts of the material's mu V [J]. The least go on relaxing what
+        /// rests.
         int iterations = 8, least_iterations = 3;
         float tolerance = 3e-5f;
         /// Of contacts, in parts of their particles' own stiffness. Contacts find their force within a few

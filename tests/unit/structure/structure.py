@@ -147,6 +147,20 @@ def check_file(path, lines, forbidden):
             yield number, text
 
 
+def told_to_run(line):
+    """Scripts of ours that a line of documentation tells the reader to run: a command, or one named in backticks."""
+    return re.findall(r"(?:^|`)(?:\w+=\S+ )*((?:tests|deploy)/\S+?\.(?:py|sh))(?=[ `]|$)", line)
+
+
+def check_documents(root):
+    """Scripts that the documentation tells to run and nobody can, one string each."""
+    for document in sorted([*Path(root).glob("*.md"), *Path(root).glob("docs/**/*.md")]):
+        for number, line in enumerate(document.read_text().splitlines(), 1):
+            for script in told_to_run(line):
+                if not os.access(Path(root) / script, os.X_OK):
+                    yield f"{document.relative_to(root)}:{number}: {script} cannot be run; make it executable"
+
+
 def check(root):
     """All violations under `root`, one string each."""
     forbidden = re.compile(r"\b(" + "|".join(map(re.escape, forbidden_words())) + r")\b", re.IGNORECASE)
@@ -161,7 +175,7 @@ def check(root):
                 edges.setdefault(room_of(path), set()).add(room_of(target))
     if cycle := room_cycle(edges):
         found.append(f"{cycle[0]}: rooms include each other in a circle: {' -> '.join(cycle)}")
-    return found
+    return found + list(check_documents(root))
 
 
 if __name__ == "__main__":

@@ -120,6 +120,13 @@ class Files(unittest.TestCase):
     def test_words_that_only_contain_a_forbidden_word_pass(self):
         self.assertEqual(violations({"common/math/a.cpp": f"{HEADER}int un{WORD}ne;\n"}), [])
 
+    def test_a_documented_command_that_cannot_be_run_is_found(self):
+        script = {"tests/sweep.py": HEADER.replace("//", "#")}
+        for line in ("tests/sweep.py --count 3", "ETI_BIN=bin tests/sweep.py", "as `tests/sweep.py` does"):
+            with self.subTest(line=line):
+                self.only({**script, "docs/a.md": line + "\n"}, "docs/a.md:1: tests/sweep.py cannot be run")
+        self.assertEqual(violations({**script, "docs/a.md": "python3 tests/sweep.py\n"}), [])
+
     def test_a_switched_off_test_is_found(self):
         self.only({"tests/unit/a.cpp": HEADER + "TEST(Solver, DISABLED" + "_converges) {}\n"}, "switches a test off")
 

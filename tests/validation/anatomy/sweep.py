@@ -1,12 +1,13 @@
+#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 """Builds newborns of random shape, checks each model and, if asked, lets the scripted expert intubate it.
 
-Usage: ETI_BIN=build/release/bin sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--jobs N]
-                                                      [--out FILE.csv]
+Usage: [ETI_BIN=FOLDER] sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--jobs N] [--out FILE.csv]
 
 Shapes are drawn evenly from the ranges of common/model/newborn_shape.cpp, every fourth with one of the named
 variants; the age follows the weight. --grid takes usual newborns of every weight and age that go together instead.
+ETI_BIN is the folder with the programs (default: build/release/bin).
 Prints one line per newborn and a JSON summary. Rows that the CSV file already holds are not computed again, so an
 interrupted sweep goes on where it was.
 
