@@ -104,12 +104,6 @@ void ImplicitTetrahedra::measure_own_stiffness() {
     }
     x_ = rest_;
     linearise_elements();
-    energy_scale_ = 0.0f;
-    for (std::size_t colour = 0; colour < mesh_.colours(); ++colour) {
-        for (const Block& block : mesh_.blocks(colour)) {
-            energy_scale_ += total(block.stiffness);
-        }
-    }
     std::ranges::fill(own_stiffness_, 0.0f);
     for (const Part& part : parts_) {
         for (std::uint32_t k = part.first; k < part.end; ++k) {
@@ -330,15 +324,12 @@ void ImplicitTetrahedra::conjugate_gradients() {
         precondition(range);
     });
     float left = join_levels();
-    iterations_ = 0;
     for_ranges([&](Range& range) { turn(range, 0.0f); });
-    const float enough = settings.tolerance * energy_scale_;
-    for (int n = 1; left > (n > settings.least_iterations ? enough : 0.0f); ++n) {
+    for (int n = 1; left > 0.0f; ++n) {
         const float curvature = apply();
         if (!(curvature > 0.0f)) {
             break;  // rounding: what is left is nothing
         }
-        iterations_ = n;
         const float way = left / curvature;
         advance_contacts(way);
         if (n >= settings.iterations) {

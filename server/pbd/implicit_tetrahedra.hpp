@@ -16,7 +16,7 @@ namespace eti::pbd {
 /// A tetrahedral mesh of stable neo-Hookean material (see neo_hookean.hpp), whose projection is finished: one
 /// step of implicit Euler, which XPBD's passes approach only with ever shorter substeps. It minimises
 ///     1/(2 dt^2) (x - x~)^T M (x - x~) + Psi(x),   x~ = position + dt velocity
-/// by one Newton step from the last position, solved by a few conjugate gradients without
+/// by one Newton step from the last position, solved by a fixed count of conjugate gradients without
 /// assembling the matrix, preconditioned by the particles' own 3x3 blocks and by how the body moves at large
 /// (see CoarseLevel). With the element's
 /// P = sum p_v Q_v (rows of Q)
@@ -31,11 +31,7 @@ namespace eti::pbd {
 class ImplicitTetrahedra {
   public:
     struct Settings {
-        /// Of conjugate gradients, whose cost grows linearly. Beyond the least they end once less than the
-        /// tolerance is left to gain, in parts of the material's mu V [J]. The least go on relaxing what
-        /// rests.
-        int iterations = 8, least_iterations = 3;
-        float tolerance = 3e-5f;
+        int iterations = 8;  ///< of conjugate gradients; cost grows linearly
         /// Of contacts, in parts of their particles' own stiffness. Contacts find their force within a few
         /// steps; three times as firm, a tongue of 1 mm trembles between blade and jaw.
         float firmness = 0.3f;
@@ -76,9 +72,6 @@ class ImplicitTetrahedra {
     [[nodiscard]] float inverse_mass(std::size_t corner) const { return inverse_mass_[corner]; }
     /// [N/m], what a corner has against being moved alone, at rest; mean over directions.
     [[nodiscard]] float own_stiffness(std::size_t corner) const { return own_stiffness_[corner]; }
-
-    /// How many the last step took.
-    [[nodiscard]] int iterations() const { return iterations_; }
 
     /// Whether to use AVX2: set by configure() to what the processor has. The bits are the same without.
     void use_avx2(bool wanted) { avx2_ = wanted; }
@@ -148,14 +141,12 @@ class ImplicitTetrahedra {
     std::vector<float> inverse_mass_, own_stiffness_;
     float ratio_ = 1.0f;         // mu / lambda
     float longest_step_ = 0.0f;  // [m]
-    int iterations_ = 0;
     bool avx2_ = false;
     Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, moved_, step_;
     std::vector<Inverse> inverse_;
     CoarseLevel coarse_;
     CoarseLevel::Motion coarse_force_;
     float configured_modulus_ = 0.0f;  // [Pa], sum over tetrahedra
-    float energy_scale_ = 0.0f;        // [J], mu V, sum over tetrahedra
 };
 
 }  // namespace eti::pbd

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/parallel/loops.hpp"
+
 namespace eti::pbd {
 
 namespace {
+
+constexpr std::size_t grain = 2048;  // particles worth handing to another thread
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
@@ -207,7 +211,7 @@ void Sleep::arrange(Particles& particles, ShapeMatching& shapes, Links& links) {
 
 void Sleep::count_stillness(const Particles& particles) {
     const float squared = settings_.still * settings_.still;
-    particles.for_awake([&](std::uint32_t i) {
+    const auto count = [&](std::size_t i) {
         // What is not a number never counts as still.
         if ((particles.position[i] - still_at_[i]).squaredNorm() <= squared) {
             age_[i] = static_cast<std::uint8_t>(std::min(age_[i] + 1, settings_.steps));
@@ -215,7 +219,11 @@ void Sleep::count_stillness(const Particles& particles) {
             still_at_[i] = particles.position[i];
             age_[i] = 0;
         }
-    });
+    };
+    for (const auto& run : particles.awake) {
+        const std::size_t first = run[0];
+        parallel::for_each(run[1] - first, grain, [&](std::size_t k) { count(first + k); });
+    }
 }
 
 bool Sleep::is_still(std::uint32_t group) {

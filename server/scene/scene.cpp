@@ -263,15 +263,24 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         }
         tube_.predict(dt, end, gravity_);
         lap(Stage::predict);
-        body.project(dt);
-        if (self_contact_ && !body.particles.awake.empty()) {
-            self_contact_->project(body.particles);
+        const auto tissue = [&] {
+            body.project(dt);
+            if (self_contact_ && !body.particles.awake.empty()) {
+                self_contact_->project(body.particles);
+            }
+            lap(Stage::tissue);
+            blade_.project(body.particles, begin, end, dt);
+            lap(Stage::blade);
+        };
+        const auto tube = [&] { tube_.project(body.particles, shell_.distance(), begin, end); };
+        // The clock asks what each of them takes.
+        if (tube_.meets_tissue() || clock_ != nullptr) {
+            tissue();
+            tube();
+            lap(Stage::tube);
+        } else {
+            parallel::both(tissue, tube);
         }
-        lap(Stage::tissue);
-        blade_.project(body.particles, begin, end, dt);
-        lap(Stage::blade);
-        tube_.project(body.particles, shell_.distance(), begin, end);
-        lap(Stage::tube);
         keep_out_of_shell(body.particles);
         lap(Stage::shell);
         if (tongue_moves) {

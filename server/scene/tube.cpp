@@ -192,6 +192,15 @@ void TubeContact::find_ends() {
     }
 }
 
+float TubeContact::farthest_from_ends() const {
+    float squared = 0.0f;
+    for (std::size_t s = 0; s < rod_.size(); ++s) {
+        squared = std::max({squared, (rod_.point(s, 0.0f) - ends_[s].rear).squaredNorm(),
+                            (rod_.point(s, 1.0f) - ends_[s].front).squaredNorm()});
+    }
+    return std::sqrt(squared);
+}
+
 void TubeContact::predict(float dt, float end, const Vec3f& gravity) {
     dt_ = dt;
     rod_.predict(dt, gravity, between(grip_from_, grip_to_, end));
@@ -203,8 +212,11 @@ void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, 
         meet_blade(between(blade_from_, blade_to_, begin), between(blade_from_, blade_to_, end));
         meet_tissue(particles);
         rod_.solve(contacts_);
-        if (std::ranges::none_of(contacts_, [](const pbd::RodContact& c) { return acts(c); })) {
-            break;  // nothing held, so nothing to weigh
+        if (near_.empty()) {
+            const float way = farthest_from_ends();
+            if (std::ranges::all_of(contacts_, [&](const auto& c) { return c.gap > way; })) {
+                break;  // it met nothing, so there is nothing to weigh
+            }
         }
     }
     for (std::size_t n = 0; n < near_.size(); ++n) {

@@ -25,6 +25,9 @@ class TubeContact {
     void begin_step(const pbd::Particles& particles, const RigidTransform& grip_from,
                     const RigidTransform& grip_to, const RigidTransform& blade_from,
                     const RigidTransform& blade_to);
+    /// Whether tissue may come as near as to be met in this step; if none does, project() leaves particles
+    /// alone.
+    [[nodiscard]] bool meets_tissue() const { return !near_.empty(); }
     /// Moves the rod on by `dt` [s] under `gravity` [m/s^2], to the grip's pose at share `end` of the step.
     void predict(float dt, float end, const Vec3f& gravity);
     /// Solves rod and contacts for the substep that ends at share `end` of the step; moves the particles
@@ -49,6 +52,8 @@ class TubeContact {
     };
 
     void find_ends();
+    /// [m], how far the tube has come since find_ends(), at most.
+    [[nodiscard]] float farthest_from_ends() const;
     /// [m], from the tube's surface, that tissue has to be away not to be met in this step. Finds the ends.
     [[nodiscard]] float find_reach(const RigidTransform& grip_from, const RigidTransform& grip_to);
     /// What pressed on a particle in the last step does so as this one begins: friction builds on it.
