@@ -37,16 +37,6 @@ Vec3f slid_along(const MovingCapsule& capsule, float reach, const Vec3f& met, co
 
 }  // namespace
 
-float closest_on_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
-    const Vec3f along = b - a;
-    const float squared = along.squaredNorm();
-    return squared > 0.0f ? std::clamp((point - a).dot(along) / squared, 0.0f, 1.0f) : 0.0f;
-}
-
-Vec3f away_from(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
-    return point - a - closest_on_segment(a, b, point) * (b - a);
-}
-
 std::optional<Vec3f> first_contact(const Vec3f& a, const Vec3f& b, float reach, const Vec3f& from,
                                    const Vec3f& to) {
     constexpr int most_steps = 32;      // grazing ways take the most

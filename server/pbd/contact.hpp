@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,10 +23,16 @@ struct MovingCapsule {
 };
 
 /// Closest point of segment a-b to `point`, as its parameter in [0, 1].
-[[nodiscard]] float closest_on_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point);
+[[nodiscard]] inline float closest_on_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
+    const Vec3f along = b - a;
+    const float squared = along.squaredNorm();
+    return squared > 0.0f ? std::clamp((point - a).dot(along) / squared, 0.0f, 1.0f) : 0.0f;
+}
 
 /// From the closest point of segment a-b to `point` [m].
-[[nodiscard]] Vec3f away_from(const Vec3f& a, const Vec3f& b, const Vec3f& point);
+[[nodiscard]] inline Vec3f away_from(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
+    return point - a - closest_on_segment(a, b, point) * (b - a);
+}
 
 /// Where something that goes from `from` to `to` first comes as near as `reach` [m] to the segment a-b, by
 /// sphere tracing (Hart 1996). If it is nearer from the start, others having pushed it, it starts from the

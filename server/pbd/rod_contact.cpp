@@ -41,6 +41,9 @@ Law linearise(const RodContact& contact, double grip) {
 }  // namespace
 
 bool acts(const RodContact& contact) {
+    if (contact.gap >= 0.0f && contact.force.isZero(0.0f)) {
+        return false;
+    }
     return in_series(double{contact.stiffness}, contact) * double{contact.gap} <
            double{std::max(0.0f, contact.force.dot(contact.normal))};
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/parallel/loops.hpp"
 #include "server/pbd/contact.hpp"
 
 namespace eti::scene {
@@ -28,6 +29,9 @@ constexpr float samples[] = {0.125f, 0.375f, 0.625f, 0.875f};
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
 // Room for the particles about a tube in the throat, so that a step does not allocate; more may come.
 constexpr std::size_t most_near = 2048;
+// [m], of rounding where a particle is taken to be clear of the tube.
+constexpr float rounding = 1e-5f;
+constexpr std::size_t near_at_a_time = 256;
 // The first pass finds which contacts hold, the second with what force.
 constexpr int passes = 2;
 
@@ -138,15 +142,19 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
             return;
         }
         const float far = rod_.radius() + particles.radius[i] + reach;
-        Near near{i, static_cast<std::uint32_t>(rod_.size()), 0};
+        Near near{i, static_cast<std::uint32_t>(rod_.size()), 0, particles.position[i]};
+        float closest = far * far;
         for (std::size_t s = 0; s < rod_.size(); ++s) {
             const auto& [a, b] = ends_[s];
-            if (pbd::away_from(a, b, particles.position[i]).squaredNorm() < far * far) {
+            const float squared = pbd::away_from(a, b, particles.position[i]).squaredNorm();
+            if (squared < far * far) {
                 near.first = std::min(near.first, static_cast<std::uint32_t>(s));
                 near.end = static_cast<std::uint32_t>(s + 1);
+                closest = std::min(closest, squared);
             }
         }
         if (near.first < near.end) {
+            near.clear = std::sqrt(closest) - rod_.radius() - particles.radius[i];
             near_.push_back(near);
         }
     };
@@ -189,6 +197,19 @@ void TubeContact::find_ends() {
     ends_.resize(rod_.size());
     for (std::size_t s = 0; s < rod_.size(); ++s) {
         ends_[s] = {rod_.point(s, 0.0f), rod_.point(s, 1.0f)};
+    }
+}
+
+void TubeContact::follow_ends() {
+    ways_.resize(rod_.size());
+    for (std::size_t s = 0; s < rod_.size(); ++s) {
+        const Ends now{rod_.point(s, 0.0f), rod_.point(s, 1.0f)};
+        const auto way_from = [&](const Vec3f& rear, const Vec3f& front) {
+            return std::sqrt(std::max((now.rear - rear).squaredNorm(), (now.front - front).squaredNorm()));
+        };
+        ways_[s] = {way_from(ends_[s].rear, ends_[s].front),
+                    way_from(rod_.previous_point(s, 0.0f), rod_.previous_point(s, 1.0f))};
+        ends_[s] = now;
     }
 }
 
@@ -276,32 +297,51 @@ void TubeContact::meet_blade(const RigidTransform& before, const RigidTransform&
 }
 
 void TubeContact::meet_tissue(const pbd::Particles& particles) {
-    find_ends();
-    for (std::size_t n = 0; n < near_.size(); ++n) {
-        const std::uint32_t i = near_[n].particle;
-        pbd::RodContact& c = contacts_[2 * sites() + n];
-        const Vec3f& p = particles.predicted[i];
-        float closest = 1.0f;
-        for (std::uint32_t s = near_[n].first; s < near_[n].end; ++s) {
-            const auto& [a, b] = ends_[s];
-            const float t = pbd::closest_on_segment(a, b, p);
-            const Vec3f from = a + t * (b - a) - p;
-            const float distance = from.norm();
-            if (distance < closest && distance > 1e-7f) {
-                closest = distance;
-                c.segment = s;
-                c.along = t;
-                c.normal = from / distance;
-            }
-        }
-        c.gap = closest - rod_.radius() - particles.radius[i];
-        c.offset = -rod_.radius() * c.normal;
-        stop_head_on(particles.position[i], p, particles.radius[i], c);
-        c.yielding = particles.inverse_mass[i] * dt_ * dt_;
-        c.slip = across(rod_.point(c.segment, c.along) - rod_.previous_point(c.segment, c.along) -
-                            (p - particles.position[i]),
-                        c.normal);
+    follow_ends();
+    parallel::for_each(near_.size(), near_at_a_time,
+                       [&](std::size_t n) { meet(particles, near_[n], contacts_[2 * sites() + n]); });
+}
+
+void TubeContact::meet(const pbd::Particles& particles, Near& near, pbd::RodContact& c) const {
+    const std::uint32_t i = near.particle;
+    const Vec3f& p = particles.predicted[i];
+    const Vec3f& before = particles.position[i];
+    const float radius = particles.radius[i];
+    Way way;
+    for (std::uint32_t s = near.first; s < near.end; ++s) {
+        way.since_found = std::max(way.since_found, ways_[s].since_found);
+        way.of_substep = std::max(way.of_substep, ways_[s].of_substep);
     }
+    near.clear -= way.since_found;
+    if (c.force.isZero(0.0f)) {
+        const float clear = near.clear - (p - near.at).norm();
+        if (clear > way.of_substep + (p - before).norm() + rounding) {
+            c.gap = clear;
+            return;  // on no part of its way did it touch
+        }
+    }
+    constexpr float none = 1.0f;
+    float closest = none;
+    for (std::uint32_t s = near.first; s < near.end; ++s) {
+        const auto& [a, b] = ends_[s];
+        const float t = pbd::closest_on_segment(a, b, p);
+        const Vec3f from = a + t * (b - a) - p;
+        const float distance = from.norm();
+        if (distance < closest && distance > 1e-7f) {
+            closest = distance;
+            c.segment = s;
+            c.along = t;
+            c.normal = from / distance;
+        }
+    }
+    c.gap = closest - rod_.radius() - radius;
+    c.offset = -rod_.radius() * c.normal;
+    near.at = p;
+    near.clear = closest < none ? c.gap : 0.0f;
+    stop_head_on(before, p, radius, c);
+    c.yielding = particles.inverse_mass[i] * dt_ * dt_;
+    c.slip = across(rod_.point(c.segment, c.along) - rod_.previous_point(c.segment, c.along) - (p - before),
+                    c.normal);
 }
 
 void TubeContact::stop_head_on(const Vec3f& before, const Vec3f& now, float radius,

@@ -46,9 +46,16 @@ class TubeContact {
     struct Ends {
         Vec3f rear = Vec3f::Zero(), front = Vec3f::Zero();  ///< [m]
     };
-    /// A particle that the tube may meet in this step, and with which of its segments.
+    /// How far a segment has come at most [m]: since its ends were found the last time, and in this substep.
+    struct Way {
+        float since_found = 0.0f, of_substep = 0.0f;
+    };
+    /// A particle that the tube may meet in this step, and with which of its segments. From where it was
+    /// looked at, `at` [m], they have stayed `clear` [m] or more.
     struct Near {
         std::uint32_t particle = 0, first = 0, end = 0;
+        Vec3f at = Vec3f::Zero();
+        float clear = 0.0f;
     };
 
     void find_ends();
@@ -61,6 +68,9 @@ class TubeContact {
     void meet_shell(const DistanceGrid& shell);
     void meet_blade(const RigidTransform& before, const RigidTransform& now);
     void meet_tissue(const pbd::Particles& particles);
+    void meet(const pbd::Particles& particles, Near& near, pbd::RodContact& contact) const;
+    /// Finds the ends, and how far each segment has come.
+    void follow_ends();
     /// Where the tube runs head-on into a particle of `radius` [m], turns its contact to push that ahead
     /// (see pbd::runs_head_on).
     void stop_head_on(const Vec3f& before, const Vec3f& now, float radius, pbd::RodContact& contact) const;
@@ -79,6 +89,7 @@ class TubeContact {
     std::vector<Ends> ends_, last_ends_;     ///< of the segments; now, and as this step began
     std::vector<Near> near_, last_near_;     ///< by the particle's number
     std::vector<Vec3f> last_force_;          ///< [N], of those near now
+    std::vector<Way> ways_;                  ///< of the segments
     bool near_blade_ = false;
 };
 
