@@ -6,14 +6,16 @@
 Usage: compare.py BEFORE_BIN AFTER_BIN [--scenario NAME]... [--from STEP] [--to STEP] [--rounds N]
 
 Each build runs its own scenarios and its own expert, as fast as it can, to both steps and by turns; a step's cost is
-the difference of both runs over the number of steps between, the least of all rounds. On one thread it is the
-processor's time, on two the clock's. Prints a table of milliseconds and ratios. For an older revision:
+the difference of both runs over the number of steps between. On one thread it is the processor's time, on two the
+clock's. Prints a table of milliseconds and ratios, each the median of the rounds: a machine that grows slower for a
+minute changes both costs of a round, and hardly their ratio. For an older revision:
 
     git worktree add ../before REVISION && cd ../before && cmake --preset release && cmake --build --preset release
 """
 
 import argparse
 import resource
+import statistics
 import subprocess
 import sys
 import time
@@ -33,14 +35,14 @@ def run(binary, scenario, threads, steps):
 
 
 def compare(binaries, scenario, threads, first, last, rounds):
-    """Milliseconds a step, by binary."""
+    """Milliseconds a step before and after, and their ratio."""
     clock = 0 if threads == 1 else 1
-    least = [[float("inf")] * 2 for _ in binaries]
+    costs = []
     for _ in range(rounds):
-        for n, binary in enumerate(binaries):
-            for end, steps in enumerate((first, last)):
-                least[n][end] = min(least[n][end], run(binary, scenario, threads, steps)[clock])
-    return [1e3 * (long - short) / (last - first) for short, long in least]
+        short, long = ([run(binary, scenario, threads, steps)[clock] for binary in binaries] for steps in (first, last))
+        costs.append([1e3 * (end - begin) / (last - first) for begin, end in zip(short, long)])
+    before, after = (statistics.median(cost) for cost in zip(*costs))
+    return before, after, statistics.median(cost[1] / cost[0] for cost in costs)
 
 
 def main():
@@ -49,8 +51,8 @@ def main():
     parser.add_argument("after", type=Path, help="folder with the newer one")
     parser.add_argument("--scenario", action="append", help="default: term and premature")
     parser.add_argument("--from", dest="first", type=int, default=1000, help="step at which counting begins [1000]")
-    parser.add_argument("--to", dest="last", type=int, default=1400, help="and at which it ends [1400]")
-    parser.add_argument("--rounds", type=int, default=5, help="of which the least counts [5]")
+    parser.add_argument("--to", dest="last", type=int, default=1800, help="and at which it ends [1800]")
+    parser.add_argument("--rounds", type=int, default=5, help="of which the median counts [5]")
     wanted = parser.parse_args()
     if not 0 < wanted.first < wanted.last or wanted.rounds < 1:
         parser.error("--from has to be at least 1 and below --to, and --rounds at least 1")
@@ -61,8 +63,8 @@ def main():
     print("| scenario | threads | before [ms a step] | after [ms a step] | ratio |\n|---|---|---|---|---|", flush=True)
     for scenario in wanted.scenario or ["term", "premature"]:
         for threads in (1, 2):
-            before, after = compare(binaries, scenario, threads, wanted.first, wanted.last, wanted.rounds)
-            print(f"| {scenario} | {threads} | {before:.2f} | {after:.2f} | {after / before:.2f} |", flush=True)
+            before, after, ratio = compare(binaries, scenario, threads, wanted.first, wanted.last, wanted.rounds)
+            print(f"| {scenario} | {threads} | {before:.2f} | {after:.2f} | {ratio:.2f} |", flush=True)
 
 
 if __name__ == "__main__":
