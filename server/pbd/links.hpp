@@ -33,8 +33,8 @@ class Links {
   private:
     std::vector<std::array<std::uint32_t, 2>> ends_;
     std::vector<float> stiffness_, length_;
-    /// Links so that neighbours in the list share no particle, where that can be: a processor then works at
-    /// several. All of them, and those that are awake.
+    /// Order of projection: mostly as configured, so that a pass hands on along chains of links. Of all, and
+    /// of those that are awake.
     std::vector<std::uint32_t> order_, awake_;
     /// [m], where the last pass met a link's ends. One that sleeps is met there: in the midst of the pass
     /// that left it in balance, not where that pass ended.

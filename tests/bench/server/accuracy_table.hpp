@@ -57,6 +57,10 @@ void lift_tongue(AccuracyTable& table, bool quick);
 /// lift-reference.csv: what those finite elements' own choices change of them. Nothing where `quick`.
 void vary_lift_reference(AccuracyTable& table, bool quick);
 
+/// lift-tremors.csv: the shipped tongue against finite elements in the lifts of hands that tremble in other
+/// ways.
+void lift_with_other_tremors(AccuracyTable& table, bool quick);
+
 /// Water: a column at rest, and the dam break of Martin & Moyce 1952.
 void pour_water(AccuracyTable& table, bool quick);
 

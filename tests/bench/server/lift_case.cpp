@@ -23,7 +23,10 @@ struct LiftSetup {
     std::vector<scene::Inputs> way;
     LiftChoice choice;
 
-    explicit LiftSetup(bool quick) : scenario(load_scenario(find_data_file("term", "scenarios"))) {
+    /// `tremor` is added to the scenario's seed.
+    explicit LiftSetup(bool quick, std::uint64_t tremor = 0)
+        : scenario(load_scenario(find_data_file("term", "scenarios"))) {
+        scenario.seed += tremor;
         scenario.physics.sleep = false;  // what stands still is to be measured, and what it costs
         if (quick) {
             scenario.physics.spacing = 2.5e-3f;
@@ -126,6 +129,25 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
     add("four times the drag", setup.reference(usual, slower));
     const Surroundings other = setup.surroundings(TissueModel::implicit, setup.scenario.physics.substeps);
     add("surroundings of the implicit tongue", setup.reference(other, setup.choice));
+}
+
+void lift_with_other_tremors(AccuracyTable& table, bool quick) {
+    Table tremors(table.path().parent_path(), "lift-tremors.csv",
+                  "tremor,force_n,force_expected_n,force_difference,shape_difference,view_percent,view_"
+                  "expected_percent");
+    for (std::uint64_t tremor = 0; tremor < (quick ? 1 : 4); ++tremor) {
+        const LiftSetup setup(quick, tremor);
+        const Surroundings own = setup.surroundings(TissueModel::implicit, setup.scenario.physics.substeps);
+        const LiftReference reference = setup.reference(own, setup.choice);
+        const Lift found = by_particles(setup.scenario, setup.patient, setup.way, reference.free());
+        const double expected = reference.lift.force.norm();
+        const double apart = (found.force - reference.lift.force).norm() / expected;
+        spdlog::info("lift with tremor {}: told {:.2f} N of {:.2f}, {:.1f} % off", tremor, found.force.norm(),
+                     expected, 100.0 * apart);
+        tremors.row(fmt::format("{},{:.5g},{:.5g},{:.4g},{:.4g},{:.4g},{:.4g}", tremor, found.force.norm(),
+                                expected, apart, reference.apart(found), found.opening,
+                                reference.lift.opening));
+    }
 }
 
 }  // namespace eti::bench

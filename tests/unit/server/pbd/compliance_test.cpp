@@ -37,6 +37,32 @@ TEST(Compliance, OfALinkDoesNotDependOnTheSubstep) {
     }
 }
 
+// One pass hands a displacement on from link to link: rigid ones between equal masses leave each particle
+// half of its neighbour's. In rounds without common particles it would come two particles far, and what links
+// hold would be held by less.
+TEST(Compliance, APassOfLinksHandsOnAlongAChain) {
+    constexpr std::size_t links = 32;
+    constexpr float pulled = 1e-3f;
+    Particles p;
+    p.resize(links + 1);
+    std::vector<std::array<std::uint32_t, 2>> ends;
+    for (std::uint32_t i = 0; i <= links; ++i) {
+        p.position[i] = p.predicted[i] = p.rest[i] = Vec3f(-2e-3f * static_cast<float>(i), 0, 0);
+        p.inverse_mass[i] = i == 0 ? 0.0f : 1e4f;
+        if (i < links) {
+            ends.push_back({i, i + 1});
+        }
+    }
+    Links chain;
+    chain.configure(ends, std::vector<float>(links, 1e12f), p);
+    p.predicted[0].x() += pulled;
+    chain.project(p, 1.0f / 1440.0f);
+    for (std::size_t i = 1; i < 8; ++i) {
+        EXPECT_NEAR(p.predicted[i].x() - p.position[i].x(), std::ldexp(pulled, -static_cast<int>(i)), 1e-8f)
+            << i;
+    }
+}
+
 // The rod's joints and loads are solved at once: more passes only take care of what is not linear, which at a
 // deflection of a tenth is (1/10)^2 of the rest per pass of Newton's method, and time lets one pass do the
 // same.
