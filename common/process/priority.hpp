@@ -8,8 +8,9 @@ namespace eti {
 
 /// Real-time priorities (SCHED_FIFO) of the threads between a hand and what it feels. What runs for
 /// microseconds goes before what runs for milliseconds: the other way round it would be late every time,
-/// and this way it costs the longer work next to nothing. The haptic loop itself is at 80.
+/// and this way it costs the longer work next to nothing.
 namespace priority {
+inline constexpr int loop = 80;    ///< the haptic loop; below the kernel's own
 inline constexpr int bus = 70;     ///< takes messages in, and sends what is felt
 inline constexpr int step = 60;    ///< the simulation, and what shares the bus's locks with the above
 inline constexpr int beside = 50;  ///< what a step may have to wait for

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "common/bus/convert.hpp"
+#include "common/process/priority.hpp"
 
 namespace eti::devices {
 
@@ -14,8 +15,6 @@ namespace {
 
 constexpr double step = 1.0 / 180.0;     // [s], of the simulation
 constexpr float first_interval = 1e-3f;  // [s]
-constexpr int loop_priority = 80;        // SCHED_FIFO: above the network's threads, below the kernel's
-constexpr int publisher_priority = 70;
 constexpr std::chrono::milliseconds publisher_patience{50};
 
 }  // namespace
@@ -88,7 +87,7 @@ HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>
     }
     std::binary_semaphore started{0};
     loop_ = std::thread([this, &started] {
-        priority_refusal_ = become_real_time(loop_priority);
+        priority_refusal_ = become_real_time(priority::loop);
         started.release();
         run();
     });
@@ -139,7 +138,7 @@ void HapticLoop::servo_cycle() noexcept {
 }
 
 void HapticLoop::publish() {
-    (void)become_real_time(publisher_priority);
+    (void)become_real_time(priority::bus);
     msg::ToolPose message;
     message.tool(static_cast<std::uint32_t>(tool_));
     const OutgoingPose* pose = nullptr;

@@ -2,12 +2,10 @@
 // Copyright the NeoETI authors
 #include "devices/haptics/timing.hpp"
 
-#include <pthread.h>
 #include <time.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 namespace eti::devices {
@@ -27,18 +25,6 @@ std::int64_t monotonic_ns() {
 void sleep_until_ns(std::int64_t when) {
     const timespec until{static_cast<time_t>(when / second_ns), static_cast<long>(when % second_ns)};
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-}
-
-std::string become_real_time(int priority) {
-    sched_param parameters{};
-    parameters.sched_priority = priority;
-    const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-    if (error == 0) {
-        return {};
-    }
-    return std::string("no real-time priority (") + std::strerror(error) +
-           "): cycles may come late under load; run as root, or allow it: ulimit -r " +
-           std::to_string(priority);
 }
 
 void CycleStatistics::record(std::int64_t interval_ns) {

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 namespace eti::devices {
 
@@ -12,10 +11,6 @@ namespace eti::devices {
 
 /// Sleeps until `when` [ns, CLOCK_MONOTONIC]; a signal may end it early.
 void sleep_until_ns(std::int64_t when);
-
-/// Gives the calling thread a real-time priority. Returns an empty text, or why the kernel refused and
-/// what to do.
-[[nodiscard]] std::string become_real_time(int priority);
 
 /// Times between successive events, as the starts of cycles, in 20,000 bins; recording allocates nothing.
 class CycleStatistics {

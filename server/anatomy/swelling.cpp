@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/anatomy/made_of.hpp"
 #include "server/anatomy/stiffness.hpp"
+#include "server/anatomy/tetrahedra_of.hpp"
 
 namespace eti::anatomy {
 
@@ -100,12 +100,10 @@ std::vector<Vec3f> tongue_swelling(const Patient& patient) {
     const ParticleSet& set = patient.particles;
     std::vector<std::array<std::uint32_t, 4>> tongue;
     std::vector<bool> held(set.size(), false);
-    for (const auto& corners : patient.tetrahedra.corners) {
-        if (made_of(Tissue::tongue, corners, set)) {
-            tongue.push_back(corners);
-            for (const std::uint32_t i : corners) {
-                held[i] = true;
-            }
+    for (const std::uint32_t t : tetrahedra_of(Tissue::tongue, patient)) {
+        tongue.push_back(patient.tetrahedra.corners[t]);
+        for (const std::uint32_t i : tongue.back()) {
+            held[i] = true;
         }
     }
     System system;

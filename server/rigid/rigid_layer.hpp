@@ -28,7 +28,7 @@ struct Settings {
     /// [m/s] at any point of the tool; a device faster than this has jumped, and the proxy follows
     /// at the pace that the limits above allow. Hands reach about 1 m/s.
     float device_speed_limit = 3.0f;
-    float friction = 0.1f;       ///< Coulomb coefficient; wet mucosa
+    float friction = 0.1f;       ///< Coulomb coefficient; wet mucosa on steel
     int substeps = 6;            ///< per step at rest; fast motion takes more
     int max_substeps = 24;       ///< beyond it the proxy lags instead of moving farther per substep
     int solver_iterations = 40;  ///< per substep; error of the force split among contacts

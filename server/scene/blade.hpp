@@ -9,6 +9,7 @@
 #include "server/pbd/contact.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/soft_body.hpp"
+#include "server/scene/friction.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::scene {
@@ -47,7 +48,7 @@ class BladeContact {
     /// the impulses that the particles got, and the touched particles.
     void end_step(const pbd::Particles& particles, float step_dt, Snapshot& snapshot) const;
 
-    float friction = 0.1f;  ///< Coulomb; wet mucosa on steel
+    pbd::Friction friction = mucosa_on_steel;
 
   private:
     /// What was known of a pair when its distance was last computed. Until particles and blade have gone that

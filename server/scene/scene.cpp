@@ -8,12 +8,12 @@
 
 #include "server/anatomy/swelling.hpp"
 #include "server/parallel/loops.hpp"
+#include "server/scene/friction.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-constexpr float tongue_friction = 0.2f;
 constexpr int swelling_delay = 90;  // steps; half a second
 constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
 constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
@@ -346,7 +346,7 @@ void Scene::keep_out_of_shell(pbd::Particles& particles) {
         }
         Vec3f& p = particles.predicted[i];
         if (clearance_.inside(k, p, shell_.distance())) {
-            p += pbd::push_out_of(shell_.distance(), particles.position[i], p, 0.0f, tongue_friction);
+            p += pbd::push_out_of(shell_.distance(), particles.position[i], p, 0.0f, mucosa_on_mucosa);
         }
     });
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "server/anatomy/made_of.hpp"
 #include "server/anatomy/stiffness.hpp"
+#include "server/anatomy/tetrahedra_of.hpp"
 #include "server/pbd/cluster_calibration.hpp"
 #include "server/pbd/surface_edges.hpp"
 
@@ -62,15 +62,12 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
     if (model != TissueModel::clusters) {
-        for (std::size_t t = 0; t < patient.tetrahedra.corners.size(); ++t) {
-            const auto& corners = patient.tetrahedra.corners[t];
-            if (anatomy::made_of(Tissue::tongue, corners, set)) {
-                mesh.tetrahedra.push_back(corners);
-                mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
-                meshed_.push_back(static_cast<std::uint32_t>(t));
-                for (const std::uint32_t i : corners) {
-                    meshed[i] = true;
-                }
+        meshed_ = anatomy::tetrahedra_of(Tissue::tongue, patient);
+        for (const std::uint32_t t : meshed_) {
+            mesh.tetrahedra.push_back(patient.tetrahedra.corners[t]);
+            mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
+            for (const std::uint32_t i : mesh.tetrahedra.back()) {
+                meshed[i] = true;
             }
         }
     }

@@ -8,6 +8,7 @@
 
 #include "common/mesh/closest_point.hpp"
 #include "server/pbd/contact.hpp"
+#include "server/scene/friction.hpp"
 
 namespace eti::scene {
 
@@ -124,7 +125,7 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
             contact.normal = away / std::max(distance, 1e-9f);
             contact.gap = distance - reach;
             contact.slip = slip_of(particles.position[i], x);
-            contact.friction = blade_friction;
+            contact.friction = mucosa_on_steel;
             add(contact, c);
         }
         for (const auto& [i, k] : edges_) {
@@ -146,7 +147,7 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
             contact.normal = away / std::max(distance, 1e-9f);
             contact.gap = distance - capsule.radius - 0.5f * (particles.radius[i] + particles.radius[k]);
             contact.slip = slip_of((1.0f - t) * particles.position[i] + t * particles.position[k], point);
-            contact.friction = blade_friction;
+            contact.friction = mucosa_on_steel;
             add(contact, c);
         }
     }
@@ -173,7 +174,7 @@ void TongueContacts::meet_shell(const pbd::Particles& particles, const Shell& sh
         contact.gap = wall.distance;
         contact.normal = wall.normal;
         contact.slip = x - particles.position[i];
-        contact.friction = shell_friction;
+        contact.friction = mucosa_on_mucosa;
         add(contact, shell_obstacle);
     }
 }

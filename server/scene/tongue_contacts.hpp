@@ -48,9 +48,6 @@ class TongueContacts {
     /// Whether contact `number` is with the blade.
     [[nodiscard]] bool is_blades(std::size_t number) const { return obstacle_[number] < shell_obstacle; }
 
-    pbd::Friction blade_friction = 0.1f;  ///< wet mucosa on steel
-    pbd::Friction shell_friction = 0.2f;  ///< wet mucosa on mucosa
-
   private:
     static constexpr std::uint8_t shell_obstacle = 3;  // below: a capsule's number
 

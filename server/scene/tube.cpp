@@ -7,6 +7,7 @@
 
 #include "server/parallel/loops.hpp"
 #include "server/pbd/contact.hpp"
+#include "server/scene/friction.hpp"
 
 namespace eti::scene {
 
@@ -19,7 +20,6 @@ constexpr float wake_margin = 3e-3f;
 // A lubricated tube on wet mucosa, and on wet steel: a rigid sled on the wall of the small bowel slides at
 // 0.007 to 0.054 (Lyle et al., Tribology Letters 2013;51:377). Figures of what holds a wet tube at rest
 // depend on how long it lay, and none stands out; so one coefficient for both.
-constexpr pbd::Friction friction(0.05f);
 // [N/m]; at the newton that a hand puts on a tube the overlap is a third of a millimetre.
 constexpr float stiffness = 3000.0f;
 // Shell and blade meet the tube in points this share of a segment from its rear: 3 mm apart, closer than
@@ -42,7 +42,7 @@ RigidTransform between(const RigidTransform& a, const RigidTransform& b, float s
 pbd::RodContact new_contact() {
     pbd::RodContact contact;
     contact.stiffness = stiffness;
-    contact.friction = friction;
+    contact.friction = mucosa_on_tube;
     return contact;
 }
 

@@ -181,7 +181,7 @@ LoopTiming run_empty_loop(double seconds, bool beside_a_server) {
     devices::CycleStatistics intervals;
     bool real_time = false;
     std::thread([&] {
-        real_time = devices::become_real_time(80).empty();
+        real_time = become_real_time(priority::loop).empty();
         std::int64_t last = devices::monotonic_ns(), next = last;
         const std::int64_t end = last + static_cast<std::int64_t>(1e9 * seconds);
         while (last < end) {

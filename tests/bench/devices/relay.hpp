@@ -10,6 +10,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/math/random.hpp"
+#include "common/process/priority.hpp"
 #include "devices/haptics/timing.hpp"
 #include "tests/validation/haptics/closed_loop.hpp"
 
@@ -78,7 +79,7 @@ class Relay {
 
   private:
     void run() {
-        (void)devices::become_real_time(priority);
+        (void)become_real_time(priority::step);
         Random random(1);
         Wire<msg::ToolPose> pose(device_, server_, bus::topics::laryngoscope_pose);
         Wire<msg::ProxyState> proxy(server_, device_, bus::topics::proxy);
@@ -102,7 +103,6 @@ class Relay {
         }
     }
 
-    static constexpr int priority = 60;  // below the haptic loop's threads
     mutable std::mutex mutex_;
     Channel channel_;            // guarded by mutex_
     std::int64_t lateness_ = 0;  // [ns], guarded by mutex_

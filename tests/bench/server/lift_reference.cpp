@@ -9,7 +9,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "server/anatomy/made_of.hpp"
+#include "server/anatomy/tetrahedra_of.hpp"
+#include "server/scene/friction.hpp"
 #include "tests/bench/server/block_cases.hpp"
 #include "tests/validation/fem/smooth_grid.hpp"
 
@@ -20,8 +21,6 @@ namespace {
 constexpr std::uint32_t none = ~0u;
 constexpr double near_tongue = 2e-3;  // [m], from vertices at rest, where the blade begins to matter
 // As the scene's blade and shell have it.
-constexpr double blade_friction = 0.1;
-constexpr double shell_friction = 0.2;
 
 constexpr double at_rest = 1e-4;         // of the force, what the last step may change of it
 constexpr double deepest = 0.02e-3;      // [m], a contact with the blade at the end
@@ -163,11 +162,9 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
         }
         return number_[i];
     };
-    for (const auto& corners : patient.tetrahedra.corners) {
-        if (anatomy::made_of(Tissue::tongue, corners, patient.particles)) {
-            auto& ends = problem_.body.tetrahedra.emplace_back();
-            std::ranges::transform(corners, ends.begin(), vertex_of);
-        }
+    for (const std::uint32_t t : anatomy::tetrahedra_of(Tissue::tongue, patient)) {
+        auto& ends = problem_.body.tetrahedra.emplace_back();
+        std::ranges::transform(patient.tetrahedra.corners[t], ends.begin(), vertex_of);
     }
     for (std::size_t l = 0; l < patient.links.ends.size(); ++l) {
         const auto& [a, b] = patient.links.ends[l];
@@ -201,8 +198,8 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
     }
     shell_ = std::make_unique<fem::SmoothGrid>(surroundings_.shell);
     problem_.solid = shell_.get();
-    problem_.tool_friction = blade_friction;
-    problem_.solid_friction = shell_friction;
+    problem_.tool_friction = static_cast<double>(scene::mucosa_on_steel.slide);
+    problem_.solid_friction = static_cast<double>(scene::mucosa_on_mucosa.slide);
 }
 
 std::vector<std::size_t> LiftReference::stops() const {

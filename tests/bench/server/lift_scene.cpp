@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "server/anatomy/made_of.hpp"
+#include "server/anatomy/tetrahedra_of.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
 
@@ -26,11 +26,9 @@ constexpr int looking = 6;          // steps from look to look, of these
 std::vector<bool> free_of(const scene::Scene& scene, const anatomy::Patient& patient) {
     const pbd::Particles& p = scene.tissue().body().particles;
     std::vector<bool> meshed(p.size(), false);
-    for (const auto& corners : patient.tetrahedra.corners) {
-        if (anatomy::made_of(Tissue::tongue, corners, patient.particles)) {
-            for (const std::uint32_t i : corners) {
-                meshed[i] = true;
-            }
+    for (const std::uint32_t t : anatomy::tetrahedra_of(Tissue::tongue, patient)) {
+        for (const std::uint32_t i : patient.tetrahedra.corners[t]) {
+            meshed[i] = true;
         }
     }
     std::vector<bool> free(p.size(), false);
@@ -57,10 +55,8 @@ std::vector<std::uint32_t> held_of(const anatomy::Patient& patient, const std::v
             held.push_back(i);
         }
     };
-    for (const auto& corners : patient.tetrahedra.corners) {
-        if (anatomy::made_of(Tissue::tongue, corners, patient.particles)) {
-            std::ranges::for_each(corners, add);
-        }
+    for (const std::uint32_t t : anatomy::tetrahedra_of(Tissue::tongue, patient)) {
+        std::ranges::for_each(patient.tetrahedra.corners[t], add);
     }
     for (const auto& ends : patient.links.ends) {
         if (free[ends[0]] || free[ends[1]]) {

@@ -8,6 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/operator/operator.hpp"
 #include "server/app/local_operator.hpp"
@@ -23,7 +26,10 @@ constexpr double quick_course = 2.0;  // [s]
 constexpr int rest_steps = 3 * scene::steps_per_second;
 constexpr int after_steps = 10 * scene::steps_per_second;
 constexpr int steps_per_row = scene::steps_per_second / 10;
-constexpr float beside = 1e-6f;  // [m]
+/// What a small cause makes: the blade led beside its way by these [m].
+constexpr std::array<std::array<float, 2>, 4> besides = {
+    {{1e-6f, 0.0f}, {-1e-6f, 0.0f}, {0.0f, 1e-6f}, {0.0f, -1e-6f}}};
+constexpr double off = 0.005;  // of the greatest: a moment that differs by more is off
 
 /// Processor time [ms]: whoever else works on the machine counts less than by the clock.
 double processor_ms() {
@@ -89,9 +95,40 @@ struct Apart {
 /// A scene that goes the reference's way, and how far it leaves it.
 struct Follower {
     app::Simulation simulation;
-    std::array<double, measures> greatest{}, mean{}, squares{};
+    std::array<double, measures> greatest{}, mean{};
+    std::array<std::vector<double>, measures> differences;  // a step
     Apart apart;
+
+    void add(const std::array<double, measures>& here, const std::array<double, measures>& reference) {
+        for (std::size_t m = 0; m < measures; ++m) {
+            greatest[m] = std::max(greatest[m], here[m]);
+            mean[m] += here[m];
+            differences[m].push_back(std::abs(here[m] - reference[m]));
+        }
+    }
+    [[nodiscard]] double difference_rms(std::size_t m) const {
+        double squares = 0.0;
+        for (const double d : differences[m]) {
+            squares += d * d;
+        }
+        return std::sqrt(squares / static_cast<double>(differences[m].size()));
+    }
+    /// Share [%] of the steps that differ by more than `limit`.
+    [[nodiscard]] double off_percent(std::size_t m, double limit) const {
+        const auto those =
+            std::count_if(differences[m].begin(), differences[m].end(), [&](double d) { return d > limit; });
+        return 100.0 * static_cast<double>(those) / static_cast<double>(differences[m].size());
+    }
 };
+
+/// "least,most" of what `value` gives for the scenes led beside.
+template <typename Value>
+std::string range_beside(std::span<const Follower> those, Value value) {
+    std::vector<double> values(those.size());
+    std::transform(those.begin(), those.end(), values.begin(), value);
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    return fmt::format(",{:.4f},{:.4f}", *least, *most);
+}
 
 void compare(const std::string& name, const Scenario& shipped, TissueModel model, const SleepOptions& options,
              Table& table, Table& course) {
@@ -104,9 +141,14 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     const anatomy::Patient patient = app::patient_of(awake);
     scene::Inputs inputs = app::parked(awake);
-    std::array<Follower, 3> scenes = {Follower{{awake, patient, inputs}, {}, {}, {}, {}},
-                                      Follower{{sleeping, patient, inputs}, {}, {}, {}, {}},
-                                      Follower{{awake, patient, inputs}, {}, {}, {}, {}}};
+    // All awake, what rests asleep and all awake with the blade beside: these follow, in this order.
+    std::array<Follower, 2 + besides.size()> scenes = {Follower{{awake, patient, inputs}, {}, {}, {}, {}},
+                                                       Follower{{sleeping, patient, inputs}, {}, {}, {}, {}},
+                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}},
+                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}},
+                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}},
+                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}}};
+    const auto led_beside = std::span<const Follower>(scenes).subspan(2);
     app::Simulation& reference = scenes[0].simulation;
 
     // At rest, tools away.
@@ -136,8 +178,9 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
         ++steps;
         for (std::size_t s = 0; s < scenes.size(); ++s) {
             scene::Inputs own = inputs;
-            if (s == 2) {
-                own.laryngoscope.translation.x() += beside;
+            if (s >= 2) {
+                own.laryngoscope.translation.x() += besides[s - 2][0];
+                own.laryngoscope.translation.y() += besides[s - 2][1];
             }
             const double took = ms_of(scenes[s].simulation, own);
             if (s < all_ms.size()) {
@@ -149,12 +192,7 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
         all_awake += share;
         const std::array<double, measures> there = measured(reference);
         for (Follower& f : scenes) {
-            const std::array<double, measures> here = measured(f.simulation);
-            for (std::size_t m = 0; m < measures; ++m) {
-                f.greatest[m] = std::max(f.greatest[m], here[m]);
-                f.mean[m] += here[m];
-                f.squares[m] += (here[m] - there[m]) * (here[m] - there[m]);
-            }
+            f.add(measured(f.simulation), there);
         }
         if (steps % steps_per_row != 0) {
             continue;
@@ -162,15 +200,15 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
         std::string row = fmt::format("{},{},{:.1f}", name, model_name,
                                       static_cast<double>(steps) / scene::steps_per_second);
         for (std::size_t m = 0; m < measures; ++m) {
-            for (const Follower& f : scenes) {
-                row += fmt::format(",{:.4g}", measured(f.simulation)[m]);
+            for (std::size_t s = 0; s <= 2; ++s) {
+                row += fmt::format(",{:.4g}", measured(scenes[s].simulation)[m]);
             }
         }
         for (std::size_t s = 1; s < scenes.size(); ++s) {
             Apart now;
             now.add(scenes[s].simulation.scene(), reference.scene());
             scenes[s].apart.add(scenes[s].simulation.scene(), reference.scene());
-            row += fmt::format(",{:.3g},{:.3g}", 1e3 * now.rms(), 1e3 * now.most());
+            row += s <= 2 ? fmt::format(",{:.3g},{:.3g}", 1e3 * now.rms(), 1e3 * now.most()) : "";
         }
         course.row(row + fmt::format(",{:.1f},{:.3f},{:.3f}", 100.0 * share, row_ms[0], row_ms[1]));
         row_ms = {};
@@ -186,16 +224,17 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
                                   rest_ms[1] / rest_ms[0], 100.0 * all_awake / count, all_ms[0] / count,
                                   all_ms[1] / count, all_ms[1] / all_ms[0], 100.0 * after_awake);
     for (std::size_t m = 0; m < measures; ++m) {
-        for (const Follower& f : scenes) {
-            row += fmt::format(",{:.4f},{:.4f}", f.greatest[m], f.mean[m] / count);
-            if (&f != scenes.data()) {
-                row += fmt::format(",{:.4f}", std::sqrt(f.squares[m] / count));
-            }
-        }
+        const double limit = off * scenes[0].greatest[m];
+        const Follower& asleep = scenes[1];
+        row += fmt::format(",{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}", scenes[0].greatest[m],
+                           scenes[0].mean[m] / count, asleep.greatest[m], asleep.mean[m] / count,
+                           asleep.difference_rms(m), asleep.off_percent(m, limit));
+        row += range_beside(led_beside, [&](const Follower& f) { return f.mean[m] / count; });
+        row += range_beside(led_beside, [&](const Follower& f) { return f.difference_rms(m); });
+        row += range_beside(led_beside, [&](const Follower& f) { return f.off_percent(m, limit); });
     }
-    for (std::size_t s = 1; s < scenes.size(); ++s) {
-        row += fmt::format(",{:.4f},{:.4f}", 1e3 * scenes[s].apart.rms(), 1e3 * scenes[s].apart.most());
-    }
+    row += fmt::format(",{:.4f},{:.4f}", 1e3 * scenes[1].apart.rms(), 1e3 * scenes[1].apart.most());
+    row += range_beside(led_beside, [](const Follower& f) { return 1e3 * f.apart.rms(); });
     table.row(row);
     spdlog::info(
         "{} {}: {:.1f} % awake at rest, {:.3f} of the time; {:.0f} % awake in the attempt, {:.2f} of the "
@@ -213,16 +252,15 @@ int sleep(const SleepOptions& options) {
         "step_sleep_ms,ratio,after_awake_percent";
     std::string course_header = "scenario,model,time_s";
     for (const char* const measure : measure_names) {
-        for (const char* const of : {"", "_sleep", "_beside"}) {
-            header += fmt::format(",{0}{1}_max,{0}{1}_mean", measure, of);
-            header += *of != '\0' ? fmt::format(",{}{}_difference_rms", measure, of) : "";
-            course_header += fmt::format(",{}{}", measure, of);
-        }
+        header += fmt::format(
+            ",{0}_max,{0}_mean,{0}_sleep_max,{0}_sleep_mean,{0}_sleep_difference_rms,{0}_sleep_off_percent,"
+            "{0}_beside_mean_least,{0}_beside_mean_most,{0}_beside_difference_rms_least,"
+            "{0}_beside_difference_rms_most,{0}_beside_off_percent_least,{0}_beside_off_percent_most",
+            measure);
+        course_header += fmt::format(",{0},{0}_sleep,{0}_beside", measure);
     }
-    for (const char* const of : {"sleep", "beside"}) {
-        header += fmt::format(",shape_{0}_rms_mm,shape_{0}_max_mm", of);
-        course_header += fmt::format(",shape_{0}_rms_mm,shape_{0}_max_mm", of);
-    }
+    header += ",shape_sleep_rms_mm,shape_sleep_max_mm,shape_beside_rms_mm_least,shape_beside_rms_mm_most";
+    course_header += ",shape_sleep_rms_mm,shape_sleep_max_mm,shape_beside_rms_mm,shape_beside_max_mm";
     Table table(options.out, "sleep.csv", header);
     Table course(options.out, "sleep-course.csv", course_header + ",awake_percent,step_ms,step_sleep_ms");
     for (const std::string& name : options.scenarios) {

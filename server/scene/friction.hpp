@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "server/pbd/friction.hpp"
+
+namespace eti::scene {
+
+/// Coulomb's coefficients of wet mucosa, on what it meets.
+inline constexpr pbd::Friction mucosa_on_steel(0.1f);
+inline constexpr pbd::Friction mucosa_on_mucosa(0.2f);
+inline constexpr pbd::Friction mucosa_on_tube(0.05f);
+
+}  // namespace eti::scene
