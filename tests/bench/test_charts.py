@@ -55,6 +55,15 @@ class Charts(unittest.TestCase):
             self.assertGreater(of[CLUSTERS, 24], 0.9 * of[CLUSTERS, 8], case)
             self.assertGreater(of[CLUSTERS, 24], 0.35, case)
 
+    def test_the_lift_is_as_near_to_finite_elements_with_any_tremor(self):
+        """The shipped tongue, each time judged in its own surroundings: not one lucky way of the hand."""
+        rows = plot.rows_of(CHARTS / "lift-tremors.csv")
+        self.assertEqual([row["tremor"] for row in rows], ["0", "1", "2", "3"])
+        for row in rows:
+            self.assertLess(float(row["force_difference"]), 0.05, row)
+            self.assertLess(float(row["shape_difference"]), 0.05, row)
+        self.assertEqual(len({row["force_n"] for row in rows}), 4)
+
     def test_reference_of_the_lift_is_as_sure_as_said(self):
         """Its end is an equilibrium whatever the drag, but friction remembers the way that drag changes, and holds a tenth of
         the force at most: a third of that is left to it. Where clusters hold the tongue makes more of a difference, so that
@@ -316,19 +325,19 @@ class Charts(unittest.TestCase):
         self.assertAlmostEqual(float(rows[0]["ratio"]), 1.19, delta=0.05)     # 5 mm, two cells across: all surface
 
     def test_sleep_costs_less_than_half_a_per_cent_of_forces_and_view(self):
-        """Over the attempt, in the means, and with the shipped tongue from moment to moment; there about what a blade a
-        micrometre beside makes of it."""
+        """In the means, and with the shipped tongue for 98 % of the attempt; what is left, a slip that comes a moment sooner
+        or later, is no more than blades led a micrometre beside make of it."""
         rows = plot.rows_of(CHARTS / "sleep.csv")
         self.assertEqual({row["model"] for row in rows}, {"tetrahedra", "implicit"})
         for row in rows:
             for measure in ("blade_n", "tongue_n", "gum_n", "view_percent"):
-                mean, asleep = float(row[f"{measure}_mean"]), float(row[f"{measure}_sleep_mean"])
-                greatest = float(row[f"{measure}_max"])
-                self.assertLess(abs(asleep - mean), 0.005 * greatest, (row["model"], measure))
-                self.assertLessEqual(float(row[f"{measure}_sleep_difference_rms"]),
-                                     1.25 * float(row[f"{measure}_beside_difference_rms"]), (row["model"], measure))
+                value = {name: float(row[f"{measure}_{name}"]) for name in (
+                    "mean", "max", "sleep_mean", "sleep_off_percent", "sleep_difference_rms", "beside_difference_rms_most")}
+                self.assertLess(abs(value["sleep_mean"] - value["mean"]), 0.005 * value["max"], (row["model"], measure))
+                self.assertLessEqual(value["sleep_difference_rms"], 1.25 * value["beside_difference_rms_most"],
+                                     (row["model"], measure))
                 if row["model"] == "implicit":
-                    self.assertLess(float(row[f"{measure}_sleep_difference_rms"]), 0.005 * greatest, measure)
+                    self.assertLess(value["sleep_off_percent"], 2.0, measure)
             self.assertEqual(float(row["rest_awake_percent"]), 0.0, row["model"])
             self.assertLess(float(row["rest_step_sleep_ms"]), 0.4, row["model"])
 
