@@ -8,8 +8,8 @@
 
 #include "client/app/offscreen.hpp"
 #include "client/app/options.hpp"
-#include "client/app/stop_signal.hpp"
 #include "client/app/windowed.hpp"
+#include "common/process/stop_signal.hpp"
 
 int main(int argc, char** argv) {
     using namespace eti::client;
@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
     if (const auto status = parse(argc, argv, options)) {
         return *status;
     }
-    catch_stop_signals();
+    eti::catch_stop_signals({.second_ends = true});
     try {
         nlohmann::json result;
         const int status =

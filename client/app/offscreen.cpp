@@ -11,10 +11,10 @@
 
 #include "client/app/pictures.hpp"
 #include "client/app/session_input.hpp"
-#include "client/app/stop_signal.hpp"
 #include "client/render/headless_context.hpp"
 #include "client/render/video.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/stop_signal.hpp"
 
 namespace eti::client {
 namespace {

@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "client/app/session_input.hpp"
-#include "client/app/stop_signal.hpp"
 #include "client/app/window.hpp"
 #include "client/render/headless_context.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/stop_signal.hpp"
 
 namespace eti::client {
 namespace {

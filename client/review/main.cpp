@@ -4,20 +4,18 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <iostream>
 #include <string>
 
 #include "client/review/export.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/guard.hpp"
+#include "common/process/stop_signal.hpp"
 #include "common/session/check.hpp"
 
 namespace {
 
 using namespace eti;
-
-volatile std::sig_atomic_t stop_requested = 0;
 
 constexpr int refused = 1;
 constexpr int misused = 2;
@@ -73,7 +71,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
             std::cerr << fmt::format("\r\033[K[{}/9] {}", ++count, path.string()) << std::flush;
         }
     };
-    const auto written = review::export_csv(file, folder, told, [] { return stop_requested != 0; });
+    const auto written = review::export_csv(file, folder, told, stop_asked);
     if (on_terminal) {
         std::cerr << "\r\033[K";
     }
@@ -87,7 +85,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     if (json) {
         std::cout << nlohmann::ordered_json{{"file", file.string()}, {"written", names}}.dump(2) << '\n';
     }
-    return stop_requested != 0 ? interrupted : 0;
+    return stop_asked() ? interrupted : 0;
 }
 
 }  // namespace
@@ -125,7 +123,7 @@ int main(int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : misused;
     }
     // The task below decides when to end; it inherits the handler.
-    std::signal(SIGINT, [](int) { stop_requested = 1; });
+    catch_stop_signals();
 
     // Session files come from other people too, and the HDF5 library can crash on a damaged one.
     const Guarded ended = run_guarded([&] {

@@ -7,26 +7,10 @@
 
 namespace eti::view {
 
-FrameMap frame_map(const FramePose& pose, const Vec3f& rest_centre) {
-    FrameMap map;
-    map.linear = pose.rotation.toRotationMatrix();
-    map.offset = pose.centre - map.linear * rest_centre;
-    return map;
-}
-
 void skin_vertices(const SurfaceModel& model, std::span<const FrameMap> frames,
                    std::span<LitVertex> vertices) {
     for (std::size_t v = 0; v < vertices.size(); ++v) {
-        const SkinWeights& skin = model.skin[v];
-        const Vec3f& rest = model.mesh.vertices[v];
-        Vec3f sum = Vec3f::Zero();
-        for (std::size_t k = 0; k < 4; ++k) {
-            if (skin.weight[k] > 0.0f) {
-                const FrameMap& map = frames[skin.frame[k]];
-                sum += skin.weight[k] * (map.linear * rest + map.offset);
-            }
-        }
-        vertices[v].position = sum;
+        vertices[v].position = skin_point(model.mesh.vertices[v], model.skin[v], frames);
     }
 }
 

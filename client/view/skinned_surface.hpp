@@ -11,15 +11,6 @@
 
 namespace eti::view {
 
-/// A frame's rest-to-current map as matrix and offset: a matrix costs nine products a point, a
-/// quaternion twice that, and each frame carries many points.
-struct FrameMap {
-    Mat3f linear = Mat3f::Identity();
-    Vec3f offset = Vec3f::Zero();
-};
-
-[[nodiscard]] FrameMap frame_map(const FramePose& pose, const Vec3f& rest_centre);
-
 /// Position [m] and unit normal, as the graphics card takes them.
 struct LitVertex {
     Vec3f position = Vec3f::Zero();

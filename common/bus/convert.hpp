@@ -75,8 +75,7 @@ namespace eti::bus {
 /// Finite, and an orientation of unit length within 1e-2: what a pose from the wire must be to be used.
 [[nodiscard]] inline bool is_valid(const eti::msg::Pose& pose) {
     const eti::msg::Quat& q = pose.orientation();
-    const float norm = Quatf(q.w(), q.x(), q.y(), q.z()).norm();
-    return is_finite(pose.position()) && std::abs(norm - 1.0f) < 1e-2f;
+    return is_rigid({Quatf(q.w(), q.x(), q.y(), q.z()), from_msg(pose.position())});
 }
 
 }  // namespace eti::bus

@@ -72,6 +72,29 @@ std::vector<Tissue> read_tissues(const Group& group, const std::string& name, st
     return tissues;
 }
 
+void write_surface(const Group& group, const Surface& surface) {
+    group.set_text("name", surface.name);
+    group.set_integer("tissue", static_cast<std::uint64_t>(surface.tissue));
+    write_mesh(group, surface.mesh);
+    write_tissues(group, "triangle_tissue", surface.triangle_tissue);
+    write_skin(group, surface.skin);
+}
+
+Surface read_surface(const Group& group, std::size_t frames) {
+    Surface surface;
+    surface.name = group.text("name");
+    const std::uint64_t tissue = group.integer("tissue");
+    if (tissue >= tissue_count) {
+        throw Error(fmt::format("{}: attribute tissue: {} is no tissue", group.place(), tissue));
+    }
+    surface.tissue = static_cast<Tissue>(tissue);
+    surface.mesh = read_mesh(group);
+    surface.triangle_tissue = read_tissues(group, "triangle_tissue", surface.mesh.triangles.size());
+    surface.skin = read_skin(group, surface.mesh.vertices.size());
+    require_skin(group, surface.skin, frames);
+    return surface;
+}
+
 void require_finite(const Group& group, const std::string& name, std::span<const float> values) {
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (!std::isfinite(values[i])) {

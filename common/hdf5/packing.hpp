@@ -11,6 +11,7 @@
 #include "common/hdf5/group.hpp"
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/surface.hpp"
 #include "common/model/tissue.hpp"
 
 namespace eti::hdf5 {
@@ -70,6 +71,10 @@ void write_skin(const Group& group, const std::vector<SkinWeights>& skin);
 void write_tissues(const Group& group, const std::string& name, const std::vector<Tissue>& tissues);
 [[nodiscard]] std::vector<Tissue> read_tissues(const Group& group, const std::string& name,
                                                std::size_t count);
+
+void write_surface(const Group& group, const Surface& surface);
+/// Of a model with so many `frames`. Throws Error naming what does not fit.
+[[nodiscard]] Surface read_surface(const Group& group, std::size_t frames);
 
 // What a file must satisfy before anything computes with it. Each throws Error naming the data set.
 void require_finite(const Group& group, const std::string& name, std::span<const float> values);

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include <cstdint>
+#include <cmath>
 
 namespace eti {
 
@@ -40,6 +40,18 @@ struct RigidTransform {
         return {turn, pivot - turn * pivot};
     }
 };
+
+/// What lies a `share` (0..1) of the way from `a` to `b`: turned about the shortest arc, shifted along a
+/// line.
+[[nodiscard]] inline RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b,
+                                                float share) {
+    return {a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
+}
+
+/// Whether all numbers are finite and the quaternion stands for a rotation: of unit length within 1e-2.
+[[nodiscard]] inline bool is_rigid(const RigidTransform& pose) {
+    return pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0f) < 1e-2f;
+}
 
 /// Rotation vector (axis times angle, rad, angle in [0, pi]) of a unit quaternion.
 [[nodiscard]] inline Vec3f rotation_vector(const Quatf& q) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/math/transform.hpp"
+#include "common/math/units.hpp"
 
 namespace eti {
 
@@ -18,6 +19,33 @@ struct FramePose {
     Quatf rotation = Quatf::Identity();  ///< rest to current
 };
 
+/// A frame that shifted and turned by less since it was last sent or recorded counts as unmoved: a tenth of
+/// what an eye sees.
+inline constexpr float frame_shift_quantum = 0.02e-3f;       ///< [m]
+inline constexpr float frame_turn_quantum = 0.05f * degree;  ///< [rad]
+
+/// Whether a frame has moved by more than that; one with a number that is not finite has.
+[[nodiscard]] inline bool has_moved(const FramePose& from, const FramePose& to) {
+    return !((to.centre - from.centre).norm() <= frame_shift_quantum) ||
+           !(rotation_vector(from.rotation.conjugate() * to.rotation).norm() <= frame_turn_quantum);
+}
+
+/// What a frame does to rest points, as matrix and offset: a matrix costs nine products a point, a quaternion
+/// twice that, and each frame carries many.
+struct FrameMap {
+    Mat3f linear = Mat3f::Identity();
+    Vec3f offset = Vec3f::Zero();
+
+    [[nodiscard]] Vec3f operator*(const Vec3f& rest) const { return linear * rest + offset; }
+};
+
+[[nodiscard]] inline FrameMap frame_map(const FramePose& pose, const Vec3f& rest_centre) {
+    FrameMap map;
+    map.linear = pose.rotation.toRotationMatrix();
+    map.offset = pose.centre - map.linear * rest_centre;
+    return map;
+}
+
 /// Up to four frames that carry a point, with weights that sum to one; unused entries weigh zero.
 struct SkinWeights {
     std::array<std::uint16_t, 4> frame{};
@@ -25,6 +53,18 @@ struct SkinWeights {
 };
 
 /// Linear blend skinning of one rest point [m].
+[[nodiscard]] inline Vec3f skin_point(const Vec3f& rest, const SkinWeights& weights,
+                                      std::span<const FrameMap> frames) {
+    Vec3f sum = Vec3f::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (weights.weight[k] > 0.0f) {
+            sum += weights.weight[k] * (frames[weights.frame[k]] * rest);
+        }
+    }
+    return sum;
+}
+
+/// The same where each frame carries only few points.
 [[nodiscard]] inline Vec3f skin_point(const Vec3f& rest, const SkinWeights& weights,
                                       std::span<const Vec3f> rest_centres,
                                       std::span<const FramePose> frames) {

@@ -30,10 +30,6 @@ Vec3f implicit_velocity(const Vec3f& velocity, const Vec3f& towards_goal, const 
     return impulse * ((1.0f - dt * friction / size) / inert);
 }
 
-bool finite(const RigidTransform& pose) {
-    return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
-}
-
 }  // namespace
 
 Wrench coupling_wrench(const Motion& device, const Motion& proxy, const CouplingSettings& settings) {
@@ -56,7 +52,7 @@ HandDevice::HandDevice(const HandSettings& settings, const RigidTransform& start
 
 void HandDevice::step(const RigidTransform& wanted, const Wrench& wrench, float dt) {
     // One bad sample must not stay in the state for ever.
-    if (!(dt > 0.0f) || !finite(wanted) || !wrench.force.allFinite() || !wrench.torque.allFinite()) {
+    if (!(dt > 0.0f) || !is_rigid(wanted) || !wrench.force.allFinite() || !wrench.torque.allFinite()) {
         return;
     }
     const HandSettings& s = settings_;

@@ -12,7 +12,7 @@
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/parameters.hpp"
-#include "common/model/tissue.hpp"
+#include "common/model/surface.hpp"
 
 namespace eti::session {
 
@@ -30,15 +30,6 @@ struct SessionInfo {
     std::map<std::string, std::string> more;  ///< further texts, by name
 };
 
-/// A visible surface of the patient, rest posture.
-struct SurfaceRecord {
-    std::string name;
-    Tissue tissue = Tissue::soft;
-    TriangleMesh mesh;
-    std::vector<Tissue> triangle_tissue;  ///< one per triangle
-    std::vector<SkinWeights> skin;        ///< one per vertex
-};
-
 /// A point that moves with the frames: a landmark, or a corner of the glottis (nameless).
 struct PointRecord {
     std::string name;
@@ -49,7 +40,7 @@ struct PointRecord {
 /// What does not change during a session, so that a replay needs neither server nor scenario.
 struct SceneRecord {
     std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, clusters, the head's
-    std::vector<SurfaceRecord> surfaces;
+    std::vector<Surface> surfaces;
     std::vector<PointRecord> landmarks;
     std::vector<PointRecord> glottis_contour;
     std::string blade;

@@ -59,21 +59,6 @@ std::vector<PointRecord> read_points(const Group& group, std::size_t frames, boo
     return points;
 }
 
-SurfaceRecord read_surface(const Group& group, std::size_t frames) {
-    SurfaceRecord surface;
-    surface.name = group.text("name");
-    const std::uint64_t tissue = group.integer("tissue");
-    if (tissue >= tissue_count) {
-        throw hdf5::Error(fmt::format("{}: attribute tissue: {} is no tissue", group.place(), tissue));
-    }
-    surface.tissue = static_cast<Tissue>(tissue);
-    surface.mesh = read_mesh(group);
-    surface.triangle_tissue = read_tissues(group, "triangle_tissue", surface.mesh.triangles.size());
-    surface.skin = read_skin(group, surface.mesh.vertices.size());
-    require_skin(group, surface.skin, frames);
-    return surface;
-}
-
 }  // namespace
 
 void write_head(const Group& root, const SessionInfo& info, const SceneRecord& scene,
@@ -117,12 +102,7 @@ void write_scene(const Group& group, const SceneRecord& scene) {
                {"m", "rest centre of each frame: trunk, skull, mandible, then the clusters; patient frame"});
     const Group surfaces = group.create("surfaces");
     for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
-        const Group surface = surfaces.create(std::to_string(i));
-        surface.set_text("name", scene.surfaces[i].name);
-        surface.set_integer("tissue", static_cast<std::uint64_t>(scene.surfaces[i].tissue));
-        write_mesh(surface, scene.surfaces[i].mesh);
-        write_tissues(surface, "triangle_tissue", scene.surfaces[i].triangle_tissue);
-        write_skin(surface, scene.surfaces[i].skin);
+        write_surface(surfaces.create(std::to_string(i)), scene.surfaces[i]);
     }
     write_points(group.create("landmarks"), scene.landmarks, true);
     write_points(group.create("glottis_contour"), scene.glottis_contour, false);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/math/units.hpp"
+#include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
@@ -37,10 +38,6 @@ struct CalibrateOptions {
 
 constexpr std::chrono::milliseconds poll{5};
 constexpr int samples_per_touch = 60;
-
-bool stopped() {
-    return stop_flag() != 0;
-}
 
 /// What was measured is not enough to keep.
 struct Interrupted : std::runtime_error {
@@ -118,7 +115,7 @@ Eigen::Vector3d touch(Sampling& sampling, const Eigen::Vector3d& tip) {
         if (sampling.newest(reading)) {
             sum += twice(reading.motion.pose) * tip;
             ++got;
-        } else if (stopped()) {
+        } else if (stop_asked()) {
             throw Interrupted{};
         } else if (tried % 400 == 399) {
             explain(sampling);
@@ -136,7 +133,7 @@ std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::V
                                  pairs[i].name)
                   << std::flush;
         std::string line;
-        if (!std::getline(std::cin, line) || stopped()) {
+        if (!std::getline(std::cin, line) || stop_asked()) {
             throw Interrupted{};
         }
         pairs[i].device = touch(sampling, tip);
@@ -226,7 +223,7 @@ std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
     spdlog::info("rest the tip in a dimple and swing the handle to all sides for {:.0f} s", options.seconds);
     Reading reading;
     for (double left = options.seconds; left > 0.0; left -= 1e-3 * static_cast<double>(poll.count())) {
-        if (stopped()) {
+        if (stop_asked()) {
             throw Interrupted{};
         }
         std::this_thread::sleep_for(poll);
@@ -280,7 +277,7 @@ int simulate(const CalibrateOptions& options) {
     }
     for (const SensorNoise& noise : sensor_noises()) {
         for (const bool outliers : {false, true}) {
-            if (stopped()) {
+            if (stop_asked()) {
                 throw Interrupted{};
             }
             const TrialResult r = simulate_calibrations(board, noise, options.trials, outliers, options.seed);

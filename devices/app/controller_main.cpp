@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/command_link.hpp"
 #include "devices/app/program.hpp"
@@ -28,7 +29,7 @@ class Controller {
           watch_(*sensor_),
           link_(options.bus) {}
 
-    void run(const volatile std::sig_atomic_t& stop) {
+    void run() {
         auto last = std::chrono::steady_clock::now();
         const auto begun = last;
         bool lost = false;
@@ -64,7 +65,7 @@ class Controller {
                 lost ? spdlog::warn("device '{}' is lost: {}", options_.device, watch_.fault())
                      : spdlog::info("device '{}' is back", options_.device);
             }
-            if (stop != 0) {
+            if (stop_asked()) {
                 ended_ = "interrupted";
             } else if (options_.duration > 0.0 &&
                        std::chrono::duration<double>(now - begun).count() >= options_.duration) {
@@ -139,7 +140,7 @@ int run(const ProgramOptions& options, const std::vector<std::string>& typed) {
     } else {
         Controller controller(options);
         spdlog::info("commands from '{}' to session '{}'", options.device, options.bus.session);
-        controller.run(stop_flag());
+        controller.run();
         result = controller.result();
         spdlog::info("ended: {}; {} commands, {} accepted, {} refused", result["ended"].get<std::string>(),
                      result["commands"].get<int>(), result["accepted"].get<int>(),

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/mesh/check.hpp"
+#include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/program.hpp"
 #include "devices/calibration/point_file.hpp"
@@ -63,7 +64,7 @@ int main(int argc, char** argv) {
         std::filesystem::create_directories(out);
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         for (const auto& [name, make] : parts) {
-            if (stop_flag() != 0) {
+            if (stop_asked()) {
                 spdlog::info("interrupted");
                 return 1;
             }

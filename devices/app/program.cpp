@@ -5,17 +5,15 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <csignal>
 #include <thread>
 
+#include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
 
 namespace eti::devices {
 
 namespace {
-
-volatile std::sig_atomic_t stop_requested = 0;
 
 constexpr std::chrono::milliseconds look_for_server{1000};
 constexpr std::chrono::milliseconds poll_interval{20};
@@ -66,10 +64,6 @@ void add_bus_options(CLI::App& app, ProgramOptions& options) {
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");
 }
 
-const volatile std::sig_atomic_t& stop_flag() {
-    return stop_requested;
-}
-
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     try {
         app.parse(argc, argv);
@@ -81,14 +75,7 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 
 void set_up_process(const std::string& name) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-    struct sigaction stop {};
-    stop.sa_handler = [](int) { stop_requested = 1; };
-    // Without SA_RESTART: a program that waits for a line stops too. A terminal that is closed, or whoever
-    // reads the output and goes away, must not end a program that has a device in its hand.
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
-        ::sigaction(signal, &stop, nullptr);
-    }
-    std::signal(SIGPIPE, SIG_IGN);
+    catch_stop_signals({.holds_device = true});
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
@@ -204,7 +191,7 @@ void Program::report(const SensorWatch& watch) {
 
 bool Program::should_end() {
     if (ended_.empty()) {
-        if (stop_requested != 0) {
+        if (stop_asked()) {
             ended_ = "interrupted";
         } else if (link_.finished()) {
             ended_ = "session finished";

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 
 #include <chrono>
-#include <csignal>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -40,9 +39,6 @@ void add_device_options(CLI::App& app, ProgramOptions& options, Use use);
 
 /// Of the bus and of the program's end.
 void add_bus_options(CLI::App& app, ProgramOptions& options);
-
-/// Not zero once the program is to end; see set_up_process().
-[[nodiscard]] const volatile std::sig_atomic_t& stop_flag();
 
 /// Parses; the exit status when the program is done already (--help, --version, a mistake).
 [[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, char** argv);

@@ -4,14 +4,14 @@
 
 #include <algorithm>
 
+#include "common/model/pace.hpp"
 #include "devices/haptics/gimbal_force.hpp"
 
 namespace eti::devices {
 
 namespace {
 
-constexpr float never = -1.0f;                     // an age that Freshness takes for stale
-constexpr float message_interval = 1.0f / 180.0f;  // [s], of simulation time
+constexpr float never = -1.0f;  // an age that Freshness takes for stale
 
 float age_of(std::int64_t arrived, std::int64_t now) {
     // A message may come in after the cycle has begun.
@@ -65,9 +65,8 @@ Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform&
     }
     // After a gap all that it adds comes in by the slower way back.
     const float due =
-        after_gap
-            ? 0.0f
-            : std::min(message_interval / std::max(scene.pace, settings_.prediction.slowest_pace), 0.02f);
+        after_gap ? 0.0f
+                  : std::min(step_duration / std::max(scene.pace, settings_.prediction.slowest_pace), 0.02f);
     const Wrench smooth = soft_.update(now, scene.tissue_arrived, due, dt);
     // When the whole scene falls silent the fade of the sum is enough; twice would be too steep.
     const float all = freshness_.share();

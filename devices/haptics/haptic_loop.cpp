@@ -7,13 +7,13 @@
 #include <algorithm>
 
 #include "common/bus/convert.hpp"
+#include "common/model/pace.hpp"
 #include "common/process/priority.hpp"
 
 namespace eti::devices {
 
 namespace {
 
-constexpr double step = 1.0 / 180.0;     // [s], of the simulation
 constexpr float first_interval = 1e-3f;  // [s]
 constexpr std::chrono::milliseconds publisher_patience{50};
 
@@ -21,7 +21,7 @@ constexpr std::chrono::milliseconds publisher_patience{50};
 
 double SimulationTime::at(const SceneState& scene, std::int64_t now) {
     const double age = static_cast<double>(now - scene.proxy_arrived) * 1e-9;
-    const double carried = std::clamp(age * static_cast<double>(scene.pace), 0.0, 2.0 * step);
+    const double carried = std::clamp(age * static_cast<double>(scene.pace), 0.0, 2.0 / steps_per_second);
     const double time = scene.seen.time + carried;
     last_ = scene.session == session_ ? std::max(last_, time) : time;
     session_ = scene.session;

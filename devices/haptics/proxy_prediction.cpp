@@ -6,13 +6,14 @@
 #include <array>
 #include <cmath>
 
+#include "common/model/pace.hpp"
+
 namespace eti::devices {
 
 namespace {
 
 // Sweeps over the planes. Two planes at 60 deg reach the corner to 1/16 in 4, more obtuse ones faster.
 constexpr int sweeps = 4;
-constexpr float simulation_step = 1.0f / 180.0f;  // [s]
 
 Vec3f beyond(const Vec3f& v, float most) {
     const float length = v.norm();
@@ -91,7 +92,7 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
     Vec3f turned = turn_of(report.proxy.pose, report.device);
     const std::span<const Vec3f> normals = report.contact_normals();
     if (normals.empty()) {
-        const float step = simulation_step / std::max(pace, bounds.slowest_pace);
+        const float step = step_duration / std::max(pace, bounds.slowest_pace);
         offset = beyond(offset, step * std::max(device.velocity.norm(), lately.moving));
         turned = beyond(turned, step * std::max(device.angular_velocity.norm(), lately.turning));
         if (held) {

@@ -26,8 +26,7 @@ struct Reading {
 
 /// Whether all numbers are finite and the rotation is one.
 [[nodiscard]] inline bool is_motion(const Motion& motion) {
-    return motion.pose.translation.allFinite() && motion.velocity.allFinite() &&
-           motion.angular_velocity.allFinite() && std::abs(motion.pose.rotation.norm() - 1.0f) < 1e-2f;
+    return is_rigid(motion.pose) && motion.velocity.allFinite() && motion.angular_velocity.allFinite();
 }
 
 /// What a device can give to the hand. Zero: nothing.

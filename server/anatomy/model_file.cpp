@@ -164,29 +164,6 @@ LinkSet read_links(const Group& group, std::size_t particles) {
     return links;
 }
 
-void write(const Group& group, const Surface& surface) {
-    group.set_text("name", surface.name);
-    group.set_integer("tissue", static_cast<std::uint64_t>(surface.tissue));
-    write_mesh(group, surface.mesh);
-    write_tissues(group, "triangle_tissue", surface.triangle_tissue);
-    write_skin(group, surface.skin);
-}
-
-Surface read_surface(const Group& group, std::size_t frames) {
-    Surface surface;
-    surface.name = group.text("name");
-    const std::uint64_t tissue = group.integer("tissue");
-    if (tissue >= tissue_count) {
-        throw hdf5::Error(fmt::format("{}: attribute tissue: {} is no tissue", group.place(), tissue));
-    }
-    surface.tissue = static_cast<Tissue>(tissue);
-    surface.mesh = read_mesh(group);
-    surface.triangle_tissue = read_tissues(group, "triangle_tissue", surface.mesh.triangles.size());
-    surface.skin = read_skin(group, surface.mesh.vertices.size());
-    require_skin(group, surface.skin, frames);
-    return surface;
-}
-
 void write(const Group& group, const Shell& shell) {
     write_mesh(group, shell.mesh);
     write_tissues(group, "triangle_tissue", shell.triangle_tissue);
@@ -239,7 +216,7 @@ void write(const Group& root, const Patient& patient) {
     const Group surfaces = root.create("surfaces");
     surfaces.set_integer("count", patient.surfaces.size());
     for (std::size_t i = 0; i < patient.surfaces.size(); ++i) {
-        write(surfaces.create(std::to_string(i)), patient.surfaces[i]);
+        write_surface(surfaces.create(std::to_string(i)), patient.surfaces[i]);
     }
     write(root.create("shell"), patient.shell);
     write_carried(root, "landmarks", patient.landmarks);

@@ -12,6 +12,7 @@
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/landmark.hpp"
+#include "common/model/surface.hpp"
 #include "common/model/tissue.hpp"
 
 namespace eti::anatomy {
@@ -90,15 +91,6 @@ struct TetrahedronSet {
 struct LinkSet {
     std::vector<std::array<std::uint32_t, 2>> ends;  ///< particle indices
     std::vector<float> stiffness;                    ///< [N/m]
-};
-
-/// A visible surface: closed, manifold, outward-oriented; skinned to bones and clusters.
-struct Surface {
-    std::string name;
-    Tissue tissue = Tissue::soft;
-    TriangleMesh mesh;                    ///< rest posture
-    std::vector<Tissue> triangle_tissue;  ///< one per triangle
-    std::vector<SkinWeights> skin;        ///< one per vertex; frames: bones, then clusters
 };
 
 /// The inward offset shell: what stops the laryngoscope's proxy, the tube and the tongue.

@@ -23,12 +23,8 @@ BusInput::BusInput(bus::Node& node)
       command_topic_(node, bus::topics::command) {}
 
 void BusInput::latch(const msg::Pose& pose, std::optional<RigidTransform>& to) {
-    const msg::Quat& q = pose.orientation();
-    const Eigen::Vector4f raw(q.w(), q.x(), q.y(), q.z());
     const RigidTransform received = bus::from_msg(pose);
-    const bool proper = raw.allFinite() && std::fabs(raw.norm() - 1.0f) < 1e-2f &&
-                        received.translation.allFinite() && received.translation.norm() < farthest;
-    if (proper) {
+    if (bus::is_valid(pose) && received.translation.norm() < farthest) {
         to = received;
     } else {
         ++refused_;

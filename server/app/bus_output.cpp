@@ -11,6 +11,7 @@
 #include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
 #include "common/math/units.hpp"
+#include "common/model/pace.hpp"
 #include "server/scene/scene.hpp"
 
 namespace eti::app {
@@ -20,18 +21,15 @@ namespace {
 using bus::make_header;
 using bus::to_msg;
 
-// A frame is sent when it moved by more than this since last sent: a tenth of what an eye sees.
-constexpr float centre_quantum = 0.02e-3f;          // [m]
-constexpr float rotation_quantum = 0.05f * degree;  // [rad]
 // Every frame is sent again within this many states, so that a late joiner or a lost chunk heals.
 constexpr std::uint32_t refresh_states = 45;
 // 24 bytes a frame; the first chunk also carries the tube's nodes. Each chunk fits 1300 bytes.
 constexpr std::size_t frames_per_chunk = 48;
 constexpr std::size_t frames_in_first_chunk = 24;
 
-constexpr std::uint64_t steps_per_state = scene::steps_per_second / 90;
-constexpr std::uint64_t steps_per_slow_state = scene::steps_per_second / 30;
-constexpr std::uint64_t steps_per_status = scene::steps_per_second / 10;
+constexpr std::uint64_t steps_per_state = steps_per_second / 90;
+constexpr std::uint64_t steps_per_slow_state = steps_per_second / 30;
+constexpr std::uint64_t steps_per_status = steps_per_second / 10;
 
 // Longer than the lease after which a killed reader no longer counts.
 constexpr std::chrono::milliseconds farewell{2000};
@@ -55,11 +53,6 @@ msg::FrameUpdate frame_update(std::size_t index, const FramePose& pose) {
     update.y(pose.centre.y());
     update.z(pose.centre.z());
     return update;
-}
-
-bool moved(const FramePose& now, const FramePose& before) {
-    return (now.centre - before.centre).squaredNorm() > centre_quantum * centre_quantum ||
-           rotation_vector(now.rotation * before.rotation.conjugate()).norm() > rotation_quantum;
 }
 
 std::vector<double> values_of(const Parameters& parameters) {
@@ -112,7 +105,7 @@ void BusOutput::publish_scene(const anatomy::Patient& patient, const Laryngoscop
     for (const Vec3f& centre : patient.frame_rest_centre) {
         append(frames.vertices(), centre);
     }
-    for (const anatomy::Surface& surface : patient.surfaces) {
+    for (const Surface& surface : patient.surfaces) {
         msg::SceneDescription& o = object(surface.name, msg::OBJECT_SURFACE);
         o.tissue(static_cast<std::uint32_t>(surface.tissue));
         for (const Vec3f& v : surface.mesh.vertices) {
@@ -320,7 +313,7 @@ void BusOutput::publish_deformation(const scene::Snapshot& snapshot,
     const auto per_state = static_cast<std::uint32_t>(count / refresh_states + 1);
     for (std::uint32_t i = 0; i < count; ++i) {
         const bool in_turn = (i + static_cast<std::uint32_t>(count) - refresh) % count < per_state;
-        if (first || in_turn || moved(snapshot.frames[i], sent[i])) {
+        if (first || in_turn || has_moved(sent[i], snapshot.frames[i])) {
             due.push_back(static_cast<std::uint16_t>(i));
             sent[i] = snapshot.frames[i];
         }

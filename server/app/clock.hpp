@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/model/pace.hpp"
+
 namespace eti::app {
 
 /// Paces steps by the wall clock and keeps account of their cost. A step that comes late moves the
@@ -52,7 +54,7 @@ class StepClock {
         const double cost = last_cost_.count();
         costs_[count_++ % costs_.size()] = static_cast<float>(cost);
         most_ = std::max(most_, cost);
-        load_ += (cost / std::chrono::duration<double>(period_).count() - load_) / 180.0;
+        load_ += (cost / std::chrono::duration<double>(period_).count() - load_) / steps_per_second;
     }
 
     /// [s], that simulation time has fallen behind the clock.

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "server/app/local_operator.hpp"
 
+#include "common/model/pace.hpp"
+
 namespace eti::app {
 
 namespace {
@@ -25,7 +27,7 @@ void LocalOperator::hold(scene::Inputs& inputs) const {
 }
 
 void LocalOperator::advance(const Observation& observation, const scene::Snapshot& snapshot) {
-    constexpr float dt = scene::step_duration / ticks_per_step;
+    constexpr float dt = step_duration / ticks_per_step;
     Observation seen = observation;
     Motion proxy{snapshot.proxy, snapshot.proxy_velocity, snapshot.proxy_angular_velocity};
     for (int tick = 0; tick < ticks_per_step; ++tick) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "common/math/hash.hpp"
 #include "server/anatomy/model_file.hpp"
 #include "server/anatomy/stiffness.hpp"
 
@@ -17,13 +18,11 @@ namespace eti::app {
 namespace {
 
 std::uint64_t hash_of(const anatomy::Provenance& provenance) {
-    std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
+    Hash hash;
     for (const auto& [key, value] : provenance) {
-        for (const char c : key + "=" + value + "\n") {
-            hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-        }
+        hash.add(key + "=" + value + "\n");
     }
-    return hash;
+    return hash.value();
 }
 
 }  // namespace

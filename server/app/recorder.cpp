@@ -21,10 +21,7 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
                               std::size_t tube_nodes, bool saliva) {
     session::SceneRecord scene;
     scene.frame_rest_centre = patient.frame_rest_centre;
-    for (const anatomy::Surface& surface : patient.surfaces) {
-        scene.surfaces.push_back(
-            {surface.name, surface.tissue, surface.mesh, surface.triangle_tissue, surface.skin});
-    }
+    scene.surfaces = patient.surfaces;
     for (std::size_t i = 0; i < landmark_count; ++i) {
         scene.landmarks.push_back(point(std::string(landmark_names[i]), patient.landmarks[i]));
     }
@@ -74,11 +71,6 @@ FramePose on_grid(const FramePose& pose) {
     rounded.centre = pose.centre.unaryExpr([](float v) { return on_grid(v, shifts); });
     rounded.rotation.coeffs() = pose.rotation.coeffs().unaryExpr([](float v) { return on_grid(v, turns); });
     return rounded;
-}
-
-bool moved(const FramePose& from, const FramePose& to) {
-    return !((to.centre - from.centre).norm() <= deformation_shift) ||
-           !(rotation_vector(from.rotation.conjugate() * to.rotation).norm() <= deformation_turn);
 }
 
 }  // namespace
@@ -150,7 +142,7 @@ void Recorder::record_deformation(const scene::Snapshot& snapshot) {
     moved_.frame.clear();
     moved_.pose.clear();
     for (std::size_t i = 0; i < snapshot.frames.size(); ++i) {
-        if (all_frames_ || moved(recorded_[i], snapshot.frames[i])) {
+        if (all_frames_ || has_moved(recorded_[i], snapshot.frames[i])) {
             moved_.frame.push_back(static_cast<std::uint16_t>(i));
             moved_.pose.push_back(on_grid(snapshot.frames[i]));
         }

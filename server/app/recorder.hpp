@@ -53,9 +53,6 @@ class Recorder {
     bool all_frames_ = true;
 };
 
-/// Frames that turned or shifted less since they were recorded count as unmoved.
-inline constexpr float deformation_shift = 0.02e-3f;                     ///< [m]
-inline constexpr float deformation_turn = 0.05f * 3.14159265f / 180.0f;  ///< [rad]
 inline constexpr std::uint64_t deformation_period_ns = 1'000'000'000 / 15;
 
 /// Compiler, build type and instruction set: what the bits of a re-run depend on.

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
-#include <csignal>
 #include <cstdio>
 #include <functional>
 #include <iostream>
@@ -14,9 +13,11 @@
 
 #include "common/bus/bus.hpp"
 #include "common/math/units.hpp"
+#include "common/model/pace.hpp"
 #include "common/model/parameters_json.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 #include "server/app/bus_input.hpp"
@@ -33,8 +34,6 @@
 namespace eti::app {
 
 namespace {
-
-volatile std::sig_atomic_t stop_requested = 0;
 
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
@@ -118,7 +117,7 @@ class Session {
             spdlog::warn("{}", priority_refusal_);
         }
         const bool real_time = live_ && priority_refusal_.empty();
-        StepClock clock(scene::step_duration, !options_.fast, real_time ? left_to_others : 0.0);
+        StepClock clock(step_duration, !options_.fast, real_time ? left_to_others : 0.0);
         {
             const Foremost foremost(live_);
             while (!ended()) {
@@ -233,7 +232,7 @@ class Session {
                 simulation_->snapshot().saliva.positions.size());
         }
         // The demo reads its progress from this line.
-        if (!options_.fast && simulation_->snapshot().step % scene::steps_per_second == 0) {
+        if (!options_.fast && simulation_->snapshot().step % steps_per_second == 0) {
             spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", simulation_->time(), behind);
         }
     }
@@ -244,7 +243,7 @@ class Session {
     }
 
     [[nodiscard]] bool ended() {
-        if (stop_requested != 0 || desk_.stopped()) {
+        if (stop_asked() || desk_.stopped()) {
             return true;
         }
         if (options_.steps && simulation_->snapshot().step >= *options_.steps) {
@@ -294,7 +293,7 @@ class Session {
         out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
                           {"p99", 1e3 * clock.percentile(0.99)},
                           {"max", 1e3 * clock.most()}};
-        out["step_budget_ms"] = 1e3 / scene::steps_per_second;
+        out["step_budget_ms"] = 1e3 / steps_per_second;
         out["behind_s"] = clock.behind();
         std::cout << out.dump(2) << std::endl;
     }
@@ -324,8 +323,7 @@ class Session {
 }  // namespace
 
 int run_server(const Options& options) {
-    std::signal(SIGINT, [](int) { stop_requested = 1; });
-    std::signal(SIGTERM, [](int) { stop_requested = 1; });
+    catch_stop_signals();
     const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
                                                     : std::max(1u, std::thread::hardware_concurrency());
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/pace.hpp"
 #include "common/model/parked_pose.hpp"
 #include "server/anatomy/from_scenario.hpp"
 #include "server/app/patient_cache.hpp"
@@ -15,7 +16,7 @@ namespace eti::app {
 
 namespace {
 
-constexpr std::uint64_t steps_per_look = scene::steps_per_second / 30;
+constexpr std::uint64_t steps_per_look = steps_per_second / 30;
 
 /// Refuses substeps too long for a tongue of tetrahedra.
 scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient& patient) {
@@ -56,9 +57,8 @@ PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patien
     if (scenario.physics.tissue_model == TissueModel::tetrahedra && tongue != set.tissue.end()) {
         const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
         limits.bearer = fmt::format("tetrahedra of {:.3g} mm", 1e3f * spacing);
-        limits.stiffest =
-            pbd::Tetrahedra::stiffest(spacing, anatomy::tissue_density,
-                                      scene::step_duration / static_cast<float>(scenario.physics.substeps));
+        limits.stiffest = pbd::Tetrahedra::stiffest(
+            spacing, anatomy::tissue_density, step_duration / static_cast<float>(scenario.physics.substeps));
     }
     return limits;
 }

@@ -42,7 +42,7 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
 GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope,
                              const Settings& settings)
     : settings_(settings), rest_centres_(patient.frame_rest_centre) {
-    for (const anatomy::Surface& surface : patient.surfaces) {
+    for (const Surface& surface : patient.surfaces) {
         if (is_bone(surface.tissue)) {  // inside the body, hidden anyway
             continue;
         }
@@ -63,11 +63,11 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
     }
 }
 
-void GlotticViewer::block(SightLines& lines, const PosedFrames& frames, const scene::Snapshot& snapshot) {
+void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames,
+                          const scene::Snapshot& snapshot) {
     if (laryngoscope_) {
-        const Vec3f centre = Vec3f::Zero();
-        const FramePose pose{snapshot.proxy.translation, snapshot.proxy.rotation};
-        laryngoscope_->block(lines, PosedFrames(std::span(&centre, 1), std::span(&pose, 1)));
+        const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
+        laryngoscope_->block(lines, std::span(&held, 1));
     }
     for (Occluder& surface : surfaces_) {
         surface.block(lines, frames);
@@ -89,7 +89,8 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
     if (snapshot.frames.size() != rest_centres_.size()) {
         return view;
     }
-    const PosedFrames frames(rest_centres_, snapshot.frames);
+    std::vector<FrameMap> frames(rest_centres_.size());
+    std::ranges::transform(snapshot.frames, rest_centres_, frames.begin(), frame_map);
     const AreaSamples samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
     SightLines to_glottis(eye, samples.points, settings_.tolerance);
     block(to_glottis, frames, snapshot);
@@ -105,7 +106,7 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
 
     std::vector<Vec3f> targets;
     for (const anatomy::CarriedPoint& point : epiglottis_) {
-        targets.push_back(frames.skin(point.rest, point.skin));
+        targets.push_back(skin_point(point.rest, point.skin, frames));
     }
     SightLines to_epiglottis(eye, targets, settings_.tolerance);
     block(to_epiglottis, frames, snapshot);

@@ -51,7 +51,7 @@ class GlotticViewer {
     [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& from);
 
   private:
-    void block(SightLines& lines, const PosedFrames& frames, const scene::Snapshot& snapshot);
+    void block(SightLines& lines, std::span<const FrameMap> frames, const scene::Snapshot& snapshot);
 
     Settings settings_;
     std::vector<Vec3f> rest_centres_;

@@ -146,25 +146,6 @@ void SightLines::block_by_capsule(const Vec3f& a, const Vec3f& b, float radius) 
     }
 }
 
-PosedFrames::PosedFrames(std::span<const Vec3f> rest_centres, std::span<const FramePose> frames) {
-    turn_.reserve(frames.size());
-    shift_.reserve(frames.size());
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        turn_.push_back(frames[i].rotation.toRotationMatrix());
-        shift_.push_back(frames[i].centre - turn_.back() * rest_centres[i]);
-    }
-}
-
-Vec3f PosedFrames::skin(const Vec3f& rest, const SkinWeights& weights) const {
-    Vec3f sum = Vec3f::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (weights.weight[k] > 0.0f) {
-            sum += weights.weight[k] * place(weights.frame[k], rest);
-        }
-    }
-    return sum;
-}
-
 Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     : rest_(mesh.vertices),
       skin_(skin.begin(), skin.end()),
@@ -226,13 +207,13 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     }
 }
 
-void Occluder::block(SightLines& lines, const PosedFrames& frames) {
+void Occluder::block(SightLines& lines, std::span<const FrameMap> frames) {
     ++call_;
     tested_ = 0;
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
-            seen_[vertex] = lines.seen_from_eye(frames.skin(rest_[vertex], skin_[vertex]));
+            seen_[vertex] = lines.seen_from_eye(skin_point(rest_[vertex], skin_[vertex], frames));
         }
         return seen_[vertex];
     };
@@ -243,7 +224,7 @@ void Occluder::block(SightLines& lines, const PosedFrames& frames) {
         Vec3f low = Vec3f::Constant(1e9f);
         Vec3f high = Vec3f::Constant(-1e9f);
         for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
-            const Vec3f image = frames.place(frames_[k], block.centre);
+            const Vec3f image = frames[frames_[k]] * block.centre;
             low = low.cwiseMin(image);
             high = high.cwiseMax(image);
         }

@@ -46,23 +46,6 @@ class SightLines {
     std::size_t open_ = 0;
 };
 
-/// What every frame does to rest points, as matrices: quicker than quaternions where a frame moves
-/// many points.
-class PosedFrames {
-  public:
-    PosedFrames(std::span<const Vec3f> rest_centres, std::span<const FramePose> frames);
-
-    [[nodiscard]] Vec3f place(std::uint16_t frame, const Vec3f& rest) const {
-        return turn_[frame] * rest + shift_[frame];
-    }
-    /// Linear blend skinning of one rest point [m].
-    [[nodiscard]] Vec3f skin(const Vec3f& rest, const SkinWeights& weights) const;
-
-  private:
-    std::vector<Mat3f> turn_;
-    std::vector<Vec3f> shift_;
-};
-
 /// A skinned mesh cut into small blocks of neighbouring triangles, so that a narrow bundle of sight
 /// lines has to skin and test only the few blocks that it may meet.
 ///
@@ -72,7 +55,7 @@ class Occluder {
   public:
     Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin);
 
-    void block(SightLines& lines, const PosedFrames& frames);
+    void block(SightLines& lines, std::span<const FrameMap> frames);
 
     /// Triangles skinned and tested in the last call.
     [[nodiscard]] std::size_t tested() const { return tested_; }

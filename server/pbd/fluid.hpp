@@ -19,7 +19,7 @@ namespace eti::pbd {
 
 /// The defaults are saliva. The kernel's radius is two spacings, which gives a particle some 30 neighbours.
 struct FluidSettings {
-    std::size_t capacity = 4000;           ///< particles; memory is about 0.8 kB for each
+    std::size_t capacity = 3000;           ///< particles, 3 ml of saliva; memory is about 0.8 kB for each
     Vec3f lower = Vec3f::Constant(-0.1f);  ///< [m], particles that leave the box from `lower`
     Vec3f upper = Vec3f::Constant(0.1f);   ///< to `upper` are removed; its cells cost memory
     float spacing = 1e-3f;                 ///< [m], of the particles at rest; cost grows with its cube

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "common/model/pace.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/pbd/fluid.hpp"
 #include "server/pbd/fluid_solid.hpp"
@@ -19,7 +20,7 @@ constexpr float gravity_way = 0.005f;
 
 // [s], how often it is looked who rests. Liquid next to what sleeps wakes it a kernel's radius farther each
 // time: 0.3 m/s, faster than waves in a few millimetres of depth.
-constexpr float settle_time = 1.0f / 180.0f;
+constexpr float settle_time = step_duration;
 
 }  // namespace
 

@@ -15,7 +15,7 @@ namespace eti::pbd {
 class SoftBody {
   public:
     struct Settings {
-        float damping = 12.0f;  ///< [1/s], of velocity
+        float damping = 0.0f;  ///< [1/s], of velocity
         /// [m/s^2], of free particles, beyond the weight that the unloaded shape already bears.
         Vec3f acceleration = Vec3f::Zero();
     };

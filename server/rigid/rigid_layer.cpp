@@ -14,10 +14,6 @@
 namespace eti::rigid {
 namespace {
 
-bool is_finite(const RigidTransform& pose) {
-    return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() && pose.rotation.norm() > 0.5f;
-}
-
 void require(bool condition, const std::string& what) {
     if (!condition) {
         throw std::invalid_argument("rigid layer: " + what);
@@ -102,7 +98,7 @@ void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
 }
 
 void RigidLayer::reset(const RigidTransform& pose) {
-    if (is_finite(pose)) {
+    if (is_rigid(pose)) {
         world_->place(pose);
     }
 }
@@ -114,7 +110,7 @@ const ProxyResult& RigidLayer::result() const {
 const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt) {
     World& w = *world_;
     const RigidTransform start = w.device;
-    const RigidTransform end = is_finite(device_pose) ? device_pose : start;
+    const RigidTransform end = is_rigid(device_pose) ? device_pose : start;
     const Vec3f way = end.translation - start.translation;
     const Vec3f turn = rotation_vector(end.rotation * start.rotation.conjugate());
     const float reach = w.reach / to_cm;

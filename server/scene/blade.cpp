@@ -168,8 +168,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
 }
 
 RigidTransform BladeContact::pose_at(float share) const {
-    return {from_.rotation.slerp(share, to_.rotation),
-            from_.translation + share * (to_.translation - from_.translation)};
+    return interpolate(from_, to_, share);
 }
 
 void BladeContact::project(pbd::Particles& particles, float begin, float end, float dt) {

@@ -14,7 +14,6 @@ namespace eti::scene {
 namespace {
 
 // Lengths are those of a newborn of 3.5 kg and shrink with the patient, volumes with their cube.
-constexpr std::size_t capacity = 3000;         // particles; 3 ml
 constexpr float spacing = 1e-3f;               // [m]
 constexpr float least_spacing = 0.85e-3f;      // [m], of any patient: saliva is only looked at
 constexpr float pool = 1.2e-6f;                // [m^3], in the throat at the start
@@ -63,7 +62,6 @@ pbd::FluidSettings fluid_settings(const anatomy::Patient& patient) {
     const float size = size_of(patient);
     pbd::FluidSettings s = saliva_settings(spacing_in(patient), substep);
     const auto [lower, upper] = head_box(patient, size * beyond_head);
-    s.capacity = capacity;
     s.lower = lower;
     s.upper = upper;
     return s;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/math/hash.hpp"
 #include "server/anatomy/swelling.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/scene/friction.hpp"
@@ -22,32 +23,14 @@ float approach(float from, float to, float most) {
     return from + std::clamp(to - from, -most, most);
 }
 
-/// FNV-1a over raw bytes.
-class Hash {
-  public:
-    template <class T>
-    void add(std::span<const T> values) {
-        bytes(values.data(), values.size() * sizeof(T));
-    }
-    template <class Scalar, int rows>
-    void add(const Eigen::Matrix<Scalar, rows, 1>& vector) {
-        bytes(vector.data(), sizeof(Scalar) * rows);
-    }
-    void add(const RigidTransform& pose) {
-        bytes(pose.rotation.coeffs().data(), 4 * sizeof(float));
-        bytes(pose.translation.data(), 3 * sizeof(float));
-    }
-    [[nodiscard]] std::uint64_t value() const { return value_; }
-
-  private:
-    void bytes(const void* data, std::size_t size) {
-        const auto* p = static_cast<const unsigned char*>(data);
-        for (std::size_t i = 0; i < size; ++i) {
-            value_ = (value_ ^ p[i]) * 0x100000001b3ULL;
-        }
-    }
-    std::uint64_t value_ = 0xcbf29ce484222325ULL;
-};
+template <class Scalar, int rows>
+void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
+    hash.bytes(vector.data(), sizeof(Scalar) * rows);
+}
+void add(Hash& hash, const RigidTransform& pose) {
+    hash.bytes(pose.rotation.coeffs().data(), 4 * sizeof(float));
+    add(hash, pose.translation);
+}
 
 }  // namespace
 
@@ -211,7 +194,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
     ++snapshot_.step;
     // Whole nanoseconds from the step number: no drift.
-    snapshot_.time_ns = snapshot_.step * 1'000'000'000ULL / steps_per_second;
+    snapshot_.time_ns = time_ns_of(snapshot_.step);
     fill_proxy(inputs);
     if (proxy_moved) {
         proxy_moved(snapshot_);
@@ -402,15 +385,15 @@ std::uint64_t Scene::state_hash() const {
     hash.add(std::span<const Vec3f>(tissue_.body().particles.position));
     hash.add(std::span<const Vec3f>(tissue_.body().particles.velocity));
     for (const pbd::RodSegment& segment : tube_.rod().segments()) {
-        hash.add(segment.position);
-        hash.add(Eigen::Vector4d(segment.rotation.coeffs()));
-        hash.add(segment.velocity);
-        hash.add(segment.angular_velocity);
+        add(hash, segment.position);
+        add(hash, Eigen::Vector4d(segment.rotation.coeffs()));
+        add(hash, segment.velocity);
+        add(hash, segment.angular_velocity);
     }
-    hash.add(snapshot_.proxy);
-    hash.add(snapshot_.last_free);
-    hash.add(snapshot_.proxy_velocity);
-    hash.add(snapshot_.proxy_angular_velocity);
+    add(hash, snapshot_.proxy);
+    add(hash, snapshot_.last_free);
+    add(hash, snapshot_.proxy_velocity);
+    add(hash, snapshot_.proxy_angular_velocity);
     if (saliva_) {
         hash.add(saliva_->fluid().positions());
         hash.add(saliva_->fluid().velocities());

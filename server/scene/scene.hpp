@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/model/pace.hpp"
 #include "server/anatomy/patient.hpp"
 #include "server/anatomy/skeleton.hpp"
 #include "server/pbd/self_contact.hpp"
@@ -23,10 +24,6 @@
 #include "server/scene/tube.hpp"
 
 namespace eti::scene {
-
-/// Simulation steps per second; a snapshot goes out every second step.
-inline constexpr int steps_per_second = 180;
-inline constexpr float step_duration = 1.0f / steps_per_second;  ///< [s]
 
 /// What devices and commands ask for, latched once per step. Patient frame.
 struct Inputs {

@@ -35,10 +35,6 @@ constexpr std::size_t near_at_a_time = 256;
 // The first pass finds which contacts hold, the second with what force.
 constexpr int passes = 2;
 
-RigidTransform between(const RigidTransform& a, const RigidTransform& b, float share) {
-    return {a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
-}
-
 pbd::RodContact new_contact() {
     pbd::RodContact contact;
     contact.stiffness = stiffness;
@@ -224,13 +220,13 @@ float TubeContact::farthest_from_ends() const {
 
 void TubeContact::predict(float dt, float end, const Vec3f& gravity) {
     dt_ = dt;
-    rod_.predict(dt, gravity, between(grip_from_, grip_to_, end));
+    rod_.predict(dt, gravity, interpolate(grip_from_, grip_to_, end));
 }
 
 void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end) {
     for (int pass = 0; pass < passes; ++pass) {
         meet_shell(shell);
-        meet_blade(between(blade_from_, blade_to_, begin), between(blade_from_, blade_to_, end));
+        meet_blade(interpolate(blade_from_, blade_to_, begin), interpolate(blade_from_, blade_to_, end));
         meet_tissue(particles);
         rod_.solve(contacts_);
         if (near_.empty()) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "common/math/hash.hpp"
 #include "common/math/units.hpp"
 #include "server/anatomy/check_model.hpp"
 #include "server/anatomy/from_scenario.hpp"
@@ -28,14 +29,6 @@ struct BuildRequest {
 
 std::string stem_of_model(const std::filesystem::path& file) {
     return (file.parent_path() / file.stem()).string();
-}
-
-std::uint64_t fnv1a(std::span<const std::uint8_t> bytes) {
-    std::uint64_t hash = 0xcbf29ce484222325ULL;
-    for (const std::uint8_t b : bytes) {
-        hash = (hash ^ b) * 0x100000001b3ULL;
-    }
-    return hash;
 }
 
 anatomy::BuildSettings settings_of(const BuildRequest& request, anatomy::BuildSettings settings) {
@@ -166,7 +159,9 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
         std::string& hashes = provenance["input_fnv1a"];
         const char* comma = names.empty() ? "" : " ";
         names += comma + file.filename().string();
-        hashes += fmt::format("{}{:016x}", comma, fnv1a(imaging::read_bytes(file)));
+        Hash hash;
+        hash.add(std::span(imaging::read_bytes(file)));
+        hashes += fmt::format("{}{:016x}", comma, hash.value());
     }
     provenance["weight_kg"] = fmt::format("{}", patient.weight);
     provenance["registration_off_mm"] = fmt::format("{:.3f}", 1e3 * anatomy->registration().off);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/math/units.hpp"
+#include "common/process/stop_signal.hpp"
 #include "server/anatomy/check_model.hpp"
 #include "server/anatomy/dimensions.hpp"
 #include "server/anatomy/model_file.hpp"

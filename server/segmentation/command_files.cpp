@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "common/process/stop_signal.hpp"
 #include "server/segmentation/commands.hpp"
 
 namespace eti::segmentation {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/math/units.hpp"
+#include "common/process/stop_signal.hpp"
 #include "server/imaging/formats.hpp"
 #include "server/imaging/read.hpp"
 #include "server/segmentation/agreement.hpp"
@@ -243,7 +244,7 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : status_misused;
     }
-    stop_on_signals();
+    catch_stop_signals();
     try {
         Result result;
         if (phantom->parsed()) {

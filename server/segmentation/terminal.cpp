@@ -6,17 +6,15 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <iostream>
 #include <mutex>
+
+#include "common/process/stop_signal.hpp"
 
 namespace eti::segmentation {
 
 namespace {
-
-std::atomic<bool> stop{false};
 
 class ProgressBar {
   public:
@@ -47,18 +45,9 @@ ProgressBar progress;
 
 }  // namespace
 
-void stop_on_signals() {
-    std::signal(SIGINT, [](int) { stop = true; });
-    std::signal(SIGTERM, [](int) { stop = true; });
-}
-
-bool stop_asked() {
-    return stop;
-}
-
 bool tell(float share, std::string_view what) {
     progress.draw(share, what);
-    return !stop;
+    return !stop_asked();
 }
 
 void clear_progress() {

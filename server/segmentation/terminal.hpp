@@ -24,10 +24,6 @@ inline constexpr int status_misused = 2;
 inline constexpr int status_no_model = 3;  ///< surfaces were written, but what is left makes no model
 inline constexpr int status_interrupted = 130;
 
-/// Ctrl-C and SIGTERM ask the command to stop.
-void stop_on_signals();
-[[nodiscard]] bool stop_asked();
-
 /// Draws a bar on a terminal, at most ten times a second; several threads may tell it. False asks to stop.
 [[nodiscard]] bool tell(float share, std::string_view what);
 inline const Told told = tell;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/model/pace.hpp"
 #include "tests/bench/server/accuracy_table.hpp"
 #include "tests/validation/fluid/dam_break.hpp"
 
@@ -11,7 +12,6 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double steps_per_second = 180.0;
 constexpr double gravity = 9.81;  // [m/s^2]
 constexpr std::string_view method = "fluid";
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/model/pace.hpp"
 #include "server/anatomy/tetrahedra_of.hpp"
 #include "server/scene/friction.hpp"
 #include "tests/bench/server/block_cases.hpp"
@@ -108,7 +109,7 @@ std::vector<double> LiftReference::held_at(double step) const {
 
 void LiftReference::go(double from, double to) {
     const fem::Increment done =
-        path_->step(blade_at(to), held_at(to), (to - from) * scene::step_duration, choice_.on_the_way);
+        path_->step(blade_at(to), held_at(to), (to - from) * step_duration, choice_.on_the_way);
     iterations += done.iterations;
     spdlog::debug("lift: to step {}: {} iterations, residual {:.1g}, {:.3f} mm deep, {:.3f} N", to,
                   done.iterations, done.residual, 1e3 * done.penetration, force_on_blade().norm());
@@ -127,7 +128,7 @@ void LiftReference::go(double from, double to) {
 
 void LiftReference::come_to_rest() {
     const auto last = static_cast<double>(surroundings_.blade.size() - 1);
-    double duration = scene::step_duration;
+    double duration = step_duration;
     for (int k = 0; k < most_steps_at_rest; ++k) {
         const Vec3d before = force_on_blade();
         const fem::Increment done = path_->step(blade_at(last), held_at(last), duration, choice_.at_rest);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/model/pace.hpp"
 #include "server/anatomy/tetrahedra_of.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
@@ -217,9 +218,9 @@ Lift by_particles(const Scenario& scenario, const anatomy::Patient& patient,
         }
     }
     out.speed = std::sqrt(squared / averaged_steps / static_cast<double>(std::ranges::count(counted, true))) *
-                scene::steps_per_second;
+                steps_per_second;
     out.frame_ms = std::chrono::duration<double, std::milli>(spent).count() /
-                   static_cast<double>(way.size() - 1) * scene::steps_per_second / 90.0;
+                   static_cast<double>(way.size() - 1) * steps_per_second / 90.0;
     return out;
 }
 

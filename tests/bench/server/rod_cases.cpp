@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/model/pace.hpp"
 #include "tests/bench/server/accuracy_table.hpp"
 #include "tests/support/elastica.hpp"
 #include "tests/support/rod_fixture.hpp"
@@ -12,7 +13,6 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double steps_per_second = 180.0;
 constexpr std::string_view method = "rod";
 
 double since(std::chrono::steady_clock::time_point before) {

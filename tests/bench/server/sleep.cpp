@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/model/pace.hpp"
 #include "common/operator/operator.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
@@ -23,9 +24,9 @@ namespace {
 
 constexpr double longest = 120.0;     // [s] of simulation time
 constexpr double quick_course = 2.0;  // [s]
-constexpr int rest_steps = 3 * scene::steps_per_second;
-constexpr int after_steps = 10 * scene::steps_per_second;
-constexpr int steps_per_row = scene::steps_per_second / 10;
+constexpr int rest_steps = 3 * steps_per_second;
+constexpr int after_steps = 10 * steps_per_second;
+constexpr int steps_per_row = steps_per_second / 10;
 /// What a small cause makes: the blade led beside its way by these [m].
 constexpr std::array<std::array<float, 2>, 4> besides = {
     {{1e-6f, 0.0f}, {-1e-6f, 0.0f}, {0.0f, 1e-6f}, {0.0f, -1e-6f}}};
@@ -197,8 +198,8 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
         if (steps % steps_per_row != 0) {
             continue;
         }
-        std::string row = fmt::format("{},{},{:.1f}", name, model_name,
-                                      static_cast<double>(steps) / scene::steps_per_second);
+        std::string row =
+            fmt::format("{},{},{:.1f}", name, model_name, static_cast<double>(steps) / steps_per_second);
         for (std::size_t m = 0; m < measures; ++m) {
             for (std::size_t s = 0; s <= 2; ++s) {
                 row += fmt::format(",{:.4g}", measured(scenes[s].simulation)[m]);

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "common/model/pace.hpp"
 #include "server/anatomy/model_file.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
@@ -51,7 +52,7 @@ double clock_ms() {
 /// least of several runs through the same course, so that what disturbs one of them does not count.
 void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& from, const scene::Inputs& to,
            const std::string& what) {
-    constexpr int longest = 20 * scene::steps_per_second;
+    constexpr int longest = 20 * steps_per_second;
     const int runs = meter.quick() ? 1 : 3;
     std::vector<double> least;
     for (int run = 0; run < runs; ++run) {
@@ -63,7 +64,7 @@ void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& 
         for (const scene::Inputs& inputs : {to, from}) {
             // The shell's distances follow a second after the bones: they are waited for, too.
             int still = 0;
-            for (int i = 0; i < longest && still < 2 * scene::steps_per_second; ++i, ++step) {
+            for (int i = 0; i < longest && still < 2 * steps_per_second; ++i, ++step) {
                 const scene::Snapshot& s = simulation.snapshot();
                 const std::array before = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,
                                            s.tissue_stiffness};
@@ -89,7 +90,7 @@ void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& 
     const anatomy::Patient patient = app::patient_of(scenario);
     const scene::Inputs inputs = app::parked(scenario);
     app::Simulation simulation(scenario, patient, inputs);
-    for (int i = 0; i < scene::steps_per_second; ++i) {  // until what liquid there is has settled
+    for (int i = 0; i < steps_per_second; ++i) {  // until what liquid there is has settled
         simulation.scene().step(inputs);
     }
     const double whole = meter.fastest([&] { simulation.scene().step(inputs); });
@@ -189,7 +190,7 @@ void measure_scene(SpeedMeter& meter) {
 
     rigid::RigidLayer layer(simulation.scope(), patient.shell.mesh, patient.shell.triangle_tissue);
     layer.reset(inputs.laryngoscope);
-    const double proxy = meter.fastest([&] { (void)layer.step(inputs.laryngoscope, scene::step_duration); });
+    const double proxy = meter.fastest([&] { (void)layer.step(inputs.laryngoscope, step_duration); });
     meter.add("proxy of the lifting laryngoscope against the shell, per step", 1e-6 * proxy, "ms");
     const double refit = meter.fastest([&] { layer.move_shell(patient.shell.mesh.vertices); });
     meter.add("refit of the shell after a change of posture", 1e-6 * refit, "ms");

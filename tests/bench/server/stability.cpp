@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/model/pace.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 
 namespace eti::bench {
@@ -48,7 +49,7 @@ int stability(const StabilityOptions& options) {
     }
     spdlog::info(
         "wrote {}; the scenarios ship implicit tetrahedra, one solve per {}, and clusters, XPBD, at {}",
-        maps.path().string(), step_name(scene::steps_per_second), step_name(shipped_rate()));
+        maps.path().string(), step_name(steps_per_second), step_name(shipped_rate()));
     return 0;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // The blade driven into tissue that lies on bone.
+#include "common/model/pace.hpp"
 #include "server/pbd/contact.hpp"
 #include "server/pbd/surface_edges.hpp"
 #include "server/scene/tongue.hpp"
@@ -181,7 +182,7 @@ void blade_into_tissue_on_bone(const Sweep& sweep, Maps& maps) {
     for (const Method method : sweep.methods) {
         std::vector<Column> columns = columns_of(sweep, method);
         if (method == Method::tetrahedra_implicit) {
-            columns.push_back({std::string(as_cut), scene::steps_per_second});
+            columns.push_back({std::string(as_cut), steps_per_second});
         }
         for (const auto& [column, rate] : columns) {
             for (const Push& push :

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // Saliva squeezed between blade and floor, and between two capsules.
+#include "common/model/pace.hpp"
 #include "server/scene/saliva.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 
@@ -111,7 +112,7 @@ Course squeeze(double rate, float speed, bool two_capsules, bool as_in_the_scene
 }  // namespace
 
 void fluid_in_a_closing_gap(const Sweep& sweep, Maps& maps) {
-    const double scene_rate = scene::steps_per_second * scene::Saliva::substeps;
+    const double scene_rate = steps_per_second * scene::Saliva::substeps;
     for (const double rate : sweep.quick ? std::vector{scene_rate} : sweep.rates) {
         for (const float speed : {0.01f, 0.1f, 1.0f, 3.0f}) {
             for (const bool two : {false, true}) {

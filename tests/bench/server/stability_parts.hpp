@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/model/pace.hpp"
 #include "common/scenario/scenario.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/server/block_body.hpp"
@@ -14,7 +15,7 @@ namespace eti::bench {
 
 /// Substeps per second that scenarios run by default.
 [[nodiscard]] inline double shipped_rate() {
-    return scene::steps_per_second * Scenario::Physics{}.substeps;
+    return steps_per_second * Scenario::Physics{}.substeps;
 }
 
 /// What is swept: everything, or the shipped setting alone.
@@ -40,7 +41,7 @@ struct Column {
     std::vector<Column> columns;
     if (method == Method::tetrahedra_implicit) {
         for (const int count : sweep.solves) {
-            columns.push_back({std::to_string(count), double{scene::steps_per_second} * count});
+            columns.push_back({std::to_string(count), double{steps_per_second} * count});
         }
     } else {
         for (const double rate : sweep.rates) {

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 // The patient's head and jaw moved through their whole range in one step, and as fast as scenes move them.
 #include "common/math/units.hpp"
+#include "common/model/pace.hpp"
 #include "server/anatomy/build.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 #include "tests/support/coarse_newborn.hpp"
@@ -32,7 +33,7 @@ scene::Inputs parked(const anatomy::Posture& posture) {
 std::vector<FramePose> settled(const anatomy::Patient& patient, const Laryngoscope& scope,
                                const anatomy::Posture& posture, const scene::Settings& settings) {
     scene::Scene scene(patient, scope, Tube{}, parked(posture), settings);
-    for (int k = 0; k < static_cast<int>(watched) * scene::steps_per_second; ++k) {
+    for (int k = 0; k < static_cast<int>(watched) * steps_per_second; ++k) {
         scene.step(parked(posture));
     }
     return scene.snapshot().frames;
@@ -48,7 +49,7 @@ Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
     scene::Scene scene(patient, scope, Tube{}, parked(move.from), settings);
     Follower follower(size, watched);
     double thrown = 0.0;
-    for (int k = 0; k <= static_cast<int>(watched) * scene::steps_per_second; ++k) {
+    for (int k = 0; k <= static_cast<int>(watched) * steps_per_second; ++k) {
         double away = 0.0;
         for (std::size_t i = 0; i < expected.size(); ++i) {
             const FramePose& frame = scene.snapshot().frames[i];
@@ -57,7 +58,7 @@ Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
             follower.look(frame.rotation);
         }
         thrown = k == 0 ? away : thrown;
-        follower.look(static_cast<double>(k) / scene::steps_per_second, away, 0.0);
+        follower.look(static_cast<double>(k) / steps_per_second, away, 0.0);
         scene.step(parked(move.to));
     }
     return follower.course(thrown);
@@ -84,15 +85,14 @@ void head_in_one_step(const Sweep& sweep, Maps& maps) {
         }
         for (const int substeps : sweep.quick ? std::vector{shipped} : std::vector{1, 2, 4, shipped, 16}) {
             maps.add("scene", "head in one step", "coarse patient", m.name,
-                     step_name(scene::steps_per_second * substeps),
-                     move(test::coarse_newborn(), m, substeps));
+                     step_name(steps_per_second * substeps), move(test::coarse_newborn(), m, substeps));
         }
     }
     if (!sweep.quick) {
         const anatomy::Patient shipped_model = anatomy::build_patient({}, {});
         for (const Move& m : moves) {
             maps.add("scene", "head in one step", "shipped patient", m.name,
-                     step_name(scene::steps_per_second * shipped), move(shipped_model, m, shipped));
+                     step_name(steps_per_second * shipped), move(shipped_model, m, shipped));
         }
     }
 }

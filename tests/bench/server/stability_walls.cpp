@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 // Tube and blade against what is thin: do they pass through it?
 #include "common/mesh/intersect.hpp"
+#include "common/model/pace.hpp"
 #include "server/pbd/soft_body.hpp"
 #include "server/scene/blade.hpp"
 #include "server/scene/tube.hpp"
@@ -66,6 +67,7 @@ class Sheet {
             }
         }
         p.position = p.predicted = p.rest;
+        body.settings.damping = damping;
         add_clusters();
     }
 
@@ -118,6 +120,7 @@ class Sheet {
   private:
     static constexpr std::uint32_t none = ~0u;
     static constexpr float wall_half = 20e-3f;  // [m]
+    static constexpr float damping = 12.0f;     // [1/s]
     static constexpr int hinge = 2;             // rows
 
     /// Which piece a column of particles belongs to; 0: there is none, for the slit.
@@ -288,12 +291,12 @@ class Run {
         Follower follower(size, watched);
         pbd::SoftBody& body = sheet_.body;
         bool passed = false;
-        const auto steps = static_cast<int>(watched * scene::steps_per_second);
+        const auto steps = static_cast<int>(watched * steps_per_second);
         for (int k = 0; k < steps; ++k) {
-            const double from = static_cast<double>(k) / scene::steps_per_second;
-            const double to = static_cast<double>(k + 1) / scene::steps_per_second;
+            const double from = static_cast<double>(k) / steps_per_second;
+            const double to = static_cast<double>(k + 1) / steps_per_second;
             begin_step(from, to);
-            const float dt = scene::step_duration / static_cast<float>(c_.substeps);
+            const float dt = step_duration / static_cast<float>(c_.substeps);
             for (int s = 0; s < c_.substeps; ++s) {
                 const float begin = static_cast<float>(s) / static_cast<float>(c_.substeps);
                 const float end = static_cast<float>(s + 1) / static_cast<float>(c_.substeps);
@@ -359,7 +362,7 @@ void tools_against_thin_walls(const Sweep& sweep, Maps& maps) {
                         const std::string row =
                             fmt::format("{} mm, {}", thickness, end_on ? "end on" : "broadside");
                         const std::string column = fmt::format("{:g} m/s", speed);
-                        const std::string step = step_name(scene::steps_per_second * count);
+                        const std::string step = step_name(steps_per_second * count);
                         maps.add("walls", "tube on " + name_of(target), step, row, column, Run(c).tube());
                         // The rigid layer, which has tests of its own, keeps the blade out of the shell.
                         if (target != Target::shell) {

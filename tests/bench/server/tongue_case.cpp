@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/model/pace.hpp"
 #include "devices/haptics/soft_force.hpp"
 #include "server/anatomy/skeleton.hpp"
 #include "server/app/simulation.hpp"
@@ -21,9 +22,9 @@ namespace eti::bench {
 
 namespace {
 
-constexpr int steps = 2 * scene::steps_per_second;  // in the first half of which the blade goes down
-constexpr int averaged = steps / 10;                // at the end, over which its force is
-constexpr float damping = 40.0f;                    // [1/s]
+constexpr int steps = 2 * steps_per_second;  // in the first half of which the blade goes down
+constexpr int averaged = steps / 10;         // at the end, over which its force is
+constexpr float damping = 40.0f;             // [1/s]
 constexpr double penalty = 2000.0;  // [N/m] per node of the finite elements: some 0.02 mm under the blade
 
 /// The patient's tongue at the scenario's posture, held where it is fixed to bone or to the mouth's floor,
@@ -181,7 +182,7 @@ Pressed by_implicit_tetrahedra(const Tongue& tongue, double depth, int iteration
     for (const std::uint32_t i : mesh.particles()) {
         meshed[i] = !tongue.held[i];
     }
-    constexpr float dt = scene::step_duration;
+    constexpr float dt = step_duration;
     const float keep = std::exp(-damping * dt) / dt;
     std::vector<Vec3f> force(p.size(), Vec3f::Zero());
     Pressed out;
@@ -218,7 +219,7 @@ Pressed by_implicit_tetrahedra(const Tongue& tongue, double depth, int iteration
         }
     }
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
-    out.frame_ms = wall.count() / steps * scene::steps_per_second / 90.0;
+    out.frame_ms = wall.count() / steps * steps_per_second / 90.0;
     for (const Vec3f& x : p.position) {
         out.position.push_back(x.cast<double>());
     }
@@ -236,7 +237,7 @@ Pressed by_particles(const Tongue& tongue, double depth, Method method, int subs
         clusters.particle_volume.push_back(volume);
         clusters.fitting_mass.push_back(anatomy::tissue_density * volume);
     }
-    const float dt = scene::step_duration / static_cast<float>(substeps);
+    const float dt = step_duration / static_cast<float>(substeps);
     const auto wanted = static_cast<float>(youngs_modulus);
     pbd::Tetrahedra::Description mesh;
     if (method == Method::tetrahedra) {
@@ -287,7 +288,7 @@ Pressed by_particles(const Tongue& tongue, double depth, Method method, int subs
         }
     }
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
-    out.frame_ms = wall.count() / steps * scene::steps_per_second / 90.0;
+    out.frame_ms = wall.count() / steps * steps_per_second / 90.0;
     for (const Vec3f& x : p.position) {
         out.position.push_back(x.cast<double>());
     }

@@ -19,7 +19,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "client/app/pictures.hpp"
-#include "client/app/stop_signal.hpp"
+#include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
 
 namespace eti {
@@ -32,7 +32,7 @@ using synthetic::SyntheticServer;
 class OffscreenTest : public ::testing::Test {
   protected:
     void SetUp() override {
-        client::ask_to_stop(false);
+        ask_to_stop(false);
         options_.bus = synthetic::bus_options("eti-client");
         options_.offscreen =
             std::filesystem::temp_directory_path() / ("eti_offscreen_" + std::to_string(::getpid()));
@@ -43,7 +43,7 @@ class OffscreenTest : public ::testing::Test {
     }
     void TearDown() override {
         std::filesystem::remove_all(options_.offscreen);
-        client::ask_to_stop(false);
+        ask_to_stop(false);
     }
 
     [[nodiscard]] std::vector<std::string> pictures(const std::string& part) const {
@@ -162,7 +162,7 @@ TEST_F(OffscreenTest, StopsWhenAsked) {
         while (server.eyes() < 2) {
             std::this_thread::sleep_for(10ms);
         }
-        client::ask_to_stop();
+        ask_to_stop();
     });
     const int status = client::run_offscreen(options_, result_);
     user.join();

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "client/app/stop_signal.hpp"
 #include "client/app/window.hpp"
 #include "client/app/windowed.hpp"
+#include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
 #include "tests/support/virtual_display.hpp"
 
@@ -65,7 +65,7 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
 TEST(Window, FollowsASessionOverTheBus) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::ask_to_stop(false);
+    ask_to_stop(false);
     synthetic::SyntheticServer server(1e9);
     client::Options options;
     options.bus = synthetic::bus_options("eti-client");

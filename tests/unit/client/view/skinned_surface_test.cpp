@@ -31,9 +31,9 @@ TEST(Skinning, MatchesPosesComputedByHand) {
     model.skin[1] = {{1, 0, 0, 0}, {1.0f, 0, 0, 0}};
     model.skin[2] = {{0, 1, 0, 0}, {0.5f, 0.5f, 0, 0}};
     const Quatf quarter(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2, Vec3f::UnitZ()));
-    const std::array<view::FrameMap, 2> maps{
-        view::frame_map({Vec3f::Zero(), Quatf::Identity()}, Vec3f::Zero()),
-        view::frame_map({Vec3f(0.02f, 0.0f, 0.01f), quarter}, Vec3f(0.02f, 0.0f, 0.0f))};
+    const std::array<FrameMap, 2> maps{
+        frame_map({Vec3f::Zero(), Quatf::Identity()}, Vec3f::Zero()),
+        frame_map({Vec3f(0.02f, 0.0f, 0.01f), quarter}, Vec3f(0.02f, 0.0f, 0.0f))};
     view::SkinnedSurface surface(std::move(model));
     ASSERT_TRUE(surface.update(maps, std::array<std::uint8_t, 2>{0, 1}));
     const auto at = [&](std::size_t v) { return surface.vertices()[v].position; };
@@ -51,14 +51,14 @@ TEST(Skinning, AgreesWithTheSharedDefinition) {
     model.highest_frame = 3;
     std::array<Vec3f, 4> centres;
     std::array<FramePose, 4> poses;
-    std::array<view::FrameMap, 4> maps;
+    std::array<FrameMap, 4> maps;
     const auto point = [&]() -> Vec3f {
         return Vec3f(random.normal(), random.normal(), random.normal()) * 0.05f;
     };
     for (std::size_t f = 0; f < 4; ++f) {
         centres[f] = point();
         poses[f] = {point(), quaternion_from(20.0f * point())};
-        maps[f] = view::frame_map(poses[f], centres[f]);
+        maps[f] = frame_map(poses[f], centres[f]);
     }
     for (SkinWeights& skin : model.skin) {
         skin = {{0, 1, 2, 3}, {0.4f, 0.3f, 0.2f, 0.1f}};

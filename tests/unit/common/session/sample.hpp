@@ -44,7 +44,7 @@ inline SceneRecord scene(std::size_t vertices = 300) {
         scene.frame_rest_centre.push_back({random.normal(), random.normal(), random.normal()});
     }
     for (const char* name : {"body", "tongue"}) {
-        SurfaceRecord surface{name, Tissue::tongue, {}, {}, {}};
+        Surface surface{name, Tissue::tongue, {}, {}, {}};
         for (std::size_t i = 0; i < vertices; ++i) {
             surface.mesh.vertices.push_back({random.normal(), random.normal(), random.normal()});
             surface.skin.push_back(skin(random));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "server/app/judge.hpp"
+#include "common/model/pace.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -26,7 +27,7 @@ anatomy::Patient bare_patient() {
 /// The blade goes into the mouth and comes out again within each 300 steps, past lines of sight.
 void go_on(scene::Snapshot& s) {
     ++s.step;
-    s.time_ns = s.step * 1'000'000'000ULL / scene::steps_per_second;
+    s.time_ns = s.step * 1'000'000'000ULL / steps_per_second;
     const auto phase = static_cast<float>(s.step % 300) / 300.0f;
     const float depth = 0.08f * std::sin(3.14159265f * phase);
     s.proxy.translation = Vec3f(0.0f, -0.13f + depth, 0.5f * depth - 0.01f);

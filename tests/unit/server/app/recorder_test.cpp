@@ -17,7 +17,7 @@ constexpr std::size_t tube_nodes = 5;
 anatomy::Patient small_patient() {
     anatomy::Patient patient;
     patient.frame_rest_centre.assign(frame_count, Vec3f(0.1f, 0.2f, 0.3f));
-    anatomy::Surface surface;
+    Surface surface;
     surface.name = "tongue";
     surface.tissue = Tissue::tongue;
     surface.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -217,10 +217,11 @@ TEST_F(RecorderTest, AReplayStaysWithinTheQuantum) {
         for (std::size_t f = 0; f < frame_count; ++f) {
             // The quantum, plus the grid: half a cell of 2^-20 m in each of three directions, and half a
             // cell of 2^-15 in each of four components of the quaternion, which is half the angle.
-            EXPECT_LE((replayed[f].centre - truth[k][f].centre).norm(), deformation_shift + 0.9f * 0x1p-20f);
+            EXPECT_LE((replayed[f].centre - truth[k][f].centre).norm(),
+                      frame_shift_quantum + 0.9f * 0x1p-20f);
             const Quatf rotation = replayed[f].rotation.normalized();
             EXPECT_LE(rotation_vector(rotation.conjugate() * truth[k][f].rotation).norm(),
-                      deformation_turn + 2.0f * 0x1p-15f);
+                      frame_turn_quantum + 2.0f * 0x1p-15f);
         }
     }
 }

@@ -73,7 +73,7 @@ struct Model {
     }
 
     void add(TriangleMesh mesh, Tissue tissue) {
-        anatomy::Surface surface;
+        Surface surface;
         surface.tissue = tissue;
         surface.skin = skin(mesh, patient.frame_rest_centre);
         surface.triangle_tissue.assign(mesh.triangles.size(), tissue);
@@ -132,7 +132,7 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
         return normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
                normal.dot((a - c).cross(p - c)) >= 0;
     };
-    for (const anatomy::Surface& surface : model.patient.surfaces) {
+    for (const Surface& surface : model.patient.surfaces) {
         std::vector<Vec3d> now;
         for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
             Vec3d sum = Vec3d::Zero();
@@ -190,7 +190,7 @@ TEST(SamplePolygon, WeightsAreTheAreaAndPointsLieInside) {
 TEST(GlotticView, AScreenOverHalfTheGlottisLeavesHalf) {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
-    anatomy::Surface screen;
+    Surface screen;
     screen.mesh.vertices = {{0, -1, 0.1f}, {0, 1, 0.1f}, {-1, 0, 0.1f}};
     screen.mesh.triangles = {{0, 1, 2}};
     screen.skin.assign(3, SkinWeights{{0, 0, 0, 0}, {1, 0, 0, 0}});
@@ -216,7 +216,7 @@ TEST(GlotticView, AScreenOverHalfTheGlottisLeavesHalf) {
 TEST(GlotticView, LipsBeforeTheGumDoNotHide) {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
-    anatomy::Surface screen;
+    Surface screen;
     screen.mesh.vertices = {{-1, -1, 0.2f}, {1, -1, 0.2f}, {0, 1, 0.2f}};
     screen.mesh.triangles = {{0, 1, 2}};
     screen.skin.assign(3, SkinWeights{{0, 0, 0, 0}, {1, 0, 0, 0}});
