@@ -14,7 +14,7 @@
 #include "common/bus/bus.hpp"
 #include "common/model/parameters.hpp"
 #include "common/model/tools.hpp"
-#include "server/anatomy/patient.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::app {

@@ -11,7 +11,7 @@
 
 #include "common/math/units.hpp"
 #include "common/model/newborn_shape.hpp"
-#include "server/anatomy/swelling.hpp"
+#include "server/patient/model/swelling.hpp"
 
 namespace eti::app {
 

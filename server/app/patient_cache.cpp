@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "common/math/hash.hpp"
-#include "server/anatomy/model_file.hpp"
-#include "server/anatomy/stiffness.hpp"
+#include "server/patient/model/model_file.hpp"
+#include "server/patient/model/stiffness.hpp"
 
 namespace eti::app {
 

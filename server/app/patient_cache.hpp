@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "server/anatomy/build.hpp"
+#include "server/patient/newborn/build.hpp"
 
 namespace eti::app {
 

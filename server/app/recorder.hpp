@@ -10,8 +10,8 @@
 
 #include "common/model/tools.hpp"
 #include "common/session/writer.hpp"
-#include "server/anatomy/patient.hpp"
 #include "server/metrics/metrics.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::app {

@@ -9,8 +9,8 @@
 
 #include "common/model/pace.hpp"
 #include "common/model/parked_pose.hpp"
-#include "server/anatomy/from_scenario.hpp"
 #include "server/app/patient_cache.hpp"
+#include "server/patient/newborn/from_scenario.hpp"
 
 namespace eti::app {
 

@@ -9,8 +9,8 @@
 
 #include "common/operator/operator.hpp"
 #include "common/scenario/scenario.hpp"
-#include "server/anatomy/patient.hpp"
 #include "server/metrics/metrics.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/scene.hpp"
 
 namespace eti::app {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/model/tools.hpp"
-#include "server/anatomy/patient.hpp"
 #include "server/metrics/occluders.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::metrics {

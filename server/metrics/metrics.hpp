@@ -10,10 +10,10 @@
 
 #include "common/model/parameters.hpp"
 #include "common/model/tools.hpp"
-#include "server/anatomy/patient.hpp"
 #include "server/metrics/attempt.hpp"
 #include "server/metrics/glottic_view.hpp"
 #include "server/metrics/story.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::metrics {

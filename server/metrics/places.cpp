@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
-#include "server/anatomy/patient.hpp"
+#include "server/patient/model/patient.hpp"
 
 namespace eti::metrics {
 namespace {

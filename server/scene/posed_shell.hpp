@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/mesh/distance_grid.hpp"
-#include "server/anatomy/patient.hpp"
-#include "server/anatomy/skeleton.hpp"
+#include "server/patient/model/patient.hpp"
+#include "server/patient/model/skeleton.hpp"
 
 namespace eti::scene {
 

@@ -10,9 +10,9 @@
 
 #include "common/model/landmark.hpp"
 #include "common/model/tools.hpp"
-#include "server/anatomy/patient.hpp"
-#include "server/anatomy/skeleton.hpp"
 #include "server/parallel/beside.hpp"
+#include "server/patient/model/patient.hpp"
+#include "server/patient/model/skeleton.hpp"
 #include "server/pbd/fluid.hpp"
 #include "server/scene/liquid_wall.hpp"
 

@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "common/math/hash.hpp"
-#include "server/anatomy/swelling.hpp"
 #include "server/parallel/loops.hpp"
+#include "server/patient/model/swelling.hpp"
 #include "server/scene/friction.hpp"
 
 namespace eti::scene {

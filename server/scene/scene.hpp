@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/model/pace.hpp"
-#include "server/anatomy/patient.hpp"
-#include "server/anatomy/skeleton.hpp"
+#include "server/patient/model/patient.hpp"
+#include "server/patient/model/skeleton.hpp"
 #include "server/pbd/self_contact.hpp"
 #include "server/rigid/rigid_layer.hpp"
 #include "server/scene/blade.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "server/anatomy/stiffness.hpp"
-#include "server/anatomy/tetrahedra_of.hpp"
+#include "server/patient/model/stiffness.hpp"
+#include "server/patient/model/tetrahedra_of.hpp"
 #include "server/pbd/cluster_calibration.hpp"
 #include "server/pbd/surface_edges.hpp"
 

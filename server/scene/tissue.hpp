@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "server/anatomy/patient.hpp"
-#include "server/anatomy/skeleton.hpp"
+#include "server/patient/model/patient.hpp"
+#include "server/patient/model/skeleton.hpp"
 #include "server/pbd/soft_body.hpp"
 #include "server/scene/tongue.hpp"
 

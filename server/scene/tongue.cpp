@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "server/anatomy/patient.hpp"
 #include "server/parallel/loops.hpp"
+#include "server/patient/model/patient.hpp"
 
 namespace eti::scene {
 

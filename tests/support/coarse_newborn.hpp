@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "server/anatomy/build.hpp"
+#include "server/patient/newborn/build.hpp"
 
 namespace eti::test {
 

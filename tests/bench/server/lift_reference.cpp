@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "common/model/pace.hpp"
-#include "server/anatomy/tetrahedra_of.hpp"
+#include "server/patient/model/tetrahedra_of.hpp"
 #include "server/scene/friction.hpp"
 #include "tests/bench/server/block_cases.hpp"
 #include "tests/validation/fem/smooth_grid.hpp"

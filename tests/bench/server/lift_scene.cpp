@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "common/model/pace.hpp"
-#include "server/anatomy/tetrahedra_of.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
+#include "server/patient/model/tetrahedra_of.hpp"
 
 namespace eti::bench {
 

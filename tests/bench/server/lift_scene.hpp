@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/scenario/scenario.hpp"
-#include "server/anatomy/patient.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/scene.hpp"
 
 namespace eti::bench {

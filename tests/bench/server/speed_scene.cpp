@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "common/model/pace.hpp"
-#include "server/anatomy/model_file.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/simulation.hpp"
+#include "server/patient/model/model_file.hpp"
 #include "tests/bench/server/speed_meter.hpp"
 
 namespace eti::bench {

@@ -3,7 +3,7 @@
 // The patient's head and jaw moved through their whole range in one step, and as fast as scenes move them.
 #include "common/math/units.hpp"
 #include "common/model/pace.hpp"
-#include "server/anatomy/build.hpp"
+#include "server/patient/newborn/build.hpp"
 #include "tests/bench/server/stability_parts.hpp"
 #include "tests/support/coarse_newborn.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "common/model/pace.hpp"
 #include "devices/haptics/soft_force.hpp"
-#include "server/anatomy/skeleton.hpp"
 #include "server/app/simulation.hpp"
+#include "server/patient/model/skeleton.hpp"
 #include "server/pbd/cluster_calibration.hpp"
 #include "server/pbd/contact.hpp"
 #include "server/pbd/implicit_tetrahedra.hpp"

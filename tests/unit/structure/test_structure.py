@@ -45,6 +45,8 @@ class Includes(unittest.TestCase):
             ("common/bus/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
             ("server/scene/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/app/a.cpp", '"common/bus/bus.hpp"'),
+            ("server/app/a.cpp", '"server/patient/newborn/build.hpp"'),
+            ("server/patient/tool/a.cpp", '"server/patient/imaging/read.hpp"'),
             ("server/rigid/a.cpp", "<btBulletDynamicsCommon.h>"),
             ("client/render/a.cpp", "<epoxy/gl.h>"),
             ("server/app/a.cpp", "<tbb/global_control.h>"),
@@ -61,6 +63,9 @@ class Includes(unittest.TestCase):
             ("server/pbd/a.cpp", '"server/rigid/world.hpp"'),
             ("server/rigid/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/pbd/a.cpp", '"common/bus/bus.hpp"'),
+            ("server/scene/a.cpp", '"server/patient/newborn/build.hpp"'),
+            ("server/app/a.cpp", '"server/patient/imaging/read.hpp"'),
+            ("server/patient/model/a.cpp", '"server/patient/newborn/build.hpp"'),
             ("server/scene/a.cpp", '"idl/eti.h"'),
             ("server/metrics/a.cpp", '"common/bus/topics.hpp"'),
             ("server/app/a.cpp", '"client/view/view.hpp"'),
@@ -86,6 +91,11 @@ class Includes(unittest.TestCase):
                            | including("common/model/b.cpp", '"common/mesh/a.hpp"'))
         self.assertEqual(len(found), 1, found)
         self.assertIn("circle", found[0])
+
+    def test_rooms_of_the_patient_that_include_each_other_are_found(self):
+        found = violations(including("server/patient/tool/a.cpp", '"server/patient/segmentation/b.hpp"')
+                           | including("server/patient/segmentation/b.cpp", '"server/patient/tool/a.hpp"'))
+        self.assertIn("circle", " ".join(found))
 
 
 class Files(unittest.TestCase):

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/model/landmark.hpp"
-#include "server/anatomy/patient.hpp"
+#include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::metrics::test {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/anatomy/build.hpp"
+#include "server/patient/newborn/build.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
 

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "common/math/units.hpp"
-#include "server/anatomy/build.hpp"
+#include "server/patient/newborn/build.hpp"
 #include "server/scene/posed_shell.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"

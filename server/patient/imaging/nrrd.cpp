@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fmt/format.h>
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <optional>
+
+#include "common/math/units.hpp"
+#include "server/patient/imaging/formats.hpp"
+
+namespace eti::imaging {
+
+namespace {
+
+/// The fields of a header, and where the data begin.
+class Header {
+  public:
+    Header(std::span<const std::uint8_t> data, const std::string& file) : file_(file) {
+        constexpr std::size_t longest = 1 << 20;
+        std::size_t begin = 0;
+        for (int line = 1;; ++line) {
+            const auto from = data.begin() + static_cast<std::ptrdiff_t>(begin);
+            const auto end = std::find(from, data.end(), std::uint8_t{'\n'});
+            if (end == data.end() || begin > longest) {
+                refuse("the header has no end", "an empty line behind it",
+                       "copy the file again; a detached header (.nhdr) must be joined with its data");
+            }
+            std::string text(from, end);
+            begin += text.size() + 1;
+            if (!text.empty() && text.back() == '\r') {
+                text.pop_back();
+            }
+            if (text.empty()) {
+                break;
+            }
+            if (line == 1 || text[0] == '#') {
+                continue;
+            }
+            const std::size_t colon = text.find(':');
+            if (colon == std::string::npos) {
+                refuse(fmt::format("line {} is '{}'", line, text.substr(0, 60)), "'field: value'",
+                       "mend the header");
+            }
+            if (text.compare(colon, 2, ":=") == 0) {
+                continue;  // key/value pairs are free text
+            }
+            std::string value = text.substr(colon + 1);
+            value.erase(0, value.find_first_not_of(" \t"));
+            value.erase(value.find_last_not_of(" \t") + 1);
+            fields_[text.substr(0, colon)] = value;
+        }
+        begin_ = begin;
+    }
+
+    [[noreturn]] void refuse(const std::string& found, const std::string& expected,
+                             const std::string& remedy) const {
+        throw VolumeError(
+            fmt::format("{}: NRRD: {}; expected {}. Remedy: {}.", file_, found, expected, remedy));
+    }
+
+    [[nodiscard]] std::optional<std::string> find(const std::string& field) const {
+        const auto it = fields_.find(field);
+        return it == fields_.end() ? std::nullopt : std::optional(it->second);
+    }
+
+    [[nodiscard]] std::string need(const std::string& field, const std::string& expected) const {
+        const auto value = find(field);
+        if (!value) {
+            refuse(fmt::format("there is no field '{}'", field), expected, "write the file with this field");
+        }
+        return *value;
+    }
+
+    /// The numbers in a field, whatever brackets and commas stand between them.
+    [[nodiscard]] std::vector<double> numbers(const std::string& field, const std::string& text,
+                                              std::size_t count) const {
+        std::vector<double> found;
+        const char* at = text.data();
+        const char* const end = at + text.size();
+        while (at < end) {
+            if (std::string_view(" \t(),").find(*at) != std::string_view::npos) {
+                ++at;
+                continue;
+            }
+            double value = 0.0;
+            const auto [next, error] = std::from_chars(at, end, value);
+            if (error != std::errc() || next == at) {
+                refuse(fmt::format("field '{}' is '{}'", field, text.substr(0, 60)),
+                       fmt::format("{} numbers", count), "mend the header");
+            }
+            found.push_back(value);
+            at = next;
+        }
+        if (found.size() != count) {
+            refuse(fmt::format("field '{}' has {} numbers", field, found.size()), fmt::format("{}", count),
+                   "export one scalar volume (dimension 3)");
+        }
+        return found;
+    }
+
+    [[nodiscard]] std::size_t begin() const { return begin_; }
+
+  private:
+    std::string file_;
+    std::map<std::string, std::string> fields_;
+    std::size_t begin_ = 0;
+};
+
+Scalar scalar_of(const Header& header) {
+    static const std::map<std::string, Scalar> names = {{"signed char", Scalar::i8},
+                                                        {"int8", Scalar::i8},
+                                                        {"int8_t", Scalar::i8},
+                                                        {"uchar", Scalar::u8},
+                                                        {"unsigned char", Scalar::u8},
+                                                        {"uint8", Scalar::u8},
+                                                        {"uint8_t", Scalar::u8},
+                                                        {"short", Scalar::i16},
+                                                        {"short int", Scalar::i16},
+                                                        {"signed short", Scalar::i16},
+                                                        {"int16", Scalar::i16},
+                                                        {"int16_t", Scalar::i16},
+                                                        {"ushort", Scalar::u16},
+                                                        {"unsigned short", Scalar::u16},
+                                                        {"unsigned short int", Scalar::u16},
+                                                        {"uint16", Scalar::u16},
+                                                        {"uint16_t", Scalar::u16},
+                                                        {"int", Scalar::i32},
+                                                        {"signed int", Scalar::i32},
+                                                        {"int32", Scalar::i32},
+                                                        {"int32_t", Scalar::i32},
+                                                        {"uint", Scalar::u32},
+                                                        {"unsigned int", Scalar::u32},
+                                                        {"uint32", Scalar::u32},
+                                                        {"uint32_t", Scalar::u32},
+                                                        {"longlong", Scalar::i64},
+                                                        {"int64", Scalar::i64},
+                                                        {"int64_t", Scalar::i64},
+                                                        {"ulonglong", Scalar::u64},
+                                                        {"uint64", Scalar::u64},
+                                                        {"uint64_t", Scalar::u64},
+                                                        {"float", Scalar::f32},
+                                                        {"double", Scalar::f64}};
+    const std::string name = header.need("type", "a scalar type such as 'short'");
+    const auto it = names.find(name);
+    if (it == names.end()) {
+        header.refuse(fmt::format("the type is '{}'", name.substr(0, 60)), "a scalar type such as 'short'",
+                      "export CT in Hounsfield units or labels");
+    }
+    return it->second;
+}
+
+/// Signs that turn the file's space into LPS.
+Vec3d signs_of(const Header& header) {
+    const std::string space = header.need("space", "'left-posterior-superior'");
+    if (space == "left-posterior-superior" || space == "LPS") {
+        return {1, 1, 1};
+    }
+    if (space == "right-anterior-superior" || space == "RAS") {
+        return {-1, -1, 1};
+    }
+    if (space == "left-anterior-superior" || space == "LAS") {
+        return {1, -1, 1};
+    }
+    header.refuse(fmt::format("the space is '{}'", space.substr(0, 60)),
+                  "left-posterior-superior, right-anterior-superior or left-anterior-superior",
+                  "export it with the patient's directions");
+}
+
+Geometry geometry_of(const Header& header) {
+    Geometry geometry;
+    const std::vector<double> sizes = header.numbers("sizes", header.need("sizes", "three sizes"), 3);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!(sizes[k] >= 1.0 && sizes[k] < 1e6) || sizes[k] != std::floor(sizes[k])) {
+            header.refuse(fmt::format("a size is {}", sizes[k]), "a whole number from 4 to 100000",
+                          "mend the header");
+        }
+        geometry.size[k] = static_cast<int>(sizes[k]);
+    }
+    const Vec3d signs = signs_of(header);
+    const std::vector<double> directions =
+        header.numbers("space directions", header.need("space directions", "the direction of each axis"), 9);
+    const std::vector<double> origin =
+        header.numbers("space origin", header.need("space origin", "the first voxel's place"), 3);
+    double unit = 1e-3;
+    if (const auto units = header.find("space units"); units && units->find("\"m\"") != std::string::npos) {
+        unit = 1.0;
+    }
+    for (int row = 0; row < 3; ++row) {
+        geometry.origin[row] = unit * signs[row] * origin[static_cast<std::size_t>(row)];
+        for (int column = 0; column < 3; ++column) {
+            geometry.step(row, column) =
+                unit * signs[row] * directions[static_cast<std::size_t>(3 * column + row)];
+        }
+    }
+    return geometry;
+}
+
+}  // namespace
+
+Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
+    const Header header(data, file);
+    if (const auto detached = header.find("data file"); detached || header.find("datafile")) {
+        header.refuse("the data lie in another file", "header and data in one file",
+                      "save it as .nrrd, not as .nhdr");
+    }
+    for (const char* skip : {"line skip", "lineskip", "byte skip", "byteskip"}) {
+        if (const auto value = header.find(skip); value && *value != "0") {
+            header.refuse(fmt::format("field '{}' is {}", skip, value->substr(0, 20)), "0",
+                          "save it without");
+        }
+    }
+    Volume volume;
+    volume.geometry = geometry_of(header);
+    require_sound(volume.geometry, file);
+    const Scalar type = scalar_of(header);
+    bool swap = false;
+    if (size_of(type) > 1) {
+        const std::string endian = header.need("endian", "'little' or 'big'");
+        if (endian != "little" && endian != "big") {
+            header.refuse(fmt::format("the field 'endian' is '{}'", endian.substr(0, 20)),
+                          "'little' or 'big'", "mend the header");
+        }
+        swap = endian == "big";
+    }
+    const std::size_t bytes = volume.geometry.count() * size_of(type);
+    const std::string encoding = header.need("encoding", "'raw' or 'gzip'");
+    auto body = data.subspan(header.begin());
+    Bytes unpacked;
+    if (encoding == "gzip" || encoding == "gz") {
+        unpacked = gunzip(body, bytes, file);
+        body = unpacked;
+    } else if (encoding != "raw") {
+        header.refuse(fmt::format("the encoding is '{}'", encoding.substr(0, 20)), "'raw' or 'gzip'",
+                      "save it compressed with gzip or not at all");
+    }
+    if (body.size() < bytes) {
+        header.refuse(fmt::format("there are {} bytes of voxels", body.size()), fmt::format("{}", bytes),
+                      "the file is cut off; copy or export it again");
+    }
+    volume.value = to_floats(body.first(bytes), type, swap);
+    return volume;
+}
+
+Bytes encode_nrrd(const Geometry& geometry, Scalar type, std::span<const std::uint8_t> data) {
+    const auto vector = [](const Vec3d& v) {
+        return fmt::format("({:.9g},{:.9g},{:.9g})", v.x() * 1e3, v.y() * 1e3, v.z() * 1e3);
+    };
+    std::string header = fmt::format(
+        "NRRD0004\n# https://teem.sourceforge.net/nrrd/format.html\ntype: {}\ndimension: 3\n"
+        "space: left-posterior-superior\nsizes: {} {} {}\nspace directions: {} {} {}\n"
+        "kinds: domain domain domain\n{}encoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\n"
+        "space origin: {}\n\n",
+        type == Scalar::u8 ? "uchar" : "short", geometry.size[0], geometry.size[1], geometry.size[2],
+        vector(geometry.step.col(0)), vector(geometry.step.col(1)), vector(geometry.step.col(2)),
+        type == Scalar::u8 ? "" : "endian: little\n", vector(geometry.origin));
+    Bytes out(header.begin(), header.end());
+    const Bytes packed = gzip(data);
+    out.insert(out.end(), packed.begin(), packed.end());
+    return out;
+}
+
+}  // namespace eti::imaging

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/patient/imaging/volume.hpp"
+
+#include <fmt/format.h>
+#include <cmath>
+
+namespace eti::imaging {
+
+void require_sound(const Geometry& geometry, const std::string& file) {
+    constexpr int least = 4;
+    double voxels = 1.0;
+    for (const int n : geometry.size) {
+        voxels *= n;
+    }
+    const std::string sizes =
+        fmt::format("{} x {} x {}", geometry.size[0], geometry.size[1], geometry.size[2]);
+    for (const int n : geometry.size) {
+        if (n < least) {
+            throw VolumeError(
+                fmt::format("{}: the volume has {} voxels; expected at least {} along each axis. "
+                            "Remedy: give the whole series, not a single slice.",
+                            file, sizes, least));
+        }
+    }
+    if (voxels > static_cast<double>(most_voxels)) {
+        throw VolumeError(
+            fmt::format("{}: the volume has {} = {:.3g} voxels; expected at most {}. Remedy: crop it to "
+                        "head and neck, or resample it to larger voxels.",
+                        file, sizes, voxels, most_voxels));
+    }
+    const Vec3d spacing = geometry.spacing();
+    if (!geometry.origin.allFinite() || !geometry.step.allFinite() || !(spacing.minCoeff() > 1e-6) ||
+        !(spacing.maxCoeff() < 0.1)) {
+        throw VolumeError(
+            fmt::format("{}: the voxels are {:.4g} x {:.4g} x {:.4g} mm apart; expected 0.001 to 100 mm. "
+                        "Remedy: mend spacing and directions in the program that wrote the file.",
+                        file, spacing.x() * 1e3, spacing.y() * 1e3, spacing.z() * 1e3));
+    }
+    // sin of the angles between the axes, all in one: 1 for a right-angled grid, 0 for a flat one.
+    const double spanned = geometry.voxel_volume() / spacing.prod();
+    if (!(spanned > 0.5)) {
+        throw VolumeError(
+            fmt::format("{}: the axes' directions do not span space (they enclose {:.2g} of a right-angled "
+                        "voxel; expected above 0.5). Remedy: mend the directions in the program that wrote "
+                        "the file.",
+                        file, spanned));
+    }
+}
+
+void require_finite(const Volume& volume, const std::string& file) {
+    std::size_t bad = 0;
+    std::size_t first = 0;
+    for (std::size_t i = volume.value.size(); i-- > 0;) {
+        if (!std::isfinite(volume.value[i])) {
+            ++bad;
+            first = i;
+        }
+    }
+    if (bad > 0) {
+        const auto [x, y, z] = volume.geometry.coordinates(first);
+        throw VolumeError(fmt::format(
+            "{}: {} voxels are not numbers (NaN or infinite), the first at ({}, {}, {}); expected "
+            "Hounsfield units everywhere. Remedy: replace them by -1000 (air).",
+            file, bad, x, y, z));
+    }
+}
+
+}  // namespace eti::imaging

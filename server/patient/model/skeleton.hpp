@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+
+#include "common/model/posture_range.hpp"
+#include "server/patient/model/patient.hpp"
+
+namespace eti::anatomy {
+
+/// Every angle within its range.
+[[nodiscard]] Posture clamped(const Posture& posture);
+
+/// [m/s^2], patient frame. On a level table the patient lies on its back: +y is posterior.
+[[nodiscard]] Vec3f gravity(float table_angle);
+
+/// Transforms of trunk, skull and mandible from rest to a posture, patient frame.
+using BonePoses = std::array<RigidTransform, bone_count>;
+
+/// The skull turns about the neck joint (positive: chin up); the mandible turns with it and about
+/// the jaw joints, whose condyles slide forward as the mouth opens. Angles are clamped to their ranges.
+[[nodiscard]] BonePoses pose_bones(const Skeleton& skeleton, const Posture& posture);
+
+/// Linear blend of the bones at a rest point.
+[[nodiscard]] inline Vec3f pose_point(const Vec3f& rest, const BoneWeights& weights, const BonePoses& bones) {
+    Vec3f sum = Vec3f::Zero();
+    for (std::size_t b = 0; b < bone_count; ++b) {
+        if (weights[b] > 0.0f) {
+            sum += weights[b] * (bones[b] * rest);
+        }
+    }
+    return sum;
+}
+
+/// Blended rotation of the bones at a point with the given weights.
+[[nodiscard]] Quatf pose_rotation(const BoneWeights& weights, const BonePoses& bones);
+
+}  // namespace eti::anatomy

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/patient/model/stiffness.hpp"
+
+#include <algorithm>
+
+namespace eti::anatomy {
+
+namespace {
+
+constexpr float ligament = 20.0f;  // [N/m], each link of the hyoepiglottic one
+
+}  // namespace
+
+float youngs_modulus_of(Tissue tissue, float soft) {
+    switch (tissue) {
+        case Tissue::epiglottis:
+            return 320e3f;  // elastic cartilage
+        case Tissue::larynx:
+            return 32e3f;  // cartilage and cords in one
+        default:
+            return soft;
+    }
+}
+
+float cluster_modulus(const Patient& patient, std::uint32_t cluster, float soft) {
+    return youngs_modulus_of(patient.clusters.tissue[cluster], soft);
+}
+
+float tetrahedron_modulus(const Patient& patient, std::uint32_t tetrahedron, float soft) {
+    float modulus = 0.0f;
+    for (const std::uint32_t i : patient.tetrahedra.corners[tetrahedron]) {
+        modulus += 0.25f * youngs_modulus_of(patient.particles.tissue[i], soft);
+    }
+    return modulus;
+}
+
+float link_stiffness(const Patient& patient, std::uint32_t link, float soft) {
+    const auto& ends = patient.links.ends[link];
+    const bool of_epiglottis = std::ranges::any_of(
+        ends, [&](std::uint32_t i) { return patient.particles.tissue[i] == Tissue::epiglottis; });
+    return of_epiglottis ? ligament : soft * 2.0f * patient.particles.radius[ends[0]];
+}
+
+void set_tissue_stiffness(Patient& patient, float soft) {
+    patient.tissue_stiffness = soft;
+    const auto fill = [&](std::vector<float>& values, std::size_t count, auto of) {
+        values.resize(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            values[i] = of(patient, i, soft);
+        }
+    };
+    fill(patient.clusters.youngs_modulus, patient.clusters.size(), cluster_modulus);
+    fill(patient.tetrahedra.youngs_modulus, patient.tetrahedra.corners.size(), tetrahedron_modulus);
+    fill(patient.links.stiffness, patient.links.ends.size(), link_stiffness);
+}
+
+}  // namespace eti::anatomy

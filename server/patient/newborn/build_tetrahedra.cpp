@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/patient/newborn/build.hpp"
+
+namespace eti::anatomy {
+
+namespace {
+
+/// A place on the lattice of a family; tetrahedra do not join one lattice or family to another.
+struct Cell {
+    int family;
+    float spacing;  // [m]
+    std::array<int, 3> index;
+    auto operator<=>(const Cell&) const = default;
+};
+
+// A cube's eight corners, numbered by bits x, y, z, as one regular tetrahedron and four that cut the other
+// corners off. Neighbours alternate between the two ways: so their faces fit, and left mirrors right.
+constexpr int cut[2][5][4] = {
+    {{1, 2, 4, 7}, {0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}},
+    {{0, 3, 5, 6}, {1, 0, 3, 5}, {2, 0, 3, 6}, {4, 0, 5, 6}, {7, 3, 5, 6}},
+};
+
+}  // namespace
+
+void build_tetrahedra(const Anatomy& anatomy, Patient& patient) {
+    const ParticleSet& set = patient.particles;
+    const Vec3f low = anatomy.airway_bounds()[0];
+    std::map<Cell, std::uint32_t> particle_at;
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        const float spacing = 2.0f * set.radius[i];
+        const Vec3f steps = (set.rest[i] - Vec3f(0.0f, low.y(), low.z())) / spacing;
+        particle_at[{family_of(set.tissue[i]),
+                     spacing,
+                     {static_cast<int>(std::lround(steps.x())), static_cast<int>(std::floor(steps.y())),
+                      static_cast<int>(std::floor(steps.z()))}}] = i;
+    }
+    std::set<Cell> cells;  // each named by its lowest corner
+    for (const auto& [at, i] : particle_at) {
+        for (int k = 0; k < 8; ++k) {
+            Cell cell = at;
+            for (int axis = 0; axis < 3; ++axis) {
+                cell.index[static_cast<std::size_t>(axis)] -= k >> axis & 1;
+            }
+            cells.insert(cell);
+        }
+    }
+    constexpr std::uint32_t none = ~0u;
+    for (const Cell& cell : cells) {
+        std::array<std::uint32_t, 8> corner{};
+        for (int k = 0; k < 8; ++k) {
+            Cell at = cell;
+            for (int axis = 0; axis < 3; ++axis) {
+                at.index[static_cast<std::size_t>(axis)] += k >> axis & 1;
+            }
+            const auto found = particle_at.find(at);
+            corner[static_cast<std::size_t>(k)] = found == particle_at.end() ? none : found->second;
+        }
+        const int parity = (cell.index[0] + cell.index[1] + cell.index[2]) & 1;
+        for (const auto& numbers : cut[parity]) {
+            std::array<std::uint32_t, 4> ends{};
+            bool whole = true;
+            bool moves = false;
+            for (std::size_t k = 0; k < 4; ++k) {
+                ends[k] = corner[static_cast<std::size_t>(numbers[k])];
+                whole = whole && ends[k] != none;
+                moves = moves || (whole && set.mass[ends[k]] > 0.0f);
+            }
+            if (whole && moves) {
+                patient.tetrahedra.corners.push_back(ends);
+            }
+        }
+    }
+    // What neither a cluster nor a tetrahedron holds lies too far from its like: it goes with the bones.
+    std::vector<bool> held(set.size(), false);
+    for (const std::uint32_t i : patient.clusters.member) {
+        held[i] = true;
+    }
+    for (const auto& corners : patient.tetrahedra.corners) {
+        for (const std::uint32_t i : corners) {
+            held[i] = true;
+        }
+    }
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        if (!held[i]) {
+            patient.particles.mass[i] = 0.0f;
+        }
+    }
+}
+
+}  // namespace eti::anatomy

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/patient/newborn/check_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "common/math/units.hpp"
+#include "common/mesh/check.hpp"
+#include "common/mesh/distance.hpp"
+#include "common/model/landmark.hpp"
+#include "server/patient/newborn/build.hpp"
+
+namespace eti::anatomy {
+
+namespace {
+
+std::string place(const Vec3f& p) {
+    return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x() / millimetre, p.y() / millimetre,
+                       p.z() / millimetre);
+}
+
+Vec3f rest_of(const Patient& patient, Landmark which) {
+    return patient.landmarks[static_cast<std::size_t>(which)].rest;
+}
+
+/// Counts what breaks a rule and remembers the first place.
+class Faults {
+  public:
+    void add(const Vec3f& where) {
+        if (count_++ == 0) {
+            first_ = where;
+        }
+    }
+    [[nodiscard]] Invariant report(std::string name, std::size_t of, const std::string& what) const {
+        return {std::move(name), count_ == 0,
+                count_ == 0 ? fmt::format("{} {}", of, what)
+                            : fmt::format("{} of {} {}, first near {}", count_, of, what, place(first_))};
+    }
+
+  private:
+    std::size_t count_ = 0;
+    Vec3f first_ = Vec3f::Zero();
+};
+
+Invariant sound(const std::string& name, const TriangleMesh& mesh) {
+    const MeshReport report = check(mesh);
+    const bool holds = report.sound() && report.volume > 0.0;
+    std::string found = fmt::format("{} triangles in {} parts, {:.2f} ml", report.triangles,
+                                    report.components, 1e6 * report.volume);
+    if (!holds) {
+        found += ": " + report.describe() +
+                 (report.fault_at ? ", near " + place(*report.fault_at) : std::string());
+    }
+    return {name + " is closed, manifold, oriented, free of crossings", holds, found};
+}
+
+/// Tools meet the shell's distances and Bullet its triangles: neither minds a few that cross, which are told.
+Invariant closed_shell(const TriangleMesh& mesh) {
+    const MeshReport report = check(mesh);
+    const bool holds = report.triangles > 0 && report.volume > 0.0 &&
+                       report.open_edges + report.nonmanifold_edges + report.misoriented_edges +
+                               report.pinched_vertices + report.degenerate_triangles ==
+                           0 &&
+                       100 * report.self_intersections < report.triangles;
+    return {"the offset shell is closed, manifold, oriented, hardly crosses itself", holds,
+            holds ? fmt::format("{} triangles in {} parts, {:.2f} ml, {} crossing pairs", report.triangles,
+                                report.components, 1e6 * report.volume, report.self_intersections)
+                  : report.describe()};
+}
+
+// Float sums of four weights are exact to a few parts in ten million; the file keeps floats.
+constexpr float weight_tolerance = 1e-5f;
+
+Invariant weights_sum_to_one(const Patient& patient) {
+    Faults faults;
+    std::size_t count = 0;
+    const auto look = [&](const auto& weights, const Vec3f& where) {
+        ++count;
+        const float sum = std::accumulate(weights.begin(), weights.end(), 0.0f);
+        if (!(std::fabs(sum - 1.0f) <= weight_tolerance) || *std::ranges::min_element(weights) < 0.0f) {
+            faults.add(where);
+        }
+    };
+    for (const Surface& surface : patient.surfaces) {
+        for (std::size_t i = 0; i < surface.skin.size(); ++i) {
+            look(surface.skin[i].weight, surface.mesh.vertices[i]);
+        }
+    }
+    for (std::size_t i = 0; i < patient.particles.size(); ++i) {
+        look(patient.particles.bones[i], patient.particles.rest[i]);
+    }
+    for (std::size_t i = 0; i < patient.shell.vertex_bones.size(); ++i) {
+        look(patient.shell.vertex_bones[i], patient.shell.mesh.vertices[i]);
+    }
+    for (const CarriedPoint& point : patient.landmarks) {
+        look(point.skin.weight, point.rest);
+    }
+    for (const CarriedPoint& point : patient.glottis_contour) {
+        look(point.skin.weight, point.rest);
+    }
+    return faults.report("weights sum to one", count, "points");
+}
+
+/// The paper's defect: clusters of the surrounding tissue that hold particles of the epiglottis or carry
+/// its skin drag the whole plate along.
+std::vector<Invariant> epiglottis_owns_itself(const Patient& patient) {
+    const ParticleSet& set = patient.particles;
+    const ClusterSet& clusters = patient.clusters;
+    std::vector<std::uint32_t> own;
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        if (set.tissue[i] == Tissue::epiglottis) {
+            own.push_back(i);
+        }
+    }
+    std::vector<std::size_t> its;
+    Faults foreign;
+    const Vec3f base = rest_of(patient, Landmark::epiglottis_base);
+    const float length = (rest_of(patient, Landmark::epiglottis_tip) - base).norm();
+    std::size_t hinge = 0;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+        if (clusters.tissue[c] == Tissue::epiglottis) {
+            its.push_back(c);
+            continue;
+        }
+        for (const std::uint32_t i : clusters.members(c)) {
+            // Only the stalk, its hinge in the larynx, may count elsewhere too.
+            if (set.tissue[i] == Tissue::epiglottis) {
+                ++hinge;
+                if ((set.rest[i] - base).norm() > 0.3f * length) {
+                    foreign.add(set.rest[i]);
+                }
+            }
+        }
+    }
+    std::vector<Invariant> found;
+    bool exact = its.size() == 1;
+    if (exact) {
+        const auto members = clusters.members(its.front());
+        std::vector<std::uint32_t> sorted(members.begin(), members.end());
+        std::ranges::sort(sorted);
+        exact = sorted == own;
+    }
+    found.push_back({"the epiglottis is one cluster over exactly its particles", exact && own.size() >= 4,
+                     fmt::format("{} particles, {} clusters", own.size(), its.size())});
+    found.push_back(foreign.report("other clusters hold only its stalk", hinge, "memberships"));
+    found.back().holds = found.back().holds && hinge > 0;
+
+    Faults skin;
+    std::size_t vertices = 0;
+    for (const Surface& surface : patient.surfaces) {
+        const bool is_epiglottis = surface.tissue == Tissue::epiglottis;
+        for (std::size_t i = 0; i < surface.skin.size(); ++i) {
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (surface.skin[i].weight[k] == 0.0f) {
+                    continue;
+                }
+                const std::size_t frame = surface.skin[i].frame[k];
+                const bool by_its_cluster =
+                    frame >= bone_count && !its.empty() && frame - bone_count == its[0];
+                vertices += is_epiglottis && k == 0 ? 1 : 0;
+                if (is_epiglottis != by_its_cluster) {
+                    skin.add(surface.mesh.vertices[i]);
+                }
+            }
+        }
+    }
+    found.push_back(
+        skin.report("its skin goes with its cluster alone, and no other skin does", vertices, "vertices"));
+    found.back().holds = found.back().holds && vertices > 0;
+    return found;
+}
+
+/// Parts that hang together through clusters, links and tetrahedra.
+class Union {
+  public:
+    explicit Union(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+    std::uint32_t root(std::uint32_t i) {
+        while (parent_[i] != i) {
+            i = parent_[i] = parent_[parent_[i]];
+        }
+        return i;
+    }
+    void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
+
+  private:
+    std::vector<std::uint32_t> parent_;
+};
+
+std::vector<Invariant> tissue_hangs_on_bone(const Patient& patient) {
+    const ParticleSet& set = patient.particles;
+    Union parts(set.size());
+    std::vector<std::uint8_t> held(set.size(), 0);
+    Faults small;
+    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
+        const auto members = patient.clusters.members(c);
+        if (members.size() < 4) {
+            small.add(patient.frame_rest_centre[bone_count + c]);
+        }
+        for (const std::uint32_t i : members) {
+            held[i] = 1;
+            parts.join(i, members.front());
+        }
+    }
+    for (const auto& ends : patient.links.ends) {
+        parts.join(ends[0], ends[1]);
+    }
+    for (const auto& corners : patient.tetrahedra.corners) {
+        for (const std::uint32_t i : corners) {
+            held[i] = 1;
+            parts.join(i, corners[0]);
+        }
+    }
+    std::vector<std::uint8_t> anchored(set.size(), 0);
+    std::size_t moving = 0;
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        moving += set.mass[i] > 0.0f ? 1 : 0;
+        if (set.mass[i] == 0.0f) {
+            anchored[parts.root(i)] = 1;
+        }
+    }
+    Faults loose, adrift;
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        if (set.mass[i] > 0.0f && held[i] == 0) {
+            loose.add(set.rest[i]);
+        }
+        if (set.mass[i] > 0.0f && anchored[parts.root(i)] == 0) {
+            adrift.add(set.rest[i]);
+        }
+    }
+    std::vector<Invariant> found;
+    found.push_back(small.report("clusters have four members or more", patient.clusters.size(), "clusters"));
+    found.push_back(loose.report("each moving particle is in a cluster or tetrahedron", moving, "particles"));
+    found.push_back(adrift.report("each moving particle hangs on bone", moving, "particles"));
+
+    std::size_t ligament = 0, floor = 0;
+    for (const auto& [a, b] : patient.links.ends) {
+        const int one = family_of(set.tissue[a]);
+        const int other = family_of(set.tissue[b]);
+        ligament += (one == 1 && other == 2) || (one == 2 && other == 1) ? 1 : 0;
+        floor += (one == 1 && other == 0) || (one == 0 && other == 1) ? 1 : 0;
+    }
+    found.push_back({"the hyoepiglottic ligament is there", ligament > 0, fmt::format("{} links", ligament)});
+    found.push_back({"the tongue grows out of the mouth's floor", floor > 0, fmt::format("{} links", floor)});
+    return found;
+}
+
+Invariant tetrahedra_are_whole(const Patient& patient) {
+    Faults faults;
+    const ParticleSet& set = patient.particles;
+    for (const auto& c : patient.tetrahedra.corners) {
+        const Vec3f a = set.rest[c[1]] - set.rest[c[0]];
+        const Vec3f b = set.rest[c[2]] - set.rest[c[0]];
+        const Vec3f d = set.rest[c[3]] - set.rest[c[0]];
+        const float longest = std::max({a.norm(), b.norm(), d.norm()});
+        const bool mixed = std::ranges::any_of(
+            c, [&](std::uint32_t i) { return family_of(set.tissue[i]) != family_of(set.tissue[c[0]]); });
+        // Corners of a cube: at least 1/6 of the edge cubed, whose diagonal is sqrt(2) edges.
+        if (mixed || std::fabs(a.cross(b).dot(d)) < 0.2f * longest * longest * longest) {
+            faults.add(set.rest[c[0]]);
+        }
+    }
+    return faults.report("tetrahedra have volume and stay within one tissue",
+                         patient.tetrahedra.corners.size(), "tetrahedra");
+}
+
+Invariant particles_keep_out_of_bone(const Patient& patient) {
+    const ParticleSet& set = patient.particles;
+    Faults faults;
+    for (const Surface& surface : patient.surfaces) {
+        if (!is_bone(surface.tissue) || surface.tissue == Tissue::hyoid) {
+            continue;  // the hyoid moves with the tissue it lies in
+        }
+        const DistanceGrid& shell = patient.shell.distance;
+        const DistanceGrid bone =
+            mesh_distance(surface.mesh, shell.origin, shell.spacing, shell.size, 3.0f * shell.spacing);
+        for (std::size_t i = 0; i < set.size(); ++i) {
+            // The surface follows a grid of 1.5 spacings and is simplified: bone is known to that.
+            if (bone.distance(set.rest[i]) < -1.5f * shell.spacing) {
+                faults.add(set.rest[i]);
+            }
+        }
+    }
+    return faults.report("particles keep out of bone", set.size(), "particles");
+}
+
+std::vector<Invariant> distances_agree(const Patient& patient) {
+    const Shell& shell = patient.shell;
+    const DistanceGrid& grid = shell.distance;
+    // A node's distance is at most its way to the vertex; interpolated, that is at most half a cell's
+    // diagonal.
+    const float tolerance = 0.5f * std::sqrt(3.0f) * grid.spacing;
+    Faults off, wrong, outside;
+    for (const Vec3f& v : shell.mesh.vertices) {
+        if (std::fabs(grid.distance(v)) > tolerance) {
+            off.add(v);
+        }
+    }
+    const DistanceGrid exact =
+        mesh_distance(shell.mesh, grid.origin, grid.spacing, grid.size, 3.0f * grid.spacing);
+    std::size_t compared = 0;
+    for (std::size_t i = 0; i < exact.value.size(); ++i) {
+        if (std::fabs(exact.value[i]) > tolerance) {
+            ++compared;
+            if ((exact.value[i] < 0.0f) != (grid.value[i] < 0.0f)) {
+                const auto nx = static_cast<std::size_t>(grid.size[0]);
+                const auto ny = static_cast<std::size_t>(grid.size[1]);
+                wrong.add(grid.node(static_cast<int>(i % nx), static_cast<int>(i / nx % ny),
+                                    static_cast<int>(i / nx / ny)));
+            }
+        }
+    }
+    const auto body = std::ranges::find(patient.surfaces, "body", &Surface::name);
+    std::vector<Invariant> found;
+    found.push_back(
+        off.report("the shell's distances are zero on its mesh", shell.mesh.vertices.size(), "vertices"));
+    found.push_back(wrong.report("they have the mesh's sign", compared, "grid nodes"));
+    if (body == patient.surfaces.end()) {
+        found.push_back({"the shell lies inside the tissue", false, "there is no surface 'body'"});
+        return found;
+    }
+    const DistanceGrid skin =
+        mesh_distance(body->mesh, grid.origin, grid.spacing, grid.size, 3.0f * grid.spacing);
+    // The body is cut off below, at the shoulders, where the shell may go on.
+    float floor = body->mesh.vertices.front().z();
+    for (const Vec3f& v : body->mesh.vertices) {
+        floor = std::min(floor, v.z());
+    }
+    std::size_t inner = 0;
+    for (const Vec3f& v : shell.mesh.vertices) {
+        if (v.z() < floor + 3.0f * grid.spacing) {
+            continue;
+        }
+        ++inner;
+        // Both surfaces were simplified; a spacing stands for what that moves them.
+        if (skin.distance(v) > grid.spacing) {
+            outside.add(v);
+        }
+    }
+    found.push_back(outside.report("the shell lies inside the tissue", inner, "vertices"));
+    return found;
+}
+
+std::vector<Invariant> airway_is_open(const Patient& patient) {
+    std::vector<Invariant> found;
+    // The shell's lumen is wider than the tissue's by what yields to a tool.
+    Faults closed;
+    std::size_t samples = 0;
+    const auto walk = [&](Landmark from, Landmark to) {
+        for (int i = 0; i <= 40; ++i) {
+            const float t = static_cast<float>(i) / 40.0f;
+            const Vec3f p = (1.0f - t) * rest_of(patient, from) + t * rest_of(patient, to);
+            ++samples;
+            if (patient.shell.distance.distance(p) <= 0.0f) {
+                closed.add(p);
+            }
+        }
+    };
+    walk(Landmark::glottis, Landmark::trachea_mid);
+    walk(Landmark::trachea_mid, Landmark::carina);
+    found.push_back(closed.report("the way from glottis to carina is open", samples, "points"));
+
+    const Vec3f glottis = rest_of(patient, Landmark::glottis);
+    double area = 0.0;
+    const auto& contour = patient.glottis_contour;
+    Vec3f twice = Vec3f::Zero();
+    for (std::size_t i = 0; i < contour.size(); ++i) {
+        twice += (contour[i].rest - glottis).cross(contour[(i + 1) % contour.size()].rest - glottis);
+    }
+    area = 0.5 * static_cast<double>(twice.norm());
+    const float size = std::cbrt(patient.weight / 3.5f);
+    // Wider than a slit of 1 mm^2 at term, and no wider than round.
+    const double least = 1e-6 * static_cast<double>(size * size);
+    const auto length = static_cast<double>(
+        (rest_of(patient, Landmark::glottis_anterior) - rest_of(patient, Landmark::glottis_posterior))
+            .norm());
+    const bool open = contour.size() >= 8 && area > least && area < 0.25 * std::numbers::pi * length * length;
+    found.push_back({"the glottis is open", open,
+                     fmt::format("{:.1f} mm^2 within {} points", 1e6 * area, contour.size())});
+
+    const auto above = [&](Landmark a, Landmark b) {
+        return rest_of(patient, a).z() > rest_of(patient, b).z();
+    };
+    const auto before = [&](Landmark a, Landmark b) {
+        return rest_of(patient, a).y() < rest_of(patient, b).y();
+    };
+    const bool order = above(Landmark::upper_gum, Landmark::lower_gum) &&
+                       above(Landmark::mouth_opening, Landmark::vallecula) &&
+                       above(Landmark::epiglottis_tip, Landmark::epiglottis_base) &&
+                       above(Landmark::epiglottis_base, Landmark::glottis) &&
+                       above(Landmark::glottis, Landmark::trachea_mid) &&
+                       above(Landmark::trachea_mid, Landmark::carina) &&
+                       before(Landmark::mouth_opening, Landmark::tongue_dorsum) &&
+                       before(Landmark::tongue_dorsum, Landmark::vallecula) &&
+                       before(Landmark::glottis_anterior, Landmark::glottis_posterior) &&
+                       before(Landmark::trachea_mid, Landmark::oesophagus_mid);
+    found.push_back({"landmarks follow each other as in a patient", order,
+                     fmt::format("{} landmarks", patient.landmarks.size())});
+    return found;
+}
+
+Invariant frames_lie_in_their_clusters(const Patient& patient) {
+    Faults faults;
+    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
+        Vec3f mean = Vec3f::Zero();
+        const auto members = patient.clusters.members(c);
+        for (const std::uint32_t i : members) {
+            mean += patient.particles.rest[i] / static_cast<float>(members.size());
+        }
+        // Sums of hundreds of decimetres in floats.
+        if ((mean - patient.frame_rest_centre[bone_count + c]).norm() > 1e-5f) {
+            faults.add(mean);
+        }
+    }
+    return faults.report("frames lie at their clusters' centres", patient.clusters.size(), "clusters");
+}
+
+}  // namespace
+
+std::vector<Invariant> check_model(const Patient& patient) {
+    std::vector<Invariant> found;
+    const auto add = [&](std::vector<Invariant> more) {
+        found.insert(found.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+    };
+    for (const Surface& surface : patient.surfaces) {
+        found.push_back(sound("surface '" + surface.name + "'", surface.mesh));
+    }
+    found.push_back(closed_shell(patient.shell.mesh));
+    add(distances_agree(patient));
+    found.push_back(weights_sum_to_one(patient));
+    found.push_back(frames_lie_in_their_clusters(patient));
+    add(epiglottis_owns_itself(patient));
+    add(tissue_hangs_on_bone(patient));
+    found.push_back(tetrahedra_are_whole(patient));
+    found.push_back(particles_keep_out_of_bone(patient));
+    add(airway_is_open(patient));
+    return found;
+}
+
+}  // namespace eti::anatomy

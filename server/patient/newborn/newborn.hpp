@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "common/model/newborn_shape.hpp"
+#include "server/patient/newborn/anatomy.hpp"
+
+namespace eti::anatomy {
+
+/// The parametric newborn: ellipsoids, capsules and elliptical ducts along mid-sagittal stations,
+/// merged by smooth minima, at rest (lips parted, neck neutral). Proportions follow docs/anatomy.md.
+class Newborn final : public Anatomy {
+  public:
+    explicit Newborn(const NewbornShape& shape);
+
+    [[nodiscard]] Fields fields(const Vec3f& point) const override;
+    [[nodiscard]] Skeleton skeleton() const override;
+    [[nodiscard]] BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override;
+    [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override;
+    [[nodiscard]] float shell_offset(const Vec3f& point, const Fields& fields) const override;
+    [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override;
+    [[nodiscard]] std::array<Vec3f, 2> bounds() const override;
+    [[nodiscard]] std::array<Vec3f, 2> airway_bounds() const override;
+    [[nodiscard]] Vec3f to_model(const Vec3f& point) const override;
+    [[nodiscard]] Vec3f from_model(const Vec3f& point) const;
+    [[nodiscard]] float scale() const override { return scale_; }
+    [[nodiscard]] float weight() const override { return shape_.weight; }
+
+  private:
+    /// From this newborn's model coordinates to those of the usual newborn and back, where the larynx lies
+    /// elsewhere.
+    [[nodiscard]] Vec3f usual_place(const Vec3f& model) const;
+    [[nodiscard]] Vec3f own_place(const Vec3f& model) const;
+    /// The closed jaw's coordinates, and back.
+    [[nodiscard]] Vec3f to_jaw(const Vec3f& model) const;
+    [[nodiscard]] Vec3f from_jaw(const Vec3f& closed) const;
+    /// Coordinates in which the tongue is that of a closed usual jaw.
+    [[nodiscard]] Vec3f to_tongue(const Vec3f& model) const;
+    [[nodiscard]] float tongue_field(const Vec3f& model) const;
+    [[nodiscard]] Vec3f tongue_dorsum() const;
+
+    NewbornShape shape_;
+    float scale_;
+    float rest_jaw_deg_;  // turn of the modelled jaw from closed
+    float cranium_;       // size against the face, 1 at term
+    Vec3f larynx_shift_;  // [mm of a 3.5 kg newborn], x left, y anterior, z superior
+};
+
+}  // namespace eti::anatomy

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <vector>
+
+#include "server/patient/imaging/volume.hpp"
+#include "server/patient/segmentation/labels.hpp"
+
+namespace eti::segmentation {
+
+/// How well two segmentations agree on one structure.
+struct Agreement {
+    double dice = 0.0;                   ///< 2 |A and B| / (|A| + |B|)
+    double mean_surface_distance = 0.0;  ///< [voxels], over the surface voxels of both
+    std::size_t voxels_found = 0;
+    std::size_t voxels_true = 0;
+};
+
+/// The structure is the union of `labels` (bone: bone, mandible, spine). Both masks have one geometry,
+/// else VolumeError.
+[[nodiscard]] Agreement agreement(const imaging::Mask& found, const imaging::Mask& truth,
+                                  const std::vector<Label>& labels);
+
+}  // namespace eti::segmentation

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <initializer_list>
+
+#include "common/mesh/distance_grid.hpp"
+#include "server/patient/imaging/filter.hpp"
+#include "server/patient/imaging/volume.hpp"
+#include "server/patient/segmentation/labels.hpp"
+
+namespace eti::segmentation {
+
+/// Which voxels have one of the labels.
+[[nodiscard]] imaging::Bits select(const imaging::Mask& labels, std::initializer_list<Label> which);
+
+/// Corners [m] of a box along LPS.
+struct Box {
+    Vec3d low = Vec3d::Constant(1e9), high = Vec3d::Constant(-1e9);
+    void add(const Vec3d& p) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+    }
+};
+
+/// Labels on a grid along LPS whose spacing is equal and at least `finest` [m]; only what lies in `part`,
+/// where one is given.
+[[nodiscard]] imaging::Mask upright_labels(const imaging::Mask& labels, double finest,
+                                           const Box* part = nullptr);
+
+/// Signed distances [m] to a structure's surface, negative inside, in the volume's frame. The surface runs
+/// half-way through the mask blurred by 0.8 voxels; near it distances are exact, farther away they go
+/// from voxel to voxel. The grid is one of equal spacing along LPS.
+[[nodiscard]] DistanceGrid distance_of(const imaging::Geometry& geometry, const imaging::Bits& member);
+
+}  // namespace eti::segmentation

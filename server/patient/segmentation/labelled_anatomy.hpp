@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/mesh/distance_grid.hpp"
+#include "server/patient/imaging/volume.hpp"
+#include "server/patient/newborn/newborn.hpp"
+#include "server/patient/segmentation/labels.hpp"
+#include "server/patient/segmentation/registration.hpp"
+
+namespace eti::segmentation {
+
+/// A patient as labels show it. Skin, airway, tongue, skull, mandible and spine are the labels' own, as
+/// signed distances. What a CT does not show (gums, palate's mucosa, the border of larynx and epiglottis, the
+/// collapsed gullet, joints and how the skeleton carries tissue) is that of the parametric newborn, laid over
+/// the labels. The patient frame is the newborn's.
+class LabelledAnatomy final : public anatomy::Anatomy {
+  public:
+    /// `given` places landmarks (common/model/landmark.hpp) by hand, in the volume's frame. Throws NoLarynx
+    /// where the labels end above it, VolumeError where they are no newborn's head and neck, Stopped.
+    LabelledAnatomy(const imaging::Mask& labels, const Points& given, const Progress& progress);
+
+    [[nodiscard]] anatomy::Fields fields(const Vec3f& point) const override;
+    [[nodiscard]] anatomy::Skeleton skeleton() const override { return newborn_.skeleton(); }
+    [[nodiscard]] anatomy::BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override {
+        return newborn_.bone_weights(point, tissue);
+    }
+    [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override { return newborn_.head_growth(point); }
+    [[nodiscard]] float shell_offset(const Vec3f& point, const anatomy::Fields& fields) const override {
+        return newborn_.shell_offset(point, fields);
+    }
+    [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override { return landmarks_; }
+    [[nodiscard]] std::array<Vec3f, 2> bounds() const override { return newborn_.bounds(); }
+    [[nodiscard]] std::array<Vec3f, 2> airway_bounds() const override { return newborn_.airway_bounds(); }
+    [[nodiscard]] Vec3f to_model(const Vec3f& point) const override { return newborn_.to_model(point); }
+    [[nodiscard]] float scale() const override { return newborn_.scale(); }
+    [[nodiscard]] float weight() const override { return newborn_.weight(); }
+
+    /// Where the patient frame lies in the volume.
+    [[nodiscard]] const Registration& registration() const { return registration_; }
+    /// What was taken from the newborn although labels could show it, for the person.
+    [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
+
+  private:
+    void require_larynx(const imaging::Mask& labels) const;
+    void place_landmarks(const Points& given);
+
+    Registration registration_;
+    anatomy::Newborn newborn_;
+    DistanceGrid skin_, airway_, skull_, mandible_;
+    std::optional<DistanceGrid> tongue_, spine_, epiglottis_;
+    std::array<Vec3f, landmark_count> landmarks_{};
+    std::vector<std::string> remarks_;
+};
+
+}  // namespace eti::segmentation

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/patient/imaging/volume.hpp"
+#include "server/patient/segmentation/labels.hpp"
+
+namespace eti::segmentation {
+
+struct SegmentSettings {
+    float air_below = -480.0f;  ///< [HU], half-way between air and soft tissue
+    float bone_above = 226.0f;  ///< [HU], the usual threshold of bone in CT
+    /// [m], radius of the ball that closes lips and nostrils. A larger one closes wider openings and fills
+    /// folds of the neck.
+    float closing = 6.0e-3f;
+    float smallest_bone = 20e-9f;       ///< [m^3]; smaller pieces are noise or calcifications
+    float tongue_smoothing = 1.3e-3f;   ///< [m], standard deviation: averages noise against 20 HU of contrast
+    float tongue_curvature = 0.35e-3f;  ///< [m], see imaging::LevelSetSettings
+};
+
+/// One structure that was looked for.
+struct Structure {
+    std::string name;
+    bool found = false;
+    double volume = 0.0;  ///< [m^3]
+    std::string note;     ///< why it was not found, or what is particular
+};
+
+struct Segmentation {
+    imaging::Mask labels;               ///< values of Label, on the input's grid
+    Points points;                      ///< the seeds that were used, given or placed
+    std::vector<Structure> structures;  ///< skin, bone, airway, larynx, mandible, spine, tongue
+};
+
+/// Cuts a CT of head and neck into labels. Air, bone and soft tissue by threshold; the patient is the
+/// largest body, closed by a ball, and the airway is the largest space inside it that opens at nose or
+/// mouth (Xiao et al. 2020, section 4.1, by hand in ITK-SNAP). Mandible, spine and tongue by narrow-band
+/// level sets from seeds: `given` ones, else placed by anatomy. What the volume does not show is
+/// reported as not found and not labelled. Throws VolumeError where the volume is no CT of a patient, Stopped
+/// where `progress` asked for it.
+[[nodiscard]] Segmentation segment(const imaging::Volume& volume, const Points& given,
+                                   const SegmentSettings& settings, const Progress& progress);
+
+}  // namespace eti::segmentation

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fmt/format.h>
+#include <cmath>
+
+#include "common/process/stop_signal.hpp"
+#include "server/patient/tool/commands.hpp"
+
+namespace eti::tool {
+
+imaging::Reading read_told(const std::filesystem::path& file) {
+    (void)progress(0.0f, "reading " + file.string());
+    imaging::Reading reading = imaging::read(file);
+    if (stop_asked()) {
+        throw Stopped();
+    }
+    for (const std::string& text : reading.remarks) {
+        remark(text);
+    }
+    return reading;
+}
+
+imaging::Mask read_labels(const std::filesystem::path& file) {
+    const imaging::Reading reading = read_told(file);
+    imaging::Mask labels{reading.volume.geometry, {}};
+    labels.value.reserve(reading.volume.value.size());
+    for (const float v : reading.volume.value) {
+        if (v < 0.0f || v >= static_cast<float>(label_count) || v != std::floor(v)) {
+            throw imaging::VolumeError(
+                fmt::format("{}: a value is {}; expected labels from 0 to {}. Remedy: give labels that "
+                            "eti-anatomy segment "
+                            "wrote, or number your own as docs/anatomy.md says.",
+                            file.string(), v, label_count - 1));
+        }
+        labels.value.push_back(static_cast<std::uint8_t>(v));
+    }
+    return labels;
+}
+
+Result write_surfaces(const std::vector<NamedSurface>& surfaces, const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    Result result;
+    for (const NamedSurface& surface : surfaces) {
+        const std::filesystem::path file = folder / (surface.name + ".stl");
+        imaging::write_bytes(file, encode_stl(surface.mesh));
+        const MeshReport& r = surface.report;
+        result.text += fmt::format("{}: {} triangles in {} parts, {:.1f} ml; closed, manifold, oriented\n",
+                                   file.string(), r.triangles, r.components, 1e6 * r.volume);
+        result.json["surfaces"].push_back({{"name", surface.name},
+                                           {"file", file.string()},
+                                           {"triangles", r.triangles},
+                                           {"parts", r.components},
+                                           {"volume_ml", 1e6 * r.volume}});
+    }
+    return result;
+}
+
+}  // namespace eti::tool

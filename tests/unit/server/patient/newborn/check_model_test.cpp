@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/patient/newborn/check_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/math/units.hpp"
+#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/dimensions.hpp"
+#include "server/patient/newborn/newborn.hpp"
+
+namespace eti::anatomy {
+namespace {
+
+constexpr BuildSettings coarse{
+    .spacing = 3.0e-3f, .fine_spacing = 1.5e-3f, .surface_spacing = 2.0e-3f, .body_triangles = 12000};
+
+const Patient& newborn() {
+    static const Patient patient = build_patient(NewbornShape(), coarse);
+    return patient;
+}
+
+std::string faults(const Patient& patient) {
+    std::string all;
+    for (const Invariant& i : check_model(patient)) {
+        if (!i.holds) {
+            all += i.name + ": " + i.found + "\n";
+        }
+    }
+    return all;
+}
+
+/// The model with something done to it has a fault that is named so.
+template <class Spoil>
+void expect_fault(const char* named, const Spoil& spoil) {
+    Patient patient = newborn();
+    spoil(patient);
+    EXPECT_NE(faults(patient).find(named), std::string::npos) << named << " not among:\n" << faults(patient);
+}
+
+std::uint32_t first_of(const Patient& patient, Tissue tissue) {
+    return static_cast<std::uint32_t>(std::ranges::find(patient.particles.tissue, tissue) -
+                                      patient.particles.tissue.begin());
+}
+
+TEST(CheckModel, NewbornsOfAllSizesAndVariantsAreSound) {
+    EXPECT_EQ(faults(newborn()), "");
+    for (const float weight : {0.5f, 4.5f}) {
+        NewbornShape shape;
+        shape.weight = weight;
+        shape.gestational_age = usual_gestational_age(weight);
+        EXPECT_EQ(faults(build_patient(shape, coarse)), "") << weight;
+    }
+    for (std::size_t k = 1; k < airway_variant_names.size(); ++k) {
+        NewbornShape shape;
+        apply(static_cast<AirwayVariant>(k), shape);
+        EXPECT_EQ(faults(build_patient(shape, coarse)), "") << airway_variant_names[k];
+    }
+}
+
+// A large tongue lies against the palate; in life it does not grow from there.
+TEST(BuildPatient, ATongueIsFixedToTheMandibleAlone) {
+    const NewbornShape shape{.tongue_scale = 1.3f};
+    const Patient patient = build_patient(shape, coarse);
+    const Newborn form(shape);
+    const ParticleSet& set = patient.particles;
+    int at_the_palate = 0;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        if (set.tissue[i] != Tissue::tongue) {
+            continue;
+        }
+        const Fields f = form.fields(set.rest[i]);
+        const float near = 1.4f * set.radius[i];
+        if (set.mass[i] == 0.0f) {
+            EXPECT_LT(f.mandible, near);
+        } else if (f.skull < near) {
+            ++at_the_palate;
+        }
+    }
+    EXPECT_GT(at_the_palate, 20);
+}
+
+TEST(CheckModel, FindsHolesAndCrossings) {
+    expect_fault("surface 'tongue'", [](Patient& p) { p.surfaces[1].mesh.triangles.pop_back(); });
+    expect_fault("surface 'mandible'", [](Patient& p) {
+        std::swap(p.surfaces[4].mesh.triangles[7][0], p.surfaces[4].mesh.triangles[7][1]);
+    });
+    expect_fault("the offset shell", [](Patient& p) { p.shell.mesh.triangles.pop_back(); });
+}
+
+TEST(CheckModel, FindsWhatDragsTheEpiglottisAlong) {
+    // Xiao et al. 2020, Fig. 5: a cluster of the tongue that holds a particle of the plate's free end.
+    expect_fault("other clusters hold only its stalk", [](Patient& p) {
+        const Vec3f tip = p.landmarks[static_cast<std::size_t>(Landmark::epiglottis_tip)].rest;
+        std::uint32_t nearest = first_of(p, Tissue::epiglottis);
+        for (std::uint32_t i = 0; i < p.particles.size(); ++i) {
+            if (p.particles.tissue[i] == Tissue::epiglottis &&
+                (p.particles.rest[i] - tip).norm() < (p.particles.rest[nearest] - tip).norm()) {
+                nearest = i;
+            }
+        }
+        const auto last = std::ranges::find(p.clusters.tissue, Tissue::tongue) - p.clusters.tissue.begin();
+        p.clusters.member[p.clusters.first[static_cast<std::size_t>(last)]] = nearest;
+    });
+    expect_fault("one cluster over exactly its particles", [](Patient& p) {
+        p.clusters.tissue[0] =
+            p.clusters.tissue[0] == Tissue::epiglottis ? Tissue::tongue : Tissue::epiglottis;
+    });
+    expect_fault("its skin goes with its cluster alone", [](Patient& p) {
+        p.surfaces[2].skin[5] = {{static_cast<std::uint16_t>(bone_count + 3)}, {1.0f}};
+    });
+}
+
+TEST(CheckModel, FindsLooseTissueAndMissingLigaments) {
+    expect_fault("each moving particle is in a cluster", [](Patient& p) {
+        p.particles.rest.emplace_back(0.0f, 0.02f, 0.0f);
+        p.particles.mass.push_back(1e-6f);
+        p.particles.radius.push_back(1e-3f);
+        p.particles.tissue.push_back(Tissue::soft);
+        p.particles.bones.push_back({1, 0, 0});
+    });
+    expect_fault("each moving particle hangs on bone", [](Patient& p) {
+        for (float& m : p.particles.mass) {
+            m = 1e-6f;
+        }
+    });
+    expect_fault("the hyoepiglottic ligament", [](Patient& p) { p.links = {}; });
+    expect_fault("grows out of the mouth's floor", [](Patient& p) { p.links = {}; });
+}
+
+TEST(CheckModel, FindsWrongWeightsFramesDistancesAndLandmarks) {
+    expect_fault("weights sum to one", [](Patient& p) { p.surfaces[0].skin[9].weight[0] += 0.01f; });
+    expect_fault("weights sum to one", [](Patient& p) { p.particles.bones[9] = {0.5f, 0.4f, 0.0f}; });
+    expect_fault("frames lie at", [](Patient& p) { p.frame_rest_centre[bone_count].x() += 1e-4f; });
+    expect_fault("they have the mesh's sign", [](Patient& p) {
+        float& deep = *std::ranges::min_element(p.shell.distance.value);
+        deep = -deep;
+    });
+    expect_fault("distances are zero on its mesh", [](Patient& p) {
+        for (float& d : p.shell.distance.value) {
+            d -= 4e-3f;
+        }
+    });
+    expect_fault("tetrahedra have volume",
+                 [](Patient& p) { p.tetrahedra.corners[3][1] = p.tetrahedra.corners[3][0]; });
+    expect_fault("landmarks follow each other", [](Patient& p) {
+        std::swap(p.landmarks[static_cast<std::size_t>(Landmark::glottis)],
+                  p.landmarks[static_cast<std::size_t>(Landmark::carina)]);
+    });
+    expect_fault("the glottis is open", [](Patient& p) {
+        for (CarriedPoint& point : p.glottis_contour) {
+            point.rest = p.landmarks[static_cast<std::size_t>(Landmark::glottis)].rest;
+        }
+    });
+    expect_fault("keep out of bone", [](Patient& p) {
+        p.particles.rest[0] = {33.0e-3f, 49.3e-3f, 22.4e-3f};  // the petrous bone
+    });
+}
+
+TEST(Dimensions, OfTheTermNewbornAreThoseItWasDrawnWith) {
+    const auto list = measure(newborn(), 40.0f);
+    const auto value = [&](const char* name) {
+        const auto it = std::ranges::find(list, std::string(name), &Dimension::name);
+        EXPECT_NE(it, list.end()) << name;
+        return it == list.end() ? 0.0 : it->value;
+    };
+    // Of the implicit functions: the trachea's duct has semi-axes 2.6 and 2.5 mm, the cords lie 50.3 mm above
+    // the carina; tolerances are half the coarse surface's spacing.
+    EXPECT_NEAR(value("vocal cords to carina"), 50.3, 0.2);
+    EXPECT_NEAR(value("trachea, diameter"), 5.1, 1.0);
+    // A circle of 4.8 mm, 1 mm less for the coarse surface's corners and half as much more.
+    EXPECT_GT(value("cricoid, area of the lumen"), 11.0);
+    EXPECT_LT(value("cricoid, area of the lumen"), 22.0);
+    EXPECT_NEAR(value("glottis, length"), 5.5, 0.1);
+    // The cranium is an ellipse of 47 by 58 mm: Ramanujan's perimeter 330.7 mm, skin and brow added.
+    EXPECT_NEAR(value("head circumference"), 33.1, 1.0);
+}
+
+TEST(Dimensions, HeadsFollowThePublishedCircumference) {
+    for (const float weight : {0.7f, 1.5f}) {
+        NewbornShape shape;
+        shape.weight = weight;
+        shape.gestational_age = usual_gestational_age(weight);
+        const auto list = measure(build_patient(shape, coarse), shape.gestational_age);
+        EXPECT_TRUE(list.front().within()) << weight << " kg: " << list.front().value << " cm, published "
+                                           << list.front().low << " to " << list.front().high;
+    }
+}
+
+TEST(Dimensions, RaisingTheHeadBringsMouthAndLarynxTowardsOneLine) {
+    const Alignment axes = align_axes(newborn(), 29.0f * degree);
+    // As measured in people: the mouth's axis and the line of sight come nearer to the larynx's, the
+    // pharynx's hardly changes (Adnet et al. 2001; Vialet et al. 2008 in infants).
+    EXPECT_LT(axes.angles.mouth_pharynx, axes.angles_at_rest.mouth_pharynx - 15.0f * degree);
+    EXPECT_LT(axes.angles.sight_larynx, axes.angles_at_rest.sight_larynx - 10.0f * degree);
+    EXPECT_GE(axes.angles.pharynx_larynx, axes.angles_at_rest.pharynx_larynx);
+    EXPECT_GT(axes.head_elevation, 15.0f * degree);
+}
+
+}  // namespace
+}  // namespace eti::anatomy

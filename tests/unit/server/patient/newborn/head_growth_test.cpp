@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/newborn.hpp"
+
+namespace eti::anatomy {
+namespace {
+
+const BuildSettings coarse{.spacing = 4e-3f, .fine_spacing = 2e-3f, .surface_spacing = 1.5e-3f};
+
+const Patient& usual() {
+    static const Patient patient = build_patient(NewbornShape(), coarse);
+    return patient;
+}
+
+struct Off {
+    double mean = 0.0;  // [mm]
+    double most = 0.0;  // [mm]
+};
+
+/// How far the grown cranium's skin and vault lie off those of a newborn that is built so large.
+Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
+    NewbornShape large = shape;
+    large.head_scale = wanted;
+    const Newborn built(large);
+    std::vector<FramePose> frames;
+    for (const Vec3f& centre : patient.frame_rest_centre) {
+        frames.push_back({centre, Quatf::Identity()});
+    }
+    for (std::size_t f = frames.size() - head_frame_count; f < frames.size(); ++f) {
+        frames[f].centre *= wanted / shape.head_scale;
+    }
+    Off off;
+    double count = 0.0;
+    for (const Surface& surface : patient.surfaces) {
+        for (std::size_t i = 0; i < surface.skin.size(); ++i) {
+            const Vec3f& rest = surface.mesh.vertices[i];
+            if (surface.tissue != Tissue::soft || built.to_model(rest).z() < 26.0f) {
+                continue;  // of the skull's two sides the field tells the nearer one
+            }
+            const Vec3f place = skin_point(rest, surface.skin[i], patient.frame_rest_centre, frames);
+            const double here = 1e3 * std::fabs(static_cast<double>(built.fields(place).skin));
+            off.mean += here;
+            off.most = std::max(off.most, here);
+            count += 1.0;
+        }
+    }
+    off.mean /= count;
+    EXPECT_GT(count, 500.0);
+    return off;
+}
+
+TEST(HeadGrowth, IsThatOfANewbornBuiltSoLarge) {
+    NewbornShape premature;
+    premature.weight = 0.8f;
+    premature.gestational_age = 26.0f;
+    premature.head_scale = 0.9f;
+    for (const NewbornShape& shape : {NewbornShape(), premature}) {
+        const Patient patient = shape.weight < 1.0f ? build_patient(shape, coarse) : usual();
+        const Off untouched = off_built(shape, patient, shape.head_scale);
+        for (const float wanted : {0.85f, 0.95f, 1.05f, 1.15f}) {
+            const Off off = off_built(shape, patient, wanted);
+            EXPECT_LT(off.mean, 0.2) << wanted;
+            EXPECT_LT(off.most, untouched.most + 1.0) << wanted;
+        }
+    }
+}
+
+TEST(HeadGrowth, WhatTheSkullDoesNotCarryAloneStays) {
+    const Patient& patient = usual();
+    const std::size_t first = bone_count + patient.clusters.size();
+    std::size_t grow = 0;
+    for (const Surface& surface : patient.surfaces) {
+        for (std::size_t i = 0; i < surface.skin.size(); ++i) {
+            const SkinWeights& skin = surface.skin[i];
+            if (std::ranges::none_of(skin.frame, [&](std::uint16_t f) { return f >= first; })) {
+                continue;
+            }
+            ++grow;
+            EXPECT_TRUE(surface.tissue == Tissue::soft || surface.tissue == Tissue::skull) << surface.name;
+            for (std::size_t k = 0; k < 4; ++k) {
+                EXPECT_GE(skin.weight[k], 0.0f);
+                EXPECT_TRUE(skin.weight[k] == 0.0f || skin.frame[k] >= first ||
+                            skin.frame[k] == static_cast<std::uint16_t>(Bone::skull));
+            }
+        }
+    }
+    EXPECT_GT(grow, 1000u);
+}
+
+}  // namespace
+}  // namespace eti::anatomy

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/patient/segmentation/segment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "coarse_phantom.hpp"
+#include "server/patient/segmentation/agreement.hpp"
+
+namespace eti::segmentation {
+namespace {
+
+using test::coarse_phantom;
+using test::silent;
+
+const Structure& structure(const Segmentation& found, const std::string& name) {
+    for (const Structure& s : found.structures) {
+        if (s.name == name) {
+            return s;
+        }
+    }
+    throw std::out_of_range(name);
+}
+
+/// Compares with the truth, prints it, and holds it to what a segmentation must reach.
+void expect_agreement(const Segmentation& found, const Phantom& phantom, const std::string& title) {
+    struct Bound {
+        const char* name;
+        std::vector<Label> labels;
+        double dice;
+    };
+    const std::vector<Label> bone = {Label::bone, Label::mandible, Label::spine};
+    for (const Bound& bound :
+         {Bound{"airway", {Label::airway}, 0.95}, Bound{"bone", bone, 0.95},
+          Bound{"tongue", {Label::tongue}, 0.90}, Bound{"mandible", {Label::mandible}, 0.90},
+          // Arches that touch the skull or each other stay bone: what was reached, less a little.
+          Bound{"spine", {Label::spine}, 0.85}}) {
+        const Agreement a = agreement(found.labels, phantom.labels, bound.labels);
+        const double farthest = bound.labels.front() == Label::spine ? 1.2 : 1.0;
+        std::printf("%s: %-8s Dice %.3f (at least %.2f), mean surface distance %.2f voxels (below %.1f)\n",
+                    title.c_str(), bound.name, a.dice, bound.dice, a.mean_surface_distance, farthest);
+        EXPECT_GE(a.dice, bound.dice) << title << ": " << bound.name;
+        EXPECT_LT(a.mean_surface_distance, farthest) << title << ": " << bound.name;
+        EXPECT_GT(a.voxels_true, 500u) << title << ": " << bound.name << ": nothing to compare";
+    }
+}
+
+TEST(Segment, NoisyPhantomsAgreeWithTheirTruth) {
+    struct Case {
+        float weight, spacing;
+        std::uint64_t seed;
+    };
+    for (const Case& c : {Case{3.5f, 1.0e-3f, 1}, Case{2.0f, 0.9e-3f, 2}}) {
+        const Phantom phantom = coarse_phantom(c.spacing, c.weight, c.seed);
+        const Segmentation found = segment(phantom.ct, {}, {}, silent);
+        char title[64];
+        std::snprintf(title, sizeof(title), "%.1f kg, %.1f mm", static_cast<double>(c.weight),
+                      1e3 * static_cast<double>(c.spacing));
+        expect_agreement(found, phantom, title);
+        EXPECT_TRUE(structure(found, "larynx and trachea").found);
+    }
+}
+
+TEST(Segment, TurnedVolumeGivesTheSameLabels) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    // The same patient, stored with axes in another order and direction.
+    imaging::Volume turned;
+    imaging::Mask truth;
+    const imaging::Geometry& g = phantom.ct.geometry;
+    turned.geometry.size = {g.size[2], g.size[0], g.size[1]};
+    turned.geometry.step.col(0) = -g.step.col(2);
+    turned.geometry.step.col(1) = g.step.col(0);
+    turned.geometry.step.col(2) = g.step.col(1);
+    turned.geometry.origin = g.point(0, 0, g.size[2] - 1);
+    truth.geometry = turned.geometry;
+    for (std::size_t i = 0; i < turned.geometry.count(); ++i) {
+        const auto [a, b, c] = turned.geometry.coordinates(i);
+        const std::size_t j = g.index(b, c, g.size[2] - 1 - a);
+        turned.value.push_back(phantom.ct.value[j]);
+        truth.value.push_back(usual.labels.value[j]);
+    }
+    const Segmentation found = segment(turned, {}, {}, silent);
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < truth.value.size(); ++i) {
+        other += truth.value[i] != found.labels.value[i] ? 1 : 0;
+    }
+    // The grids' origins differ by rounding, and a value next to a threshold may change sides.
+    EXPECT_LT(other, truth.value.size() / 10000);
+}
+
+TEST(Segment, HeadWithoutNeckHasNoLarynx) {
+    const Phantom whole = coarse_phantom(1.5e-3f);
+    const imaging::Geometry& g = whole.ct.geometry;
+    // Cut between chin and upper lip: 5 mm below the gum.
+    const int cut = static_cast<int>(std::lround(g.to_index(Vec3d(0, 0, -5e-3)).z()));
+    imaging::Volume head;
+    head.geometry = g;
+    head.geometry.size[2] = g.size[2] - cut;
+    head.geometry.origin = g.point(0, 0, cut);
+    head.value.assign(whole.ct.value.begin() + static_cast<std::ptrdiff_t>(g.index(0, 0, cut)),
+                      whole.ct.value.end());
+    const Segmentation found = segment(head, {}, {}, silent);
+    EXPECT_TRUE(structure(found, "bone").found);
+    for (const char* name : {"larynx and trachea", "mandible", "tongue"}) {
+        EXPECT_FALSE(structure(found, name).found) << name;
+        EXPECT_FALSE(structure(found, name).note.empty()) << name;
+    }
+    EXPECT_EQ(std::count(found.labels.value.begin(), found.labels.value.end(), value_of(Label::mandible)), 0);
+    EXPECT_EQ(std::count(found.labels.value.begin(), found.labels.value.end(), value_of(Label::tongue)), 0);
+}
+
+TEST(Segment, GivenLandmarksAreUsed) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    // The level set finds the tongue from any place within it.
+    const Points given = {{"tongue", {usual.points.at("tongue").front() + Vec3d(3e-3, 4e-3, -2e-3)}}};
+    const Segmentation found = segment(phantom.ct, given, {}, silent);
+    EXPECT_GT(agreement(found.labels, usual.labels, {Label::tongue}).dice, 0.98);
+    EXPECT_THROW((void)segment(phantom.ct, {{"tongue", {Vec3d(1, 0, 0)}}}, {}, silent), imaging::VolumeError);
+}
+
+TEST(Segment, VolumesThatAreNoCtAreRefused) {
+    Phantom phantom = coarse_phantom(2.5e-3f);
+    imaging::Volume swapped = phantom.ct;
+    for (float& v : swapped.value) {
+        const auto bits = static_cast<std::uint16_t>(static_cast<std::int16_t>(v));
+        v = static_cast<float>(static_cast<std::int16_t>(bits >> 8 | bits << 8));
+    }
+    const auto refused = [](const imaging::Volume& volume, const std::string& said) {
+        try {
+            (void)segment(volume, {}, {}, silent);
+            ADD_FAILURE() << "accepted";
+        } catch (const imaging::VolumeError& error) {
+            EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+        }
+    };
+    refused(swapped, "endian");
+    std::fill(phantom.ct.value.begin(), phantom.ct.value.end(), 40.0f);
+    refused(phantom.ct, "air");
+}
+
+TEST(Segment, AskedToStopItStops) {
+    const Phantom phantom = coarse_phantom(2.0e-3f);
+    for (int after = 0; after < 6; ++after) {
+        int heard = 0;
+        EXPECT_THROW(
+            (void)segment(phantom.ct, {}, {}, [&](float, std::string_view) { return heard++ < after; }),
+            Stopped);
+    }
+}
+
+}  // namespace
+}  // namespace eti::segmentation
