@@ -110,7 +110,7 @@ Camera SceneRenderer::camera(View view, const view::SceneView& scene, const Orbi
     switch (view) {
         case View::overview:
             return overview_camera(scene.landmarks(), orbit,
-                                   scene.metrics() ? scene.metrics()->patient().table_angle() : 0.0f);
+                                   std::isfinite(scene.live().table_angle) ? scene.live().table_angle : 0.0f);
         case View::section:
             return section_camera(scene.landmarks());
         case View::laryngoscope:

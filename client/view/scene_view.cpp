@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
 
 namespace eti::view {
@@ -245,13 +246,14 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
         return refuse("eti/live_metrics", "gum force or glottic opening is not finite");
     }
-    if (!std::isfinite(message.patient().table_angle())) {
-        return refuse("eti/live_metrics", "the table's angle is not finite");
+    if (!std::ranges::all_of(message.live(), [](float value) { return std::isfinite(value); })) {
+        return refuse("eti/live_metrics", "a value that lives is not finite");
     }
     note_time(message.header().simulation_time_ns());
     landmarks_ = points;
     live_landmarks_ = true;
     metrics_ = message;
+    live_ = bus::live_of(message);
     return true;
 }
 

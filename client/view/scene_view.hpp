@@ -15,6 +15,7 @@
 #include "client/view/tube_sweep.hpp"
 #include "common/mesh/skinning.hpp"
 #include "common/model/landmark.hpp"
+#include "common/model/live.hpp"
 #include "idl/eti.h"
 
 namespace eti::view {
@@ -54,6 +55,8 @@ class SceneView {
     [[nodiscard]] const Landmarks& rest_landmarks() const { return rest_landmarks_; }
 
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
+    /// What commands change, as the server last said, NaN for what it does not say; the defaults before.
+    [[nodiscard]] const LiveValues& live() const { return live_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
     /// Newest simulation time [ns] seen on any topic of the scene's state.
     [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
@@ -107,6 +110,7 @@ class SceneView {
     bool live_landmarks_ = false;
 
     std::optional<msg::LiveMetrics> metrics_;
+    LiveValues live_;
     std::optional<msg::SessionStatus> status_;
     std::uint64_t simulation_time_ns_ = 0;
     DropLog drops_;

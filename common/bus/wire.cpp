@@ -25,11 +25,12 @@ bool within_bounds(const msg::ProxyState& message) {
 bool within_bounds(const msg::TissueContacts& message) {
     return message.contacts().size() <= 96;
 }
-bool within_bounds(const msg::Command& message) {
-    return message.kind() <= msg::COMMAND_HEAD_SCALE;
+bool within_bounds(const msg::Command&) {
+    return true;
 }
 bool within_bounds(const msg::LiveMetrics& message) {
-    return message.landmarks().size() <= 32 && message.parameters().size() <= msg::PARAMETER_COUNT;
+    return message.live().size() <= 64 && message.landmarks().size() <= 32 &&
+           message.parameters().size() <= msg::PARAMETER_COUNT;
 }
 bool within_bounds(const msg::AttemptSummary& message) {
     return message.parameters().size() <= msg::PARAMETER_COUNT;

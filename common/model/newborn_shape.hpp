@@ -31,6 +31,13 @@ struct NewbornShape {
     [[nodiscard]] bool operator==(const NewbornShape&) const = default;
 };
 
+/// As typed.
+struct TypedRange {
+    float low, high;
+};
+inline constexpr TypedRange tongue_scale_range{0.8f, 1.4f};
+inline constexpr TypedRange head_scale_range{0.85f, 1.15f};
+
 /// One shape parameter: its name as typed, its range and unit, and what it changes.
 struct ShapeField {
     std::string_view key;  ///< in YAML and files; on the command line with dashes

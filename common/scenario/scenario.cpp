@@ -8,7 +8,6 @@
 #include <cstdlib>
 
 #include "common/math/units.hpp"
-#include "common/model/posture_range.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {
@@ -45,6 +44,19 @@ void read_shape(YamlMap& patient, NewbornShape& shape) {
             fmt::format("{:.2f} to {:.2f} at gestational_age_weeks {:g}; or leave the age out, and it "
                         "follows the weight",
                         lightest, heaviest, shape.gestational_age));
+    }
+}
+
+/// What lives and is set in this section; there a key goes without the section's name before it.
+void read_live(YamlMap& map, std::string_view section, LiveValues& live) {
+    for (const LiveField& field : live_fields) {
+        if (field.section == section) {
+            std::string key = field.key();
+            if (key.starts_with(std::string(section) + "_")) {
+                key.erase(0, section.size() + 1);
+            }
+            live.*field.value = map.number(key, live.*field.value, {field.low, field.high, field.per_unit});
+        }
     }
 }
 
@@ -101,14 +113,10 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);
-        p.head_elevation =
-            patient->number("head_elevation_deg", p.head_elevation, {0, max_head_elevation_deg, degree});
-        p.jaw_opening = patient->number("jaw_opening_deg", p.jaw_opening, {0, max_jaw_opening_deg, degree});
-        p.table_angle = patient->number("table_angle_deg", p.table_angle,
-                                        {-max_table_angle_deg, max_table_angle_deg, degree});
-        p.tissue_stiffness = patient->number("tissue_stiffness_kpa", p.tissue_stiffness, {1, 100, 1e3f});
+        read_live(*patient, "patient", s.live);
         if (const std::string model = patient->text("model", ""); !model.empty()) {
-            std::vector<std::string_view> held = {"variant", "tissue_stiffness_kpa"};
+            const std::string stiffness = live_field("tissue_stiffness")->key();
+            std::vector<std::string_view> held = {"variant", stiffness};
             for (const ShapeField& field : shape_fields) {
                 held.push_back(field.key);
             }
@@ -166,6 +174,9 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     const std::size_t secretion = root.choice("saliva", 0, secretions);
     s.saliva = secretion != 0;
     s.saliva_standby = secretion == 2;
+    s.live.secretion = s.saliva && !s.saliva_standby ? 1.0f : 0.0f;
+    s.live.head_scale = s.patient.shape.head_scale;
+    s.live.tongue_scale = s.patient.shape.tongue_scale;
     s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
     s.seed = root.seed("seed", s.seed);
     root.finish();

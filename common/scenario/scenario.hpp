@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/model/live.hpp"
 #include "common/model/newborn_shape.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools.hpp"
@@ -21,12 +22,9 @@ struct Scenario {
 
     struct Patient {
         NewbornShape shape;
-        std::filesystem::path model;    ///< a model that eti-anatomy built, instead of `shape`; empty: none
-        float head_elevation = 0.0f;    ///< [rad], 0-30 deg
-        float jaw_opening = 0.0f;       ///< [rad], 0-35 deg
-        float table_angle = 0.0f;       ///< [rad], -20-20 deg, positive head-up
-        float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
+        std::filesystem::path model;  ///< a model that eti-anatomy built, instead of `shape`; empty: none
     } patient;
+    LiveValues live;  ///< at the start; a built model has a stiffness of its own instead
 
     Blade blade = Blade::miller_1;
     Tube tube;

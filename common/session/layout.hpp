@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/hdf5/group.hpp"
+#include "common/model/live.hpp"
 #include "common/session/record.hpp"
 
 // Which field of which record lies in which data set. Writer and reader both walk these lists, so a
@@ -79,8 +80,6 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "not-a-number while "
         "none has arrived",
         [](auto& r) -> auto& { return r.eye; });
-    add(
-        "inputs/suction", "1", "suction, 0 to 1, as latched", [](auto& r) -> auto& { return r.suction; });
 
     add(
         "tools/proxy_pose", "m, 1",
@@ -104,30 +103,11 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "centre line of the tube from connector to tip: step, node, x y z, patient frame",
         [](auto& r) -> auto& { return r.tube_nodes; }, tube_nodes);
 
-    add(
-        "skeleton/head_elevation", "rad", "turn of the skull about the upper neck, positive chin-up",
-        [](auto& r) -> auto& { return r.head_elevation; });
-    add(
-        "skeleton/jaw_opening", "rad", "turn of the mandible about its joints",
-        [](auto& r) -> auto& { return r.jaw_opening; });
-    add(
-        "skeleton/table_angle", "rad",
-        "tilt of the operating table, positive head-up; the patient frame tilts with it",
-        [](auto& r) -> auto& { return r.table_angle; });
-
-    add(
-        "skeleton/head_scale", "1", "size of the cranium, 1 is usual for weight and age",
-        [](auto& r) -> auto& { return r.head_scale; });
-
-    add(
-        "tissue/tongue_scale", "1", "size of the tongue, 1 is usual",
-        [](auto& r) -> auto& { return r.tongue_scale; });
-    add(
-        "tissue/stiffness", "Pa", "Young's modulus of tongue and mucosa",
-        [](auto& r) -> auto& { return r.tissue_stiffness; });
-    add(
-        "tissue/secretion", "1", "what the glands give over what they usually do",
-        [](auto& r) -> auto& { return r.secretion; });
+    for (const LiveField& field : live_fields) {
+        column(
+            std::string(field.group) + "/" + std::string(field.name), hdf5::Label{field.si, field.help},
+            [value = field.value](auto& r) -> auto& { return r.live.*value; }, std::size_t{0});
+    }
 
     add(
         "metrics/attempt", "1", "number of the attempt; 0 before the first",

@@ -11,6 +11,7 @@
 #include "common/math/transform.hpp"
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/live.hpp"
 #include "common/model/parameters.hpp"
 #include "common/model/surface.hpp"
 
@@ -66,7 +67,6 @@ struct StepRecord {
     RigidTransform laryngoscope;  ///< the device
     RigidTransform tube_grip;
     RigidTransform eye = no_pose();  ///< of the trainee's client
-    float suction = 0.0f;            ///< 0..1
     // Tools.
     RigidTransform proxy;                 ///< the laryngoscope as the shell stops it
     Vec3f shell_force = Vec3f::Zero();    ///< [N], on the proxy
@@ -74,15 +74,7 @@ struct StepRecord {
     Vec3f tissue_force = Vec3f::Zero();   ///< [N], on the blade
     Vec3f tissue_torque = Vec3f::Zero();  ///< [N m], about the proxy's origin
     std::vector<Vec3f> tube_nodes;        ///< [m], connector to tip
-    // Skeleton.
-    float head_elevation = 0.0f;  ///< [rad]
-    float jaw_opening = 0.0f;     ///< [rad]
-    // What else commands change; not-a-number in files from before they did.
-    double table_angle = 0.0;  ///< [rad], positive head-up
-    double head_scale = 1.0;
-    double tongue_scale = 1.0;
-    double tissue_stiffness = 0.0;  ///< [Pa], Young's modulus of tongue and mucosa
-    double secretion = 0.0;         ///< of what the glands usually give
+    LiveValues live;                      ///< what commands change, as it was in this step
     // Metrics.
     std::uint32_t attempt = 0;  ///< 0 before the first
     bool attempt_running = false;

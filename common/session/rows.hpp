@@ -37,18 +37,18 @@ template <class Record, class Visit>
     std::size_t rows = std::numeric_limits<std::size_t>::max();
     visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        // What is double may be newer than the file; everything else is needed.
-        if (!std::is_same_v<Field, double> || root.has(path)) {
+        // A single measure may be newer than the file; everything else is needed.
+        if (!std::is_floating_point_v<Field> || root.has(path)) {
             rows = std::min(rows, readable_rows(root, path));
         }
     });
     std::vector<Record> records(rows);
     visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t width) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        if constexpr (std::is_same_v<Field, double>) {
+        if constexpr (std::is_floating_point_v<Field>) {
             if (!root.has(path)) {
                 for (Record& record : records) {
-                    field(record) = std::numeric_limits<double>::quiet_NaN();
+                    field(record) = std::numeric_limits<Field>::quiet_NaN();
                 }
                 return;
             }

@@ -6,59 +6,38 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <string_view>
 
 #include "common/bus/convert.hpp"
-#include "common/math/units.hpp"
+#include "common/model/live.hpp"
 #include "common/scenario/scenario.hpp"
 
 namespace eti::devices {
 
-namespace {
-
-struct Key {
-    std::string_view name;
-    msg::CommandKind kind;
-    float unit;  // SI value of one typed unit
-    std::string_view range;
-};
-
-// Ranges are told here and enforced by the server, which knows what its patient bears.
-constexpr std::array<Key, 8> keys = {
-    {{"head_elevation_deg", msg::COMMAND_HEAD_ELEVATION, degree, "0 to 30"},
-     {"jaw_opening_deg", msg::COMMAND_JAW_OPENING, degree, "0 to 35"},
-     {"table_angle_deg", msg::COMMAND_TABLE_ANGLE, degree, "-20 to 20, positive head-up"},
-     {"head_scale", msg::COMMAND_HEAD_SCALE, 1.0f, "0.85 to 1.15"},
-     {"tongue_scale", msg::COMMAND_TONGUE_SCALE, 1.0f, "0.8 to 1.4"},
-     {"tissue_stiffness_kpa", msg::COMMAND_TISSUE_STIFFNESS, 1e3f, "1 to what the solver bears"},
-     {"secretion", msg::COMMAND_SECRETION, 1.0f, "0 to 10, 1 is usual"},
-     {"suction", msg::COMMAND_SUCTION, 1.0f, "0 to 1"}}};
-
-}  // namespace
-
 std::string command_keys() {
     std::string text;
-    for (const Key& key : keys) {
-        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", key.name, key.range);
+    for (const LiveField& field : live_fields) {
+        text +=
+            fmt::format("{}{} ({:g} to {:g})", text.empty() ? "" : ", ", field.key(), field.low, field.high);
     }
     return text;
 }
 
+// The range is the server's to check: it knows what its patient bears.
 PadCommand command_from(const std::string& typed) {
     const std::size_t equals = typed.find('=');
-    const auto key = std::ranges::find(keys, std::string_view(typed).substr(0, equals), &Key::name);
-    if (equals == std::string::npos || key == keys.end()) {
+    const auto field = std::ranges::find(live_fields, typed.substr(0, equals), &LiveField::key);
+    if (equals == std::string::npos || field == live_fields.end()) {
         throw InputError(fmt::format("--set {}: expected KEY=VALUE with a key of {}", typed, command_keys()));
     }
     float value = 0.0f;
     const char* const end = typed.data() + typed.size();
     const auto [stop, error] = std::from_chars(typed.data() + equals + 1, end, value);
     if (error != std::errc() || stop != end) {
-        throw InputError(fmt::format("--set {}: expected a plain number after '=', {}", typed, key->range));
+        throw InputError(fmt::format("--set {}: expected a plain number after '=', {:g} to {:g}", typed,
+                                     field->low, field->high));
     }
-    return {key->kind, value * key->unit};
+    return {field->name, value * field->per_unit};
 }
 
 CommandLink::CommandLink(const bus::Options& options)
@@ -73,7 +52,7 @@ void CommandLink::send(const PadCommand& command) {
     message.header(bus::make_header(0, ++sent_));
     message.sender(sender_);
     message.id(sent_);
-    message.kind(command.kind);
+    message.name(std::string(command.name));
     message.value(command.value);
     if (!commands_.publish(message)) {
         spdlog::warn("a command could not be sent: no server takes it");
@@ -97,7 +76,7 @@ void CommandLink::hear() {
     }
     msg::LiveMetrics live;
     if (live_.take_latest(live)) {
-        patient_ = live.patient();
+        patient_ = bus::live_of(live);
     }
 }
 

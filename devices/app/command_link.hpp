@@ -38,7 +38,7 @@ class CommandLink {
     [[nodiscard]] std::uint32_t refused() const { return refused_; }
     [[nodiscard]] bool session_finished() const { return session_finished_; }
     /// What the server last said of the patient.
-    [[nodiscard]] const std::optional<msg::PatientState>& patient() const { return patient_; }
+    [[nodiscard]] const std::optional<LiveValues>& patient() const { return patient_; }
 
   private:
     std::string sender_ = "eti-controller:" + std::to_string(::getpid());
@@ -47,7 +47,7 @@ class CommandLink {
     bus::Subscriber<msg::CommandResult> answers_;
     bus::Subscriber<msg::SessionStatus> status_;
     bus::Subscriber<msg::LiveMetrics> live_;
-    std::optional<msg::PatientState> patient_;
+    std::optional<LiveValues> patient_;
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
     bool session_finished_ = false;
 };

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/units.hpp"
+
 namespace eti::devices {
 
 namespace {
@@ -12,22 +14,25 @@ namespace {
 constexpr float rate = 10.0f * degree;       // [rad/s] at full deflection
 constexpr float dead_zone = 0.15f;           // of a stick that rests
 constexpr float sent_every = 0.5f * degree;  // [rad]
+constexpr std::string_view suction_name = "suction";
 constexpr float suction_step = 0.1f;
 constexpr std::size_t trigger = 5;     // right trigger of common pads: -1 released, 1 pressed
 constexpr float settled_after = 1.0f;  // [s]
 
 }  // namespace
 
-void CommandPad::follow(Posture& posture, float told) {
-    if (posture.rested >= settled_after && std::isfinite(told)) {
-        posture.value = posture.sent = std::clamp(told, posture.least, posture.most);
+void CommandPad::follow(Posture& posture, const LiveValues& patient) {
+    const LiveField& field = posture.field;
+    if (const float now = patient.*field.value; posture.rested >= settled_after && std::isfinite(now)) {
+        posture.value = posture.sent =
+            std::clamp(now, field.low * field.per_unit, field.high * field.per_unit);
     }
 }
 
-void CommandPad::follow(const msg::PatientState& patient) {
-    follow(head_, patient.head_elevation());
-    follow(jaw_, patient.jaw_opening());
-    follow(table_, patient.table_angle());
+void CommandPad::follow(const LiveValues& patient) {
+    follow(head_, patient);
+    follow(jaw_, patient);
+    follow(table_, patient);
 }
 
 bool CommandPad::move(Posture& posture, float stick, float elapsed) {
@@ -42,7 +47,9 @@ bool CommandPad::move(Posture& posture, float stick, float elapsed) {
         return unsent;
     }
     posture.rested = 0.0f;
-    posture.value = std::clamp(*posture.value + rate * elapsed * stick, posture.least, posture.most);
+    const LiveField& field = posture.field;
+    posture.value = std::clamp(*posture.value + rate * elapsed * stick, field.low * field.per_unit,
+                               field.high * field.per_unit);
     if (std::abs(*posture.value - posture.sent) < sent_every) {
         return false;
     }
@@ -55,7 +62,7 @@ std::vector<PadCommand> CommandPad::let_go() {
         return {};
     }
     suction_ = 0.0f;
-    return {{msg::COMMAND_SUCTION, 0.0f}};
+    return {{suction_name, 0.0f}};
 }
 
 std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed) {
@@ -66,7 +73,7 @@ std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed
     for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]},
                                   std::pair{&table_, -reading.axes[4]}}) {
         if (move(*posture, stick, elapsed)) {
-            out.push_back({posture->kind, *posture->value});
+            out.push_back({posture->field.name, *posture->value});
         }
     }
     trigger_seen_ = trigger_seen_ || reading.axes[trigger] < -0.5f;
@@ -77,7 +84,7 @@ std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed
     const bool at_an_end = wanted == 0.0f || wanted == 1.0f;
     if (wanted != suction_ && (at_an_end || std::abs(wanted - suction_) >= suction_step)) {
         suction_ = wanted;
-        out.push_back({msg::COMMAND_SUCTION, suction_});
+        out.push_back({suction_name, suction_});
     }
     return out;
 }

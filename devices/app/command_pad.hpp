@@ -3,10 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/topics.hpp"
-#include "common/model/posture_range.hpp"
+#include "common/model/live.hpp"
 #include "devices/sensor/sensor.hpp"
 
 namespace eti::devices {
@@ -14,8 +15,8 @@ namespace eti::devices {
 namespace msg = bus::msg;
 
 struct PadCommand {
-    msg::CommandKind kind = msg::COMMAND_SUCTION;
-    float value = 0.0f;  ///< SI, as its kind says
+    std::string_view name;  ///< of what lives
+    float value = 0.0f;     ///< SI
 };
 
 /// Turns sticks and buttons into commands: axis 1 raises (up) and lowers the head and axis 0 opens (right)
@@ -28,7 +29,7 @@ class CommandPad {
     /// Where the patient is, as the server says. Taken for a posture whose stick has rested for a second,
     /// which is longer than the patient follows a stick, so that scenario and instructor are gone on from,
     /// not undone.
-    void follow(const msg::PatientState& patient);
+    void follow(const LiveValues& patient);
 
     [[nodiscard]] std::vector<PadCommand> update(const Reading& reading, float elapsed);
 
@@ -40,19 +41,18 @@ class CommandPad {
   private:
     /// A posture that a stick moves.
     struct Posture {
-        msg::CommandKind kind;
-        float least, most;             // [rad]
+        const LiveField& field;
         std::optional<float> value{};  // [rad]
         float sent = 0.0f;             // [rad]
         float rested = 1e3f;           // [s]
     };
-    static void follow(Posture& posture, float told);
+    static void follow(Posture& posture, const LiveValues& patient);
     [[nodiscard]] static bool move(Posture& posture, float stick, float elapsed);
 
     // The server refuses what lies beyond its bounds; here they only keep a stick from winding up.
-    Posture head_{msg::COMMAND_HEAD_ELEVATION, 0.0f, max_head_elevation};
-    Posture jaw_{msg::COMMAND_JAW_OPENING, 0.0f, max_jaw_opening};
-    Posture table_{msg::COMMAND_TABLE_ANGLE, -max_table_angle, max_table_angle};
+    Posture head_{*live_field("head_elevation")};
+    Posture jaw_{*live_field("jaw_opening")};
+    Posture table_{*live_field("table_angle")};
     float suction_ = 0.0f;
     bool trigger_seen_ = false;  // pads without one report its axis as 0, which would be half pressed
 };

@@ -44,7 +44,7 @@ void BusInput::poll() {
     }
     for (std::size_t n = 0; n < most_commands && command_topic_.take(command_); ++n) {
         commands_.push_back({command_.sender().to_string(), static_cast<std::uint32_t>(command_.id()),
-                             command_.kind(), command_.value()});
+                             command_.name().to_string(), command_.value()});
     }
 }
 

@@ -16,8 +16,8 @@ namespace eti::app {
 struct ReceivedCommand {
     std::string sender;
     std::uint32_t id = 0;
-    msg::CommandKind kind = msg::COMMAND_STOP;
-    float value = 0.0f;
+    std::string name;
+    float value = 0.0f;  ///< SI
 };
 
 /// What arrived over the bus since the last step. Other people's packets are checked here: poses that

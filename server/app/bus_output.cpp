@@ -11,6 +11,7 @@
 #include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
 #include "common/math/units.hpp"
+#include "common/model/live.hpp"
 #include "common/model/pace.hpp"
 #include "server/scene/scene.hpp"
 
@@ -166,7 +167,7 @@ void BusOutput::post(const scene::Snapshot& snapshot, const StatusValues& status
     wake_.notify_one();
 }
 
-void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveValues& live) {
+void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveMeasures& live) {
     msg::LiveMetrics message;
     message.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
     message.attempt(live.attempt);
@@ -176,14 +177,7 @@ void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveValues& liv
     message.tube_depth_past_glottis(live.tube_depth_past_glottis);
     message.tube_force_n(snapshot.tube_force.norm());
     message.tube_tip(to_msg(snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : snapshot.tube_nodes.back()));
-    msg::PatientState& patient = message.patient();
-    patient.head_elevation(snapshot.head_elevation);
-    patient.jaw_opening(snapshot.jaw_opening);
-    patient.table_angle(snapshot.table_angle);
-    patient.head_scale(snapshot.head_scale);
-    patient.tongue_scale(snapshot.tongue_scale);
-    patient.tissue_stiffness(snapshot.tissue_stiffness);
-    patient.secretion(snapshot.secretion);
+    bus::put_live(snapshot.live, message);
     for (const Vec3f& p : snapshot.landmarks) {
         message.landmarks().push_back(to_msg(p));
     }

@@ -20,7 +20,7 @@
 namespace eti::app {
 
 /// Values that change as the attempt goes on, for LiveMetrics.
-struct LiveValues {
+struct LiveMeasures {
     std::uint32_t attempt = 0;
     bool attempt_running = false;
     float glottic_opening_percent = 0.0f;
@@ -51,7 +51,7 @@ class BusOutput {
     /// Of each step; what is drawn leaves in every second.
     void post(const scene::Snapshot& snapshot, const StatusValues& status);
     /// Of each look.
-    void post_live(const scene::Snapshot& snapshot, const LiveValues& live);
+    void post_live(const scene::Snapshot& snapshot, const LiveMeasures& live);
     void post_result(msg::CommandResult result);
     void post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters);
     /// Sends what waits, with the phase FINISHED, and ends the thread.

@@ -2,15 +2,13 @@
 // Copyright the NeoETI authors
 #include "server/app/command_desk.hpp"
 
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
-#include "common/math/units.hpp"
-#include "common/model/newborn_shape.hpp"
 #include "server/patient/model/swelling.hpp"
 
 namespace eti::app {
@@ -20,93 +18,20 @@ namespace {
 // What a float's rounding may put beyond a bound that was typed, as 1.4 or 20 degrees.
 constexpr float rounding = 1e-6f;
 
-/// Where a value may lie, SI, and how it is said to a person.
-struct Bounds {
-    float least, most;
-    const char* what;
-    const char* unit = "";
-    float per_unit = 1.0f;
-};
-
-/// Why a value does not lie within its bounds, or nothing.
-std::string outside(float value, const Bounds& b) {
-    const float slack = rounding * std::max(std::fabs(b.least), std::fabs(b.most));
-    if (value >= b.least - slack && value <= b.most + slack) {
+/// Why a typed value does not lie within a range, or nothing.
+std::string outside(const LiveField& field, float typed, float low, float high) {
+    const float slack = rounding * std::max(std::fabs(low), std::fabs(high));
+    if (typed >= low - slack && typed <= high + slack) {
         return {};
     }
-    return fmt::format("{} {:.4g}{}, expected {:.3g} to {:.3g}", b.what, value / b.per_unit, b.unit,
-                       b.least / b.per_unit, b.most / b.per_unit);
-}
-
-/// Takes a value within its bounds; returns why not, or nothing.
-std::string take(float value, const Bounds& bounds, float& to) {
-    std::string refusal = outside(value, bounds);
-    if (refusal.empty()) {
-        to = std::clamp(value, bounds.least, bounds.most);
-    }
-    return refusal;
-}
-
-// Above ten times the usual flow (5 ml a minute in a term newborn) drops come out faster than ducts let them.
-constexpr float most_secretion = 10.0f;
-
-const ShapeField& field_of(float NewbornShape::*value) {
-    return *std::ranges::find(shape_fields, value, &ShapeField::value);
+    return fmt::format("{} {:.4g}{}{}, expected {:.3g} to {:.3g}", field.label, typed,
+                       field.unit.empty() ? "" : " ", field.unit, low, high);
 }
 
 }  // namespace
 
-std::string_view name_of(msg::CommandKind kind) {
-    constexpr std::array<std::string_view, 11> names = {"start",          "stop",         "reset",
-                                                        "head_elevation", "jaw_opening",  "suction",
-                                                        "table_angle",    "tongue_scale", "tissue_stiffness",
-                                                        "secretion",      "head_scale"};
-    const auto index = static_cast<std::size_t>(kind);
-    return index < names.size() ? names[index] : "unknown";
-}
-
-void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) {
-    std::string refusal;
-    switch (command.kind) {
-        case msg::COMMAND_START:
-            break;  // the simulation runs from the server's start
-        case msg::COMMAND_STOP:
-            stopped_ = true;
-            break;
-        case msg::COMMAND_RESET:
-            reset_ = true;
-            break;
-        case msg::COMMAND_HEAD_ELEVATION:
-            refusal = take(command.value, {0.0f, max_head_elevation, "head elevation", " deg", degree},
-                           inputs.posture.head_elevation);
-            break;
-        case msg::COMMAND_JAW_OPENING:
-            refusal = take(command.value, {0.0f, max_jaw_opening, "jaw opening", " deg", degree},
-                           inputs.posture.jaw_opening);
-            break;
-        case msg::COMMAND_TABLE_ANGLE:
-            refusal = take(command.value, {-max_table_angle, max_table_angle, "table angle", " deg", degree},
-                           inputs.posture.table_angle);
-            break;
-        case msg::COMMAND_SUCTION:
-            refusal = take(command.value, {0.0f, 1.0f, "suction"}, suction_);
-            break;
-        case msg::COMMAND_HEAD_SCALE:
-            refusal = grow_head(command.value, inputs);
-            break;
-        case msg::COMMAND_TONGUE_SCALE:
-            refusal = grow_tongue(command.value, inputs);
-            break;
-        case msg::COMMAND_TISSUE_STIFFNESS:
-            refusal = stiffen(command.value, inputs);
-            break;
-        case msg::COMMAND_SECRETION:
-            refusal = secrete(command.value, inputs);
-            break;
-        default:
-            refusal = "unknown command; this server is older than its sender";
-            break;
-    }
+void CommandDesk::handle(const ReceivedCommand& command) {
+    const std::string refusal = carry_out(command);
     answer_.recipient(command.sender.substr(0, 47));
     answer_.id(command.id);
     answer_.accepted(refusal.empty());
@@ -116,55 +41,56 @@ void CommandDesk::handle(const ReceivedCommand& command, scene::Inputs& inputs) 
     }
 }
 
-std::string CommandDesk::grow_head(float scale, scene::Inputs& inputs) {
-    const ShapeField& field = field_of(&NewbornShape::head_scale);
-    float taken = 0.0f;
-    std::string refusal = take(scale, {field.low, field.high, "head scale"}, taken);
+std::string CommandDesk::carry_out(const ReceivedCommand& command) {
+    if (command.name == "start") {
+        return {};  // the simulation runs from the server's start
+    }
+    if (command.name == "stop") {
+        stopped_ = true;
+        return {};
+    }
+    if (command.name == "reset") {
+        reset_ = true;
+        return {};
+    }
+    const LiveField* const field = live_field(command.name);
+    if (field == nullptr) {
+        return fmt::format("this server has no '{}': it is older or newer than its sender", command.name);
+    }
+    std::string refusal = refusal_of(*field, command.value);
     if (refusal.empty()) {
-        inputs.head_scale = taken;
+        wanted_.*field->value =
+            std::clamp(command.value, field->low * field->per_unit, field->high * field->per_unit);
     }
     return refusal;
 }
 
-std::string CommandDesk::grow_tongue(float scale, scene::Inputs& inputs) const {
-    const ShapeField& field = field_of(&NewbornShape::tongue_scale);
-    const Bounds bounds{std::max(field.low, anatomy::least_growth * limits_.tongue_scale),
-                        std::min(field.high, anatomy::most_growth * limits_.tongue_scale), "tongue scale"};
-    if (std::string refusal = outside(scale, bounds); !refusal.empty()) {
+std::string CommandDesk::refusal_of(const LiveField& field, float value) const {
+    float low = field.low, high = field.high;
+    if (field.value == &LiveValues::tongue_scale) {
+        low = std::max(low, anatomy::least_growth * limits_.tongue_scale);
+        high = std::min(high, anatomy::most_growth * limits_.tongue_scale);
+    }
+    if (std::string refusal = outside(field, value / field.per_unit, low, high); !refusal.empty()) {
         return refusal;
     }
-    const float soft = inputs.tissue_stiffness.value_or(limits_.built_stiffness);
-    if (soft > limits_.stiffest_at(scale)) {
+    if (field.value == &LiveValues::tongue_scale && wanted_.tissue_stiffness > limits_.stiffest_at(value)) {
         return fmt::format(
             "tongue scale {:.3g}: at {:.3g} kPa, {} grown so far bear {:.3g}; make the tissue softer first",
-            scale, 1e-3f * soft, limits_.bearer, 1e-3f * limits_.stiffest_at(scale));
+            value, 1e-3f * wanted_.tissue_stiffness, limits_.bearer, 1e-3f * limits_.stiffest_at(value));
     }
-    inputs.tongue_scale = std::clamp(scale, bounds.least, bounds.most);
-    return {};
-}
-
-std::string CommandDesk::stiffen(float modulus, scene::Inputs& inputs) const {
-    const Bounds bounds{limits_.softest, limits_.stiffest_typed, "tissue stiffness", " kPa", 1e3f};
-    if (std::string refusal = outside(modulus, bounds); !refusal.empty()) {
-        return refusal;
-    }
-    const float scale = inputs.tongue_scale.value_or(limits_.tongue_scale);
-    if (modulus > limits_.stiffest_at(scale)) {
+    if (field.value == &LiveValues::tissue_stiffness && value > limits_.stiffest_at(wanted_.tongue_scale)) {
         return fmt::format(
             "tissue stiffness {:.3g} kPa, but {} bear at most {:.3g} in a tongue of scale {:.3g}; "
             "restart with more physics.substeps",
-            1e-3f * modulus, limits_.bearer, 1e-3f * limits_.stiffest_at(scale), scale);
+            1e-3f * value, limits_.bearer, 1e-3f * limits_.stiffest_at(wanted_.tongue_scale),
+            wanted_.tongue_scale);
     }
-    inputs.tissue_stiffness = modulus;
-    return {};
-}
-
-std::string CommandDesk::secrete(float flow, scene::Inputs& inputs) const {
-    if (!limits_.saliva) {
+    if (field.value == &LiveValues::secretion && !limits_.saliva) {
         return "there is no liquid in this scenario; restart it with 'saliva: standby', "
                "which has none until it is asked for";
     }
-    return take(flow, {0.0f, most_secretion, "secretion"}, inputs.secretion);
+    return {};
 }
 
 bool CommandDesk::take_reset() {

@@ -3,42 +3,39 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <utility>
 
+#include "common/model/live.hpp"
 #include "server/app/bus_input.hpp"
 #include "server/app/simulation.hpp"
 
 namespace eti::app {
 
-/// One word for a kind of command, as in the session file.
-[[nodiscard]] std::string_view name_of(msg::CommandKind kind);
-
 /// Carries out commands that came over the bus and words their answers.
 class CommandDesk {
   public:
-    explicit CommandDesk(PatientLimits limits = {}) : limits_(std::move(limits)) {}
+    /// `start`: what lives, as nobody has asked for anything else.
+    explicit CommandDesk(PatientLimits limits = {}, const LiveValues& start = {})
+        : limits_(std::move(limits)), wanted_(start) {}
 
-    /// Checks `command` and applies it to `inputs`; the answer is ready afterwards.
-    void handle(const ReceivedCommand& command, scene::Inputs& inputs);
+    /// Checks `command` and takes it; the answer is ready afterwards.
+    void handle(const ReceivedCommand& command);
 
     [[nodiscard]] const msg::CommandResult& answer() const { return answer_; }
-    /// As last asked for, 0..1.
-    [[nodiscard]] float suction() const { return suction_; }
+    /// What lives, as last asked for.
+    [[nodiscard]] const LiveValues& wanted() const { return wanted_; }
     [[nodiscard]] bool stopped() const { return stopped_; }
     /// Whether a reset was asked for since last asked.
     [[nodiscard]] bool take_reset();
 
   private:
     // Each returns why not, or nothing.
-    [[nodiscard]] static std::string grow_head(float scale, scene::Inputs& inputs);
-    [[nodiscard]] std::string grow_tongue(float scale, scene::Inputs& inputs) const;
-    [[nodiscard]] std::string stiffen(float modulus, scene::Inputs& inputs) const;
-    [[nodiscard]] std::string secrete(float flow, scene::Inputs& inputs) const;
+    [[nodiscard]] std::string carry_out(const ReceivedCommand& command);
+    [[nodiscard]] std::string refusal_of(const LiveField& field, float value) const;
 
     PatientLimits limits_;
+    LiveValues wanted_;
     msg::CommandResult answer_;
-    float suction_ = 0.0f;
     bool stopped_ = false;
     bool reset_ = false;
 };

@@ -82,7 +82,7 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
 
 void Judge::tell(const scene::Snapshot& snapshot) {
     const metrics::Live& live = assessor_.metrics().live();
-    LiveValues values;
+    LiveMeasures values;
     values.attempt = live.attempt;
     values.attempt_running = live.attempt_running;
     values.glottic_opening_percent = live.glottic_opening_percent;

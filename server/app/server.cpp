@@ -68,7 +68,6 @@ class Session {
     explicit Session(const Options& options)
         : options_(options),
           scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
-          inputs_(parked(scenario_)),
           live_(options.bus && !options.fast) {
         std::optional<OperatorScript> script;
         if (!options.operator_name.empty()) {
@@ -84,8 +83,9 @@ class Session {
             }
         }
         patient_ = patient_of(scenario_);
+        inputs_ = parked(scenario_, patient_);
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
-        desk_ = CommandDesk(limits_of(scenario_, patient_));
+        desk_ = CommandDesk(limits_of(scenario_, patient_), inputs_.live);
         if (script) {
             const std::uint64_t seed = options.seed.value_or(scenario_.seed ^ script->seed);
             operator_.emplace(*script, simulation_->scope(), scenario_.tube, seed,
@@ -191,16 +191,19 @@ class Session {
             }
         }
         for (const ReceivedCommand& command : input_->take_commands()) {
-            desk_.handle(command, inputs_);
+            desk_.handle(command);
             output_->post_result(desk_.answer());
             if (recorder_ && desk_.answer().accepted()) {
                 const scene::Snapshot& s = simulation_->snapshot();
-                judge_->note({s.time_ns, s.step + 1, std::string(name_of(command.kind)),
-                              static_cast<double>(command.value), command.sender, command.id});
+                judge_->note({s.time_ns, s.step + 1, command.name, static_cast<double>(command.value),
+                              command.sender, command.id});
             }
         }
         // Whoever asks for more: the hand's button, or a command.
-        inputs_.suction = std::max(desk_.suction(), !operator_ && input_->suction() ? 1.0f : 0.0f);
+        inputs_.live = desk_.wanted();
+        if (!operator_ && input_->suction()) {
+            inputs_.live.suction = 1.0f;
+        }
         if (desk_.take_reset()) {
             simulation_->scene().reset(inputs_);
         }

@@ -47,7 +47,6 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
 PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient) {
     PatientLimits limits;
     limits.saliva = scenario.saliva;
-    limits.built_stiffness = patient.tissue_stiffness;
     // What a model file was built with counts as usual.
     const NewbornShape built = scenario.patient.model.empty() ? scenario.patient.shape : NewbornShape();
     limits.head_scale = built.head_scale;
@@ -63,13 +62,12 @@ PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patien
     return limits;
 }
 
-scene::Inputs parked(const Scenario& scenario) {
+scene::Inputs parked(const Scenario& scenario, const anatomy::Patient& patient) {
     scene::Inputs inputs;
     inputs.laryngoscope = parked_pose(Tool::laryngoscope);
     inputs.tube_grip = parked_pose(Tool::tube);
-    inputs.posture = {scenario.patient.head_elevation, scenario.patient.jaw_opening,
-                      scenario.patient.table_angle};
-    inputs.secretion = scenario.saliva && !scenario.saliva_standby ? 1.0f : 0.0f;
+    inputs.live = scenario.live;
+    inputs.live.tissue_stiffness = patient.tissue_stiffness;
     return inputs;
 }
 

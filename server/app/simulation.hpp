@@ -15,21 +15,19 @@
 
 namespace eti::app {
 
-/// Tools parked well clear of the face, in the scenario's posture: until a device says otherwise.
-[[nodiscard]] scene::Inputs parked(const Scenario& scenario);
+/// Tools parked well clear of the face, the patient as the scenario wants it: until someone says otherwise.
+[[nodiscard]] scene::Inputs parked(const Scenario& scenario, const anatomy::Patient& patient);
 
 /// The scenario's patient, from the cache or built anew (some seconds).
 [[nodiscard]] anatomy::Patient patient_of(const Scenario& scenario);
 
 /// What may be asked of a session's patient while it runs.
 struct PatientLimits {
-    float head_scale = 1.0f;                        ///< that the model was built with
-    float tongue_scale = 1.0f;                      ///< the same
-    float built_stiffness = 8e3f;                   ///< [Pa]
-    float softest = 1e3f, stiffest_typed = 100e3f;  ///< [Pa], a scenario's range
-    float stiffest =
-        std::numeric_limits<float>::infinity();  ///< [Pa], that the solver bears in the built tongue
-    std::string bearer;                          ///< what does not bear more
+    float head_scale = 1.0f;    ///< that the model was built with
+    float tongue_scale = 1.0f;  ///< the same
+    /// [Pa], that the solver bears in the built tongue.
+    float stiffest = std::numeric_limits<float>::infinity();
+    std::string bearer;  ///< what does not bear more
     bool saliva = false;
 
     /// [Pa], of a tongue of this size. Its tetrahedra are as much larger and weigh the same: they bear less.

@@ -151,7 +151,7 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
         moment.tube = changes;
         moment.tube_at_glottis =
             tube_.in_mouth() && (live_.tube_tip - places.glottis.centre).norm() < gates_.glottis_radius;
-        moment.head_elevation = snapshot.head_elevation;
+        moment.head_elevation = snapshot.live.head_elevation;
         moment.depth_at_lip = depth_at_lip_;
         add_to_attempt(moment);
     } else {

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "common/math/hash.hpp"
+#include "common/model/live.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/model/swelling.hpp"
 #include "server/scene/friction.hpp"
@@ -18,10 +19,6 @@ namespace {
 constexpr int swelling_delay = 90;  // steps; half a second
 constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
 constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
-
-float approach(float from, float to, float most) {
-    return from + std::clamp(to - from, -most, most);
-}
 
 template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
@@ -38,7 +35,9 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
              const Inputs& start, const Settings& settings)
     : patient_(patient),
       settings_(settings),
-      stiffness_(patient.tissue_stiffness),
+      live_{.head_scale = settings.head_scale,
+            .tongue_scale = settings.tongue_scale,
+            .tissue_stiffness = patient.tissue_stiffness},
       tissue_(patient, settings.tissue_model, step_duration / static_cast<float>(settings.substeps)),
       shell_(patient),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
@@ -77,22 +76,18 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
 }
 
 void Scene::reset(const Inputs& start) {
-    posture_ = start.posture;
+    const LiveValues before = std::exchange(live_, clamped(start.live));
     turn_gravity();
-    head_ = wanted_head(start);
-    secretion_ = start.secretion;
-    if (const float growth = wanted_growth(start); growth != growth_) {
+    if (live_.tongue_scale != before.tongue_scale) {
         if (!tissue_.knows_swelling()) {
             tissue_.set_swelling(swelling_.valid() ? swelling_.get() : anatomy::tongue_swelling(patient_));
         }
-        growth_ = growth;
-        tissue_.set_tongue_growth(growth);
+        tissue_.set_tongue_growth(growth());
     }
-    if (const float stiffness = wanted_stiffness(start); stiffness != stiffness_) {
-        stiffness_ = stiffness;
-        tissue_.set_stiffness(stiffness);
+    if (live_.tissue_stiffness != before.tissue_stiffness) {
+        tissue_.set_stiffness(live_.tissue_stiffness);
     }
-    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture_);
+    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture());
     tissue_.pose(bones);
     tissue_.reset();
     shell_.pose_now(bones);
@@ -120,27 +115,28 @@ void Scene::place_tube(const RigidTransform& grip) {
     tube_before_.clear();
 }
 
-void Scene::approach_wanted(const Inputs& inputs) {
-    const float most = settings_.posture_rate * step_duration;
-    const anatomy::Posture wanted = anatomy::clamped(inputs.posture);
-    const anatomy::Posture next{approach(posture_.head_elevation, wanted.head_elevation, most),
-                                approach(posture_.jaw_opening, wanted.jaw_opening, most),
-                                approach(posture_.table_angle, wanted.table_angle, most)};
-    const bool bones_move =
-        next.head_elevation != posture_.head_elevation || next.jaw_opening != posture_.jaw_opening;
-    const bool table_turns = next.table_angle != posture_.table_angle;
-    posture_ = next;
-    if (table_turns) {
+void Scene::follow(const LiveValues& wanted) {
+    LiveValues to = borne(clamped(wanted));
+    if (to.tongue_scale != live_.tongue_scale && !may_grow()) {
+        to.tongue_scale = live_.tongue_scale;
+    }
+    const LiveValues before = std::exchange(live_, followed(live_, to, step_duration, settings_.haste));
+    if (live_.table_angle != before.table_angle) {
         turn_gravity();
     }
-    head_ = approach(head_, wanted_head(inputs), settings_.head_rate * step_duration);
-    secretion_ = approach(secretion_, inputs.secretion, settings_.secretion_rate * step_duration);
-    approach_stiffness(wanted_stiffness(inputs));
-    const bool tongue_grows = approach_tongue(wanted_growth(inputs));
+    if (live_.tissue_stiffness != before.tissue_stiffness) {
+        tissue_.set_stiffness(live_.tissue_stiffness);
+    }
+    const bool tongue_grows = live_.tongue_scale != before.tongue_scale;
+    if (tongue_grows) {
+        tissue_.set_tongue_growth(growth());
+    }
+    const bool bones_move =
+        live_.head_elevation != before.head_elevation || live_.jaw_opening != before.jaw_opening;
     if (!bones_move && !tongue_grows) {
         return;
     }
-    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture_);
+    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture());
     tissue_.pose(bones);
     if (bones_move) {
         shell_.pose(bones);
@@ -148,36 +144,30 @@ void Scene::approach_wanted(const Inputs& inputs) {
     }
 }
 
-void Scene::approach_stiffness(float wanted) {
-    wanted = std::min(wanted, settings_.stiffest / growth_);
-    if (wanted != stiffness_) {
-        stiffness_ = approach(stiffness_, wanted, settings_.stiffness_rate * step_duration * stiffness_);
-        tissue_.set_stiffness(stiffness_);
-    }
+LiveValues Scene::borne(LiveValues wanted) const {
+    wanted.tissue_stiffness = std::min(wanted.tissue_stiffness, settings_.stiffest / growth());
+    const float soft = followed(live_, wanted, step_duration, settings_.haste).tissue_stiffness;
+    wanted.tongue_scale = std::min(wanted.tongue_scale, settings_.tongue_scale * settings_.stiffest / soft);
+    return wanted;
 }
 
-bool Scene::approach_tongue(float wanted) {
-    wanted = std::min(wanted, settings_.stiffest / stiffness_);
-    if (wanted == growth_) {
+bool Scene::may_grow() {
+    if (tissue_.knows_swelling()) {
+        return true;
+    }
+    if (!swelling_.valid()) {
+        swelling_ = std::async(std::launch::async, [this] { return anatomy::tongue_swelling(patient_); });
+        swelling_wait_ = swelling_delay;
+    }
+    if (--swelling_wait_ > 0) {
         return false;
     }
-    if (!tissue_.knows_swelling()) {
-        if (!swelling_.valid()) {
-            swelling_ = std::async(std::launch::async, [this] { return anatomy::tongue_swelling(patient_); });
-            swelling_wait_ = swelling_delay;
-        }
-        if (--swelling_wait_ > 0) {
-            return false;
-        }
-        tissue_.set_swelling(swelling_.get());
-    }
-    growth_ = approach(growth_, wanted, settings_.tongue_rate * step_duration);
-    tissue_.set_tongue_growth(growth_);
+    tissue_.set_swelling(swelling_.get());
     return true;
 }
 
 void Scene::turn_gravity() {
-    gravity_ = anatomy::gravity(posture_.table_angle);
+    gravity_ = anatomy::gravity(live_.table_angle);
     const Vec3f turned = gravity_ - anatomy::gravity(0.0f);
     tissue_.body().settings.acceleration = tissue_weight_share * turned;
     tissue_.tongue().acceleration = turned;
@@ -188,7 +178,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     if (clock_ != nullptr) {
         clock_->start();
     }
-    approach_wanted(inputs);
+    follow(inputs.live);
     shell_.advance();
 
     const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
@@ -217,9 +207,9 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     body.begin_step();
     parallel::both([&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
                    [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
-    const bool liquid_moves = saliva_ && saliva_->flows(secretion_);
+    const bool liquid_moves = saliva_ && saliva_->flows(live_.secretion);
     if (liquid_moves) {
-        saliva_->begin_step(about_saliva(blade_to, inputs.suction));
+        saliva_->begin_step(about_saliva(blade_to, live_.suction));
     }
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
@@ -293,7 +283,7 @@ SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suc
     return {shell_.distance(),
             shell_.revision(),
             tissue_.body().particles,
-            anatomy::pose_bones(patient_.skeleton, posture_),
+            anatomy::pose_bones(patient_.skeleton, posture()),
             snapshot_.landmarks,
             blade_pose_,
             blade_to,
@@ -301,7 +291,7 @@ SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suc
             to,
             suction,
             gravity_,
-            secretion_};
+            live_.secretion};
 }
 
 void Scene::fill_saliva() {
@@ -358,8 +348,7 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     const pbd::GripWrench grip = tube_.grip_wrench();
     s.tube_force = grip.force;
     s.tube_torque = grip.torque;
-    s.suction = inputs.suction;
-    tissue_.frames(s.frames, head_);
+    tissue_.frames(s.frames, head());
     const auto carried = [&](const anatomy::CarriedPoint& point) {
         return skin_point(point.rest, point.skin, patient_.frame_rest_centre, s.frames);
     };
@@ -370,13 +359,7 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     for (std::size_t i = 0; i < s.glottis_contour.size(); ++i) {
         s.glottis_contour[i] = carried(patient_.glottis_contour[i]);
     }
-    s.head_elevation = posture_.head_elevation;
-    s.jaw_opening = posture_.jaw_opening;
-    s.table_angle = posture_.table_angle;
-    s.head_scale = head_ * settings_.head_scale;
-    s.tongue_scale = growth_ * settings_.tongue_scale;
-    s.tissue_stiffness = stiffness_;
-    s.secretion = secretion_;
+    s.live = live_;
     lap(Stage::snapshot);
 }
 

@@ -29,25 +29,15 @@ namespace eti::scene {
 struct Inputs {
     RigidTransform laryngoscope;
     RigidTransform tube_grip;
-    float suction = 0.0f;  ///< 0..1
-    // Wanted, and approached smoothly.
-    anatomy::Posture posture;
-    std::optional<float> head_scale;        ///< as a scenario's; by default that of the model
-    std::optional<float> tongue_scale;      ///< as a scenario's; by default that of the model
-    std::optional<float> tissue_stiffness;  ///< [Pa], tongue and mucosa; by default that of the model
-    float secretion = 1.0f;                 ///< of what the glands usually give; 0: nothing
+    LiveValues live;  ///< wanted, and followed at the rates of live_fields
 };
 
 struct Settings {
     int substeps = 8;
     TissueModel tissue_model = TissueModel::implicit;
-    float posture_rate = 0.17f;   ///< [rad/s]; a nurse tilts a head at about 10 deg/s
-    float head_rate = 0.1f;       ///< [1/s], of the built cranium's size
-    float tongue_rate = 0.1f;     ///< [1/s], of the built tongue's size
-    float stiffness_rate = 1.0f;  ///< [1/s], of the stiffness itself
-    float secretion_rate = 5.0f;  ///< [1/s], of the usual flow
-    float head_scale = 1.0f;      ///< that the model was built with
-    float tongue_scale = 1.0f;    ///< the same
+    float haste = 1.0f;         ///< times the rates at which what lives is followed
+    float head_scale = 1.0f;    ///< that the model was built with
+    float tongue_scale = 1.0f;  ///< the same
     /// [Pa], that the solver bears in the built tongue, and so much less as that grows. Stiffness and size
     /// wait for each other where both change.
     float stiffest = std::numeric_limits<float>::infinity();
@@ -92,22 +82,20 @@ class Scene {
     void place_tube(const RigidTransform& grip);
 
   private:
-    /// Carries patient and table on towards what is wanted, by what may change in a step.
-    void approach_wanted(const Inputs& inputs);
-    void approach_stiffness(float wanted);
-    /// Whether the tongue has grown or shrunk.
-    [[nodiscard]] bool approach_tongue(float wanted);
+    /// Carries on what lives towards what is wanted, by what may change in a step.
+    void follow(const LiveValues& wanted);
+    /// What the solver bears of what is wanted. Stiffness and size of the tongue wait for each other.
+    [[nodiscard]] LiveValues borne(LiveValues wanted) const;
+    /// Whether it is known how the tongue grows; the first to ask waits half a second.
+    [[nodiscard]] bool may_grow();
     void wake_tissue() { tissue_.body().sleep.wake_whole(tissue_.body().particles); }
     /// What hangs on the table's angle.
     void turn_gravity();
-    [[nodiscard]] float wanted_head(const Inputs& inputs) const {
-        return inputs.head_scale ? *inputs.head_scale / settings_.head_scale : 1.0f;
-    }
-    [[nodiscard]] float wanted_growth(const Inputs& inputs) const {
-        return inputs.tongue_scale ? *inputs.tongue_scale / settings_.tongue_scale : 1.0f;
-    }
-    [[nodiscard]] float wanted_stiffness(const Inputs& inputs) const {
-        return inputs.tissue_stiffness.value_or(patient_.tissue_stiffness);
+    /// Sizes of cranium and tongue against the built ones.
+    [[nodiscard]] float head() const { return live_.head_scale / settings_.head_scale; }
+    [[nodiscard]] float growth() const { return live_.tongue_scale / settings_.tongue_scale; }
+    [[nodiscard]] anatomy::Posture posture() const {
+        return {live_.head_elevation, live_.jaw_opening, live_.table_angle};
     }
     /// The tongue does not go through palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles);
@@ -124,11 +112,7 @@ class Scene {
 
     const anatomy::Patient& patient_;
     Settings settings_;
-    anatomy::Posture posture_;
-    float head_ = 1.0f;    // size of the cranium against the built one; nothing meets it
-    float growth_ = 1.0f;  // of the tongue against the built one
-    float stiffness_;      // [Pa]
-    float secretion_ = 1.0f;
+    LiveValues live_;
     // How the tongue grows, computed beside the simulation once someone asks for another size and taken over
     // a set number of steps later, so that a session re-runs to the same bits.
     std::future<std::vector<Vec3f>> swelling_;

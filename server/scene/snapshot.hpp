@@ -8,6 +8,7 @@
 #include "common/math/transform.hpp"
 #include "common/mesh/skinning.hpp"
 #include "common/model/landmark.hpp"
+#include "common/model/live.hpp"
 #include "common/model/tissue.hpp"
 
 namespace eti::scene {
@@ -67,20 +68,13 @@ struct Snapshot : ProxySnapshot {
     std::vector<Vec3f> tube_nodes;      ///< [m], centre line from connector to tip
     Vec3f tube_force = Vec3f::Zero();   ///< [N], of the tube on the hand that holds it, mean over the step
     Vec3f tube_torque = Vec3f::Zero();  ///< [N m], about the grip
-    float suction = 0.0f;               ///< 0..1
     SalivaState saliva;
 
     std::vector<FramePose> frames;  ///< bones, clusters, the head's; index as in the patient model
     Landmarks landmarks{};
     std::vector<Vec3f> glottis_contour;  ///< [m], closed polygon
 
-    float head_elevation = 0.0f;  ///< [rad]
-    float jaw_opening = 0.0f;     ///< [rad]
-    float table_angle = 0.0f;     ///< [rad], positive head-up
-    float head_scale = 1.0f;
-    float tongue_scale = 1.0f;
-    float tissue_stiffness = 0.0f;  ///< [Pa], Young's modulus of tongue and mucosa
-    float secretion = 1.0f;         ///< of what the glands usually give
+    LiveValues live;  ///< what commands change, as it is
 };
 
 }  // namespace eti::scene

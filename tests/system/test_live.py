@@ -92,7 +92,7 @@ class Live(support.Case):
             self.assert_ramped(file["skeleton/head_elevation"][:], 20 * DEGREE, POSTURE_RATE)
             self.assert_ramped(file["skeleton/head_scale"][:], 0.9, HEAD_RATE)
             self.assert_ramped(file["tissue/tongue_scale"][:], 1.2, TONGUE_RATE)
-            self.assert_ramped(file["tissue/stiffness"][:], 12e3, STIFFNESS_RATE, relative=True)
+            self.assert_ramped(file["tissue/tissue_stiffness"][:], 12e3, STIFFNESS_RATE, relative=True)
             first = file["inputs/commands/step"][0]
             before = file["skeleton/table_angle"][:][file["inputs/step"][:] < first]
             self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
@@ -133,6 +133,17 @@ class Live(support.Case):
         nobody = support.run("eti-controller", "--set", "suction=1", "--session", "nobody", "--domain",
                              support.DOMAIN)
         self.assert_refused(nobody, "no server takes commands in session 'nobody'")
+
+    def test_documented_keys_are_those_of_the_program(self):
+        """Keys and ranges in docs/scenarios.md against what the program itself says of its table."""
+        text = re.sub(r"\s+", " ", support.run("eti-controller", "--help").stdout)
+        told = {(key, float(low), float(high))
+                for key, low, high in re.findall(r"(\w+) \((-?[\d.]+) to (-?[\d.]+)\)", text)}
+        documented = (support.ROOT / "docs/scenarios.md").read_text().split("| key of `--set` |")[1]
+        rows = {(key, float(low), float(high))
+                for key, low, high in re.findall(r"^\| `(\w+)` \| (-?[\d.]+)-(-?[\d.]+)[,; |]", documented, re.M)}
+        self.assertEqual(rows, told)
+        self.assertGreaterEqual(len(told), 8)
 
 
 if __name__ == "__main__":

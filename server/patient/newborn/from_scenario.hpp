@@ -13,7 +13,7 @@ namespace eti::anatomy {
     settings.spacing = scenario.physics.spacing;
     settings.fine_spacing = scenario.physics.fine_spacing;
     settings.region = scenario.physics.region;
-    settings.tissue_stiffness = scenario.patient.tissue_stiffness;
+    settings.tissue_stiffness = scenario.live.tissue_stiffness;
     return settings;
 }
 

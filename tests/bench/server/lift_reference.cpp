@@ -179,7 +179,7 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
     for (const std::uint32_t i : surroundings_.held) {
         problem_.body.hold(vertex_of(i));
     }
-    problem_.body.youngs_modulus = static_cast<double>(scenario.patient.tissue_stiffness);
+    problem_.body.youngs_modulus = static_cast<double>(scenario.live.tissue_stiffness);
     problem_.body.poisson_ratio = poisson_ratio;
     for (std::uint32_t n = 0; n < particle_.size(); ++n) {
         if (surroundings_.free[particle_[n]]) {

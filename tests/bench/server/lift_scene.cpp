@@ -100,7 +100,7 @@ double opening_of(const anatomy::Patient& patient, const Laryngoscope& scope,
 
 std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Patient& patient) {
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
-    scene::Inputs inputs = app::parked(scenario);
+    scene::Inputs inputs = app::parked(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     app::LocalOperator hands(script, simulation.scope(), scenario.tube, scenario.seed ^ script.seed,
                              simulation.observation());

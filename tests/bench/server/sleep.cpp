@@ -141,7 +141,7 @@ void compare(const std::string& name, const Scenario& shipped, TissueModel model
     const std::string_view model_name = name_of(model);
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     const anatomy::Patient patient = app::patient_of(awake);
-    scene::Inputs inputs = app::parked(awake);
+    scene::Inputs inputs = app::parked(awake, patient);
     // All awake, what rests asleep and all awake with the blade beside: these follow, in this order.
     std::array<Follower, 2 + besides.size()> scenes = {Follower{{awake, patient, inputs}, {}, {}, {}, {}},
                                                        Follower{{sleeping, patient, inputs}, {}, {}, {}, {}},

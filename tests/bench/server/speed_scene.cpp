@@ -65,17 +65,13 @@ void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& 
             // The shell's distances follow a second after the bones: they are waited for, too.
             int still = 0;
             for (int i = 0; i < longest && still < 2 * steps_per_second; ++i, ++step) {
-                const scene::Snapshot& s = simulation.snapshot();
-                const std::array before = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,
-                                           s.tissue_stiffness};
+                const LiveValues before = simulation.snapshot().live;
                 const double began = clock_ms();
                 simulation.scene().step(inputs);
                 const double took = clock_ms() - began;
                 least.resize(std::max(least.size(), step + 1), 1e300);
                 least[step] = std::min(least[step], took);
-                const std::array after = {s.head_elevation, s.jaw_opening, s.table_angle, s.tongue_scale,
-                                          s.tissue_stiffness};
-                still = before == after ? still + 1 : 0;
+                still = before == simulation.snapshot().live ? still + 1 : 0;
             }
         }
     }
@@ -88,7 +84,7 @@ void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& 
 void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& name,
                 const std::string& state = "tools at rest") {
     const anatomy::Patient patient = app::patient_of(scenario);
-    const scene::Inputs inputs = app::parked(scenario);
+    const scene::Inputs inputs = app::parked(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     for (int i = 0; i < steps_per_second; ++i) {  // until what liquid there is has settled
         simulation.scene().step(inputs);
@@ -120,7 +116,7 @@ void measure_whole_scenes(SpeedMeter& meter) {
 void measure_sweeps(SpeedMeter& meter) {
     const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
     const anatomy::Patient patient = app::patient_of(scenario);
-    const scene::Inputs start = app::parked(scenario);
+    const scene::Inputs start = app::parked(scenario, patient);
     app::Simulation simulation(scenario, patient, start);
     const auto course = [&](const std::string& what, auto set_low, auto set_high) {
         scene::Inputs low = start, high = start;
@@ -129,31 +125,31 @@ void measure_sweeps(SpeedMeter& meter) {
         sweep(meter, simulation, low, high, what);
     };
     course(
-        "head 0 to 30 deg", [](auto& i) { i.posture.head_elevation = 0.0f; },
-        [](auto& i) { i.posture.head_elevation = max_head_elevation; });
+        "head 0 to 30 deg", [](auto& i) { i.live.head_elevation = 0.0f; },
+        [](auto& i) { i.live.head_elevation = max_head_elevation; });
     course(
-        "jaw 0 to 35 deg", [](auto& i) { i.posture.jaw_opening = 0.0f; },
-        [](auto& i) { i.posture.jaw_opening = max_jaw_opening; });
+        "jaw 0 to 35 deg", [](auto& i) { i.live.jaw_opening = 0.0f; },
+        [](auto& i) { i.live.jaw_opening = max_jaw_opening; });
     course(
-        "table -20 to 20 deg", [](auto& i) { i.posture.table_angle = -max_table_angle; },
-        [](auto& i) { i.posture.table_angle = max_table_angle; });
+        "table -20 to 20 deg", [](auto& i) { i.live.table_angle = -max_table_angle; },
+        [](auto& i) { i.live.table_angle = max_table_angle; });
     course(
-        "tongue scale 0.8 to 1.4", [](auto& i) { i.tongue_scale = 0.8f; },
-        [](auto& i) { i.tongue_scale = 1.4f; });
+        "tongue scale 0.8 to 1.4", [](auto& i) { i.live.tongue_scale = 0.8f; },
+        [](auto& i) { i.live.tongue_scale = 1.4f; });
     course(
-        "tissue 1 to 18 kPa", [](auto& i) { i.tissue_stiffness = 1e3f; },
-        [](auto& i) { i.tissue_stiffness = 18e3f; });
+        "tissue 1 to 18 kPa", [](auto& i) { i.live.tissue_stiffness = 1e3f; },
+        [](auto& i) { i.live.tissue_stiffness = 18e3f; });
     course(
         "head, jaw, table, tongue and tissue together",
         [](auto& i) {
-            i.posture = {0.0f, 0.0f, -max_table_angle};
-            i.tongue_scale = 0.8f;
-            i.tissue_stiffness = 1e3f;
+            i.live = {.table_angle = -max_table_angle, .tongue_scale = 0.8f, .tissue_stiffness = 1e3f};
         },
         [](auto& i) {
-            i.posture = {max_head_elevation, max_jaw_opening, max_table_angle};
-            i.tongue_scale = 1.4f;
-            i.tissue_stiffness = 18e3f;
+            i.live = {.head_elevation = max_head_elevation,
+                      .jaw_opening = max_jaw_opening,
+                      .table_angle = max_table_angle,
+                      .tongue_scale = 1.4f,
+                      .tissue_stiffness = 18e3f};
         });
 }
 
@@ -161,7 +157,7 @@ void measure_scene(SpeedMeter& meter) {
     Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
     scenario.physics.sleep = false;  // stages of what moves, also where tools stand still to be measured
     const anatomy::Patient patient = app::patient_of(scenario);
-    scene::Inputs inputs = app::parked(scenario);
+    scene::Inputs inputs = app::parked(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     for (int i = 0; i < 20; ++i) {
         simulation.step(inputs, std::nullopt);

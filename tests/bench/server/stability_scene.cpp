@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 // The patient's head and jaw moved through their whole range in one step, and as fast as scenes move them.
 #include "common/math/units.hpp"
+#include "common/model/live.hpp"
 #include "common/model/pace.hpp"
 #include "server/patient/newborn/build.hpp"
 #include "tests/bench/server/stability_parts.hpp"
@@ -15,6 +16,11 @@ constexpr double watched = 6.0;  // [s]; a scene takes 3.5 s, and the shell's di
 constexpr float at_once = 1e6f;  // [rad/s]
 constexpr double size = 10e-3;   // [m], what 1 % refers to
 
+/// [rad/s], at which a scene moves head and jaw.
+float scene_rate() {
+    return live_field("jaw_opening")->rate;
+}
+
 struct Move {
     std::string name;
     anatomy::Posture from, to;
@@ -25,7 +31,8 @@ scene::Inputs parked(const anatomy::Posture& posture) {
     scene::Inputs inputs;
     inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
     inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-    inputs.posture = posture;
+    inputs.live.head_elevation = posture.head_elevation;
+    inputs.live.jaw_opening = posture.jaw_opening;
     return inputs;
 }
 
@@ -45,7 +52,7 @@ Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
     scene::Settings settings;
     settings.substeps = substeps;
     const std::vector<FramePose> expected = settled(patient, scope, move.to, settings);
-    settings.posture_rate = move.rate;
+    settings.haste = move.rate / scene_rate();
     scene::Scene scene(patient, scope, Tube{}, parked(move.from), settings);
     Follower follower(size, watched);
     double thrown = 0.0;
@@ -69,15 +76,14 @@ Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
 void head_in_one_step(const Sweep& sweep, Maps& maps) {
     const anatomy::Posture rest{}, head{max_head_elevation, 0.0f}, jaw{0.0f, max_jaw_opening},
         both{max_head_elevation, max_jaw_opening};
-    const std::vector<Move> moves = {
-        {"head 0 to 30 deg", rest, head},
-        {"head 30 to 0 deg", head, rest},
-        {"jaw 0 to 35 deg", rest, jaw},
-        {"jaw, at 100 deg/s", rest, jaw, 100.0f * degree},
-        {"jaw, as fast as a scene", rest, jaw, scene::Settings{}.posture_rate},
-        {"head and jaw, there", rest, both},
-        {"head and jaw, back", both, rest},
-        {"both, as fast as a scene", rest, both, scene::Settings{}.posture_rate}};
+    const std::vector<Move> moves = {{"head 0 to 30 deg", rest, head},
+                                     {"head 30 to 0 deg", head, rest},
+                                     {"jaw 0 to 35 deg", rest, jaw},
+                                     {"jaw, at 100 deg/s", rest, jaw, 100.0f * degree},
+                                     {"jaw, as fast as a scene", rest, jaw, scene_rate()},
+                                     {"head and jaw, there", rest, both},
+                                     {"head and jaw, back", both, rest},
+                                     {"both, as fast as a scene", rest, both, scene_rate()}};
     const int shipped = Scenario::Physics{}.substeps;
     for (const Move& m : moves) {
         if (sweep.quick && m.name != "head and jaw, there") {

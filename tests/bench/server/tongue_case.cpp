@@ -45,8 +45,8 @@ struct Tongue {
 
 Tongue tongue_of(const Scenario& scenario) {
     const anatomy::Patient patient = app::patient_of(scenario);
-    const anatomy::BonePoses bones = anatomy::pose_bones(
-        patient.skeleton, {scenario.patient.head_elevation, scenario.patient.jaw_opening});
+    const anatomy::BonePoses bones =
+        anatomy::pose_bones(patient.skeleton, {scenario.live.head_elevation, scenario.live.jaw_opening});
     const anatomy::ParticleSet& set = patient.particles;
     Tongue tongue;
     std::vector<std::uint32_t> number(set.size(), ~0u);
@@ -310,7 +310,7 @@ double difference(const Tongue& tongue, const Pressed& found, const Pressed& exp
 
 std::vector<LawForce> tongue_laws(bool quick) {
     const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
-    const auto modulus = static_cast<double>(scenario.patient.tissue_stiffness);
+    const auto modulus = static_cast<double>(scenario.live.tissue_stiffness);
     const Tongue tongue = tongue_of(scenario);
     std::vector<LawForce> out;
     for (const double depth : quick ? std::vector{4e-3} : std::vector{1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}) {
@@ -339,7 +339,7 @@ std::vector<LawForce> tongue_laws(bool quick) {
 
 void press_tongue(AccuracyTable& table, Table& forces, bool quick) {
     Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
-    const auto modulus = static_cast<double>(scenario.patient.tissue_stiffness);
+    const auto modulus = static_cast<double>(scenario.live.tissue_stiffness);
     const std::vector<double> depths = quick ? std::vector{4e-3} : std::vector{2e-3, 4e-3, 6e-3};
     for (const double spacing : quick ? std::vector{2.5e-3} : std::vector{2.5e-3, 2.0e-3}) {
         scenario.physics.spacing = static_cast<float>(spacing);

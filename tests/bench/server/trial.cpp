@@ -18,7 +18,7 @@ constexpr double longest = 120.0;  // [s] of simulation time
 Trial perform(const Scenario& scenario, const OperatorScript& script, std::uint64_t seed) {
     using Clock = std::chrono::steady_clock;
     const anatomy::Patient patient = app::patient_of(scenario);
-    scene::Inputs inputs = app::parked(scenario);
+    scene::Inputs inputs = app::parked(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     app::LocalOperator hands(script, simulation.scope(), scenario.tube, seed, simulation.observation());
     hands.hold(inputs);

@@ -244,6 +244,9 @@ TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
     live = synthetic::metrics(scene_, 5, 10.0f);
     live.landmarks()[2].y(not_a_number);
     expect_refused(view_.apply(live));
+    live = synthetic::metrics(scene_, 5, 10.0f);
+    live.live()[2] = not_a_number;
+    expect_refused(view_.apply(live));
     live = synthetic::metrics(scene_, 5, not_a_number);
     expect_refused(view_.apply(live));
     auto status = synthetic::status(msg::PHASE_RUNNING);

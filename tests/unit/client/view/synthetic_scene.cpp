@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "synthetic_scene.hpp"
+#include "common/bus/convert.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -249,6 +250,7 @@ msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns) {
 
 msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glottic_opening_percent) {
     msg::LiveMetrics live;
+    bus::put_live({}, live);
     live.header().simulation_time_ns(time_ns);
     live.attempt(1);
     live.attempt_running(true);

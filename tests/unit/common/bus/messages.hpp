@@ -161,7 +161,7 @@ inline msg::Command example() {
     out.header(example_header());
     out.sender("instructor");
     out.id(8);
-    out.kind(msg::COMMAND_SECRETION);
+    out.name("secretion");
     out.value(0.75f);
     return out;
 }
@@ -188,13 +188,7 @@ inline msg::LiveMetrics example() {
     out.tube_depth_past_glottis(-0.5f);
     out.tube_force_n(0.75f);
     out.tube_tip(vec(1.0f));
-    out.patient().head_elevation(0.25f);
-    out.patient().jaw_opening(0.5f);
-    out.patient().table_angle(-0.125f);
-    out.patient().head_scale(0.875f);
-    out.patient().tongue_scale(1.25f);
-    out.patient().tissue_stiffness(9e3f);
-    out.patient().secretion(2.0f);
+    out.live() = {0.25f, 0.5f, -0.125f, 0.875f, 1.25f, 9e3f, 2.0f, 1.0f};
     for (int i = 0; i < 32; ++i) {
         out.landmarks().push_back(vec(static_cast<float>(i)));
     }

@@ -55,9 +55,9 @@ seed: 42
     EXPECT_FLOAT_EQ(s.patient.shape.weight, 1.1f);
     EXPECT_FLOAT_EQ(s.patient.shape.gestational_age, 28);
     EXPECT_FLOAT_EQ(s.patient.shape.tongue_scale, 1.15f);
-    EXPECT_FLOAT_EQ(s.patient.head_elevation, 25 * degree);
-    EXPECT_FLOAT_EQ(s.patient.jaw_opening, 20 * degree);
-    EXPECT_FLOAT_EQ(s.patient.tissue_stiffness, 9e3f);
+    EXPECT_FLOAT_EQ(s.live.head_elevation, 25 * degree);
+    EXPECT_FLOAT_EQ(s.live.jaw_opening, 20 * degree);
+    EXPECT_FLOAT_EQ(s.live.tissue_stiffness, 9e3f);
     EXPECT_EQ(s.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(s.tube.inner_diameter, 2.5e-3f);
     EXPECT_FLOAT_EQ(s.tube.outer_diameter, 3.6e-3f) << "the outer diameter follows the inner";
@@ -89,7 +89,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     EXPECT_FALSE(read("saliva: on\n").saliva_standby);
     EXPECT_TRUE(read("saliva: standby\n").saliva);
     EXPECT_TRUE(read("saliva: standby\n").saliva_standby);
-    EXPECT_FLOAT_EQ(read("patient: {table_angle_deg: -15}\n").patient.table_angle, -15 * degree);
+    EXPECT_FLOAT_EQ(read("patient: {table_angle_deg: -15}\n").live.table_angle, -15 * degree);
 }
 
 TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
@@ -140,7 +140,7 @@ TEST(Scenario, AModelLiesBesideItsScenarioAndHoldsItsShape) {
               "some/where/baby.h5");
     EXPECT_EQ(parse_scenario("patient: {model: /tmp/baby.h5}\n", "some/baby.yaml").patient.model,
               "/tmp/baby.h5");
-    EXPECT_EQ(read("patient: {model: a.h5, head_elevation_deg: 20}\n").patient.head_elevation, 20 * degree);
+    EXPECT_EQ(read("patient: {model: a.h5, head_elevation_deg: 20}\n").live.head_elevation, 20 * degree);
     for (const char* key :
          {"weight_kg: 3", "variant: normal", "tissue_stiffness_kpa: 9", "tongue_scale: 1"}) {
         EXPECT_TRUE(refused(std::string("patient: {model: a.h5, ") + key + "}\n",
@@ -171,7 +171,7 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
     EXPECT_EQ(premature.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(premature.tube.inner_diameter, 2.5e-3f);
     EXPECT_GT(premature.patient.shape.tongue_scale, term.patient.shape.tongue_scale);
-    EXPECT_LT(premature.patient.jaw_opening, term.patient.jaw_opening);
+    EXPECT_LT(premature.live.jaw_opening, term.live.jaw_opening);
     EXPECT_LT(premature.patient.shape.weight, term.patient.shape.weight);
     EXPECT_TRUE(premature.saliva);
     // The enhanced conditions differ in what is shown and in nothing else.
@@ -184,9 +184,9 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
         EXPECT_EQ(enhanced.patient.shape.weight, plain.patient.shape.weight);
         EXPECT_EQ(enhanced.patient.shape.gestational_age, plain.patient.shape.gestational_age);
         EXPECT_EQ(enhanced.patient.shape.tongue_scale, plain.patient.shape.tongue_scale);
-        EXPECT_EQ(enhanced.patient.head_elevation, plain.patient.head_elevation);
-        EXPECT_EQ(enhanced.patient.jaw_opening, plain.patient.jaw_opening);
-        EXPECT_EQ(enhanced.patient.tissue_stiffness, plain.patient.tissue_stiffness);
+        EXPECT_EQ(enhanced.live.head_elevation, plain.live.head_elevation);
+        EXPECT_EQ(enhanced.live.jaw_opening, plain.live.jaw_opening);
+        EXPECT_EQ(enhanced.live.tissue_stiffness, plain.live.tissue_stiffness);
         EXPECT_EQ(enhanced.blade, plain.blade);
         EXPECT_EQ(enhanced.tube.inner_diameter, plain.tube.inner_diameter);
         EXPECT_EQ(enhanced.tube.length, plain.tube.length);

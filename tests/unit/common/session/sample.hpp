@@ -86,7 +86,7 @@ inline StepRecord step(std::uint64_t number) {
     record.laryngoscope = pose(number, 0);
     record.tube_grip = pose(number, 10);
     record.eye = pose(number, 20);
-    record.suction = value(number, 26);
+    record.live.suction = value(number, 26);
     record.proxy = pose(number, 30);
     record.shell_force = vector(number, 40);
     record.shell_torque = vector(number, 43);
@@ -95,13 +95,13 @@ inline StepRecord step(std::uint64_t number) {
     for (std::size_t i = 0; i < tube_nodes; ++i) {
         record.tube_nodes.push_back(vector(number, 60 + 3 * static_cast<int>(i)));
     }
-    record.head_elevation = value(number, 120);
-    record.jaw_opening = value(number, 121);
-    record.table_angle = static_cast<double>(value(number, 125));
-    record.head_scale = static_cast<double>(value(number, 129));
-    record.tongue_scale = static_cast<double>(value(number, 126));
-    record.tissue_stiffness = static_cast<double>(value(number, 127));
-    record.secretion = static_cast<double>(value(number, 128));
+    record.live.head_elevation = value(number, 120);
+    record.live.jaw_opening = value(number, 121);
+    record.live.table_angle = value(number, 125);
+    record.live.head_scale = value(number, 129);
+    record.live.tongue_scale = value(number, 126);
+    record.live.tissue_stiffness = value(number, 127);
+    record.live.secretion = value(number, 128);
     record.attempt = static_cast<std::uint32_t>(number / 1000);
     record.attempt_running = number % 2 == 1;
     record.glottic_opening_percent = value(number, 122);

@@ -13,12 +13,10 @@ namespace {
 
 constexpr float dt = 0.02f;
 
-msg::PatientState posture(float head_deg, float jaw_deg, float table_deg) {
-    msg::PatientState patient;
-    patient.head_elevation(head_deg * degree);
-    patient.jaw_opening(jaw_deg * degree);
-    patient.table_angle(table_deg * degree);
-    return patient;
+LiveValues posture(float head_deg, float jaw_deg, float table_deg) {
+    return {.head_elevation = head_deg * degree,
+            .jaw_opening = jaw_deg * degree,
+            .table_angle = table_deg * degree};
 }
 
 /// That knows of a patient.
@@ -43,7 +41,7 @@ TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
     // A second of it, one command for every half a degree.
     EXPECT_LE(sent.size(), 20u);
     EXPECT_GE(sent.size(), 15u);
-    EXPECT_EQ(sent.back().kind, msg::COMMAND_HEAD_ELEVATION);
+    EXPECT_EQ(sent.back().name, "head_elevation");
     reading.axes[1] = 0.0f;
     for (const PadCommand& command : pad.update(reading, dt)) {
         sent.push_back(command);
@@ -63,7 +61,7 @@ TEST(CommandPad, SuctionIsSentAgainToANewServerAndLetGoOfAtTheEnd) {
     ASSERT_EQ(pad.update(reading, dt).size(), 1u);
     const std::vector<PadCommand> last = pad.let_go();
     ASSERT_EQ(last.size(), 1u);
-    EXPECT_EQ(last[0].kind, msg::COMMAND_SUCTION);
+    EXPECT_EQ(last[0].name, "suction");
     EXPECT_EQ(last[0].value, 0.0f);
     EXPECT_TRUE(pad.let_go().empty());
 }
@@ -112,12 +110,12 @@ TEST(CommandPad, PosturesStayWithinTheServersBounds) {
     float jaw = 0.0f, head = 1.0f;
     for (int i = 0; i < 500; ++i) {
         for (const PadCommand& command : pad.update(reading, dt)) {
-            (command.kind == msg::COMMAND_JAW_OPENING ? jaw : head) = command.value;
+            (command.name == "jaw_opening" ? jaw : head) = command.value;
         }
     }
     reading.axes = {};
     for (const PadCommand& command : pad.update(reading, dt)) {
-        (command.kind == msg::COMMAND_JAW_OPENING ? jaw : head) = command.value;
+        (command.name == "jaw_opening" ? jaw : head) = command.value;
     }
     EXPECT_NEAR(jaw, 35.0f * degree, 1e-5f);
     EXPECT_NEAR(head, 0.0f, 1e-6f);
@@ -131,7 +129,7 @@ TEST(CommandPad, TheRightStickTiltsTheTableEitherWay) {
         float table = 0.0f;
         for (int i = 0; i < 500; ++i) {
             for (const PadCommand& command : pad.update(reading, dt)) {
-                EXPECT_EQ(command.kind, msg::COMMAND_TABLE_ANGLE);
+                EXPECT_EQ(command.name, "table_angle");
                 table = command.value;
             }
         }
@@ -149,7 +147,7 @@ TEST(CommandPad, ButtonAndTriggerAreSuction) {
     reading.buttons = 1;
     auto sent = pad.update(reading, dt);
     ASSERT_EQ(sent.size(), 1u);
-    EXPECT_EQ(sent[0].kind, msg::COMMAND_SUCTION);
+    EXPECT_EQ(sent[0].name, "suction");
     EXPECT_EQ(sent[0].value, 1.0f);
     EXPECT_TRUE(pad.update(reading, dt).empty());
     reading.buttons = 0;

@@ -73,7 +73,7 @@ TEST_F(BusOutputTest, WhatWasSeenComesWithItsSnapshot) {
     snapshot.time_ns = 66'666'666;
     snapshot.tube_force = Vec3f(0.0f, 3.0f, 4.0f);
     snapshot.landmarks[3] = Vec3f(0.1f, 0.2f, 0.3f);
-    LiveValues values;
+    LiveMeasures values;
     values.glottic_opening_percent = 42.0f;
     msg::LiveMetrics message;
     ASSERT_TRUE(eventually([&] {

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/app/command_desk.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -15,22 +16,21 @@ namespace {
 
 TEST(CommandDesk, SuctionStaysAsAskedFor) {
     CommandDesk desk;
-    scene::Inputs inputs;
-    EXPECT_EQ(desk.suction(), 0.0f);
-    desk.handle({"trainee", 1, msg::COMMAND_SUCTION, 0.75f}, inputs);
+    EXPECT_EQ(desk.wanted().suction, 0.0f);
+    desk.handle({"trainee", 1, "suction", 0.75f});
     EXPECT_TRUE(desk.answer().accepted());
-    EXPECT_EQ(desk.suction(), 0.75f);
+    EXPECT_EQ(desk.wanted().suction, 0.75f);
     for (const float wrong : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
-        desk.handle({"trainee", 2, msg::COMMAND_SUCTION, wrong}, inputs);
+        desk.handle({"trainee", 2, "suction", wrong});
         EXPECT_FALSE(desk.answer().accepted()) << wrong;
-        EXPECT_EQ(desk.suction(), 0.75f) << wrong;
+        EXPECT_EQ(desk.wanted().suction, 0.75f) << wrong;
     }
-    desk.handle({"trainee", 3, msg::COMMAND_SUCTION, 0.0f}, inputs);
-    EXPECT_EQ(desk.suction(), 0.0f);
+    desk.handle({"trainee", 3, "suction", 0.0f});
+    EXPECT_EQ(desk.wanted().suction, 0.0f);
 }
 
 struct Case {
-    msg::CommandKind kind;
+    const char* name;
     float value;
     const char* refusal;  // a part of it; nullptr: accepted
 };
@@ -46,67 +46,77 @@ PatientLimits limits() {
 TEST(CommandDesk, AnswersWhatThePatientDoesNotBear) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (const Case& c :
-         {Case{msg::COMMAND_TABLE_ANGLE, -20.0f * degree, nullptr},
-          Case{msg::COMMAND_TABLE_ANGLE, 20.1f * degree, "20.1 deg, expected -20 to 20"},
-          Case{msg::COMMAND_TABLE_ANGLE, nan, "table angle"},
-          Case{msg::COMMAND_HEAD_ELEVATION, -0.1f * degree, "expected 0 to 30"},
-          Case{msg::COMMAND_HEAD_SCALE, 1.15f, nullptr},
-          Case{msg::COMMAND_HEAD_SCALE, 1.16f, "1.16, expected 0.85 to 1.15"},
-          Case{msg::COMMAND_HEAD_SCALE, nan, "head scale"}, Case{msg::COMMAND_TONGUE_SCALE, 1.4f, nullptr},
-          Case{msg::COMMAND_TONGUE_SCALE, 0.79f, "0.79, expected 0.8 to 1.4"},
-          Case{msg::COMMAND_TONGUE_SCALE, nan, "tongue scale"},
-          Case{msg::COMMAND_TISSUE_STIFFNESS, 19.9e3f, nullptr},
-          Case{msg::COMMAND_TISSUE_STIFFNESS, 20.2e3f, "tetrahedra of 2 mm bear at most 20"},
-          Case{msg::COMMAND_TISSUE_STIFFNESS, 900.0f, "0.9 kPa, expected 1 to 100"},
-          Case{msg::COMMAND_TISSUE_STIFFNESS, nan, "tissue stiffness"},
-          Case{msg::COMMAND_SECRETION, 1.0f, "saliva: standby"}}) {
-        CommandDesk desk(limits());
-        scene::Inputs inputs;
-        desk.handle({"instructor", 1, c.kind, c.value}, inputs);
+         {Case{"table_angle", -20.0f * degree, nullptr},
+          Case{"table_angle", 20.1f * degree, "20.1 deg, expected -20 to 20"},
+          Case{"table_angle", nan, "table angle"}, Case{"head_elevation", -0.1f * degree, "expected 0 to 30"},
+          Case{"head_scale", 1.15f, nullptr}, Case{"head_scale", 1.16f, "1.16, expected 0.85 to 1.15"},
+          Case{"head_scale", nan, "head scale"}, Case{"tongue_scale", 1.4f, nullptr},
+          Case{"tongue_scale", 0.79f, "0.79, expected 0.8 to 1.4"}, Case{"tongue_scale", nan, "tongue scale"},
+          Case{"tissue_stiffness", 19.9e3f, nullptr},
+          Case{"tissue_stiffness", 20.2e3f, "tetrahedra of 2 mm bear at most 20"},
+          Case{"tissue_stiffness", 900.0f, "0.9 kPa, expected 1 to 100"},
+          Case{"tissue_stiffness", nan, "tissue stiffness"}, Case{"secretion", 1.0f, "saliva: standby"}}) {
+        CommandDesk desk(limits(), {.tongue_scale = 1.15f});
+        const LiveValues before = desk.wanted();
+        desk.handle({"instructor", 1, c.name, c.value});
         const std::string reason = desk.answer().reason().to_string();
         EXPECT_EQ(desk.answer().accepted(), c.refusal == nullptr) << reason;
         if (c.refusal != nullptr) {
             EXPECT_NE(reason.find(c.refusal), std::string::npos) << reason;
             EXPECT_LT(reason.size(), 199u) << "nothing was cut off";
-            EXPECT_FALSE(inputs.head_scale || inputs.tongue_scale || inputs.tissue_stiffness);
-            EXPECT_EQ(inputs.posture, anatomy::Posture{});
+            EXPECT_EQ(desk.wanted(), before);
         }
     }
 }
 
 TEST(CommandDesk, ALargerTongueBearsLessStiffness) {
-    CommandDesk desk(limits());
-    scene::Inputs inputs;
-    const auto ask = [&](msg::CommandKind kind, float value) {
-        desk.handle({"instructor", 1, kind, value}, inputs);
+    CommandDesk desk(limits(), {.tongue_scale = 1.15f});
+    const auto ask = [&](const char* name, float value) {
+        desk.handle({"instructor", 1, name, value});
         return desk.answer().accepted();
     };
     // 20 kPa at 1.15 is 17.7 kPa at 1.3.
-    EXPECT_TRUE(ask(msg::COMMAND_TISSUE_STIFFNESS, 18e3f));
-    EXPECT_FALSE(ask(msg::COMMAND_TONGUE_SCALE, 1.3f));
-    EXPECT_TRUE(ask(msg::COMMAND_TISSUE_STIFFNESS, 17e3f));
-    EXPECT_TRUE(ask(msg::COMMAND_TONGUE_SCALE, 1.3f));
-    EXPECT_FALSE(ask(msg::COMMAND_TISSUE_STIFFNESS, 18e3f));
-    EXPECT_EQ(inputs.tissue_stiffness, 17e3f);
-    EXPECT_EQ(inputs.tongue_scale, 1.3f);
+    EXPECT_TRUE(ask("tissue_stiffness", 18e3f));
+    EXPECT_FALSE(ask("tongue_scale", 1.3f));
+    EXPECT_TRUE(ask("tissue_stiffness", 17e3f));
+    EXPECT_TRUE(ask("tongue_scale", 1.3f));
+    EXPECT_FALSE(ask("tissue_stiffness", 18e3f));
+    EXPECT_EQ(desk.wanted().tissue_stiffness, 17e3f);
+    EXPECT_EQ(desk.wanted().tongue_scale, 1.3f);
 }
 
 TEST(CommandDesk, SecretionsNeedLiquid) {
     PatientLimits wet = limits();
     wet.saliva = true;
     CommandDesk desk(wet);
-    scene::Inputs inputs;
-    desk.handle({"instructor", 1, msg::COMMAND_SECRETION, 10.0f}, inputs);
+    desk.handle({"instructor", 1, "secretion", 10.0f});
     EXPECT_TRUE(desk.answer().accepted());
-    EXPECT_EQ(inputs.secretion, 10.0f);
-    desk.handle({"instructor", 2, msg::COMMAND_SECRETION, 10.1f}, inputs);
+    EXPECT_EQ(desk.wanted().secretion, 10.0f);
+    desk.handle({"instructor", 2, "secretion", 10.1f});
     EXPECT_FALSE(desk.answer().accepted());
-    EXPECT_EQ(inputs.secretion, 10.0f);
+    EXPECT_EQ(desk.wanted().secretion, 10.0f);
 }
 
-TEST(CommandDesk, EveryKindHasAName) {
-    for (std::uint32_t kind = msg::COMMAND_START; kind <= msg::COMMAND_SECRETION; ++kind) {
-        EXPECT_NE(name_of(static_cast<msg::CommandKind>(kind)), "unknown") << kind;
+TEST(CommandDesk, WhatItDoesNotKnowIsNamed) {
+    CommandDesk desk;
+    for (const char* name : {"tooth_count", "", "Suction", "head_elevation_deg"}) {
+        desk.handle({"instructor", 1, name, 0.5f});
+        EXPECT_FALSE(desk.answer().accepted()) << name;
+        EXPECT_NE(desk.answer().reason().to_string().find(fmt::format("'{}'", name)), std::string::npos);
+        EXPECT_EQ(desk.wanted(), LiveValues{});
+    }
+}
+
+TEST(CommandDesk, EveryLiveValueIsTakenAtBothEndsOfItsRange) {
+    PatientLimits wet;
+    wet.saliva = true;
+    for (const LiveField& field : live_fields) {
+        for (const float typed : {field.low, field.high}) {
+            CommandDesk desk(wet);
+            desk.handle({"instructor", 1, std::string(field.name), typed * field.per_unit});
+            EXPECT_TRUE(desk.answer().accepted()) << field.name << ' ' << desk.answer().reason().to_string();
+            EXPECT_EQ(desk.wanted().*field.value, typed * field.per_unit) << field.name;
+        }
     }
 }
 

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 Scenario stiff(float modulus, int substeps, TissueModel model) {
     Scenario scenario;
     scenario.name = "stiff";
-    scenario.patient.tissue_stiffness = modulus;
+    scenario.live.tissue_stiffness = modulus;
     scenario.physics.substeps = substeps;
     scenario.physics.tissue_model = model;
     return scenario;
@@ -23,9 +23,9 @@ Scenario stiff(float modulus, int substeps, TissueModel model) {
 
 std::string refusal_of(const Scenario& scenario) {
     anatomy::Patient patient = test::coarse_newborn();
-    patient.tissue_stiffness = scenario.patient.tissue_stiffness;
+    patient.tissue_stiffness = scenario.live.tissue_stiffness;
     try {
-        const Simulation simulation(scenario, patient, parked(scenario));
+        const Simulation simulation(scenario, patient, parked(scenario, patient));
     } catch (const InputError& error) {
         return error.what();
     }

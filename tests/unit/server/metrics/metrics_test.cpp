@@ -160,11 +160,11 @@ TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
     Session run;
     const test::Path path = test::tracheal_path();
     const float glottis = path.length_to(2);
-    run.snapshot.head_elevation = 5 * degree;
+    run.snapshot.live.head_elevation = 5 * degree;
     run.play(10.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
         place_blade(s, run.scope, 0.03f);
         view.opening_percent = t < 2 ? 0.0f : t < 5 ? 20.0f : 80.0f;
-        s.head_elevation = (t < 5 ? 5.0f : t < 8 ? 12.0f : 17.0f) * degree;
+        s.live.head_elevation = (t < 5 ? 5.0f : t < 8 ? 12.0f : 17.0f) * degree;
         // 10 mm/s; 6 mm before the glottis at t = 7 s, 2 mm past it at 7.8 s.
         s.tube_nodes = test::tube_on(path, glottis - 0.006f + 0.01f * static_cast<float>(t - 7));
     });

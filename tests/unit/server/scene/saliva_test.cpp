@@ -201,7 +201,8 @@ class SalivaInScene : public ::testing::Test {
     SalivaInScene() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
         away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.posture = {26.0f * degree, 24.0f * degree};
+        away_.live.head_elevation = 26.0f * degree;
+        away_.live.jaw_opening = 24.0f * degree;
     }
     [[nodiscard]] Scene make(bool saliva) const {
         return {
@@ -255,7 +256,7 @@ TEST_F(SalivaInScene, TheStateHashTellsOfIt) {
 
 TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
     Inputs inputs = away_;
-    inputs.secretion = 0.0f;
+    inputs.live.secretion = 0.0f;
     Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
                 {.rigid = {}, .saliva = true, .dry_start = true});
     for (int k = 0; k < 20; ++k) {
@@ -263,17 +264,17 @@ TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
     }
     EXPECT_TRUE(scene.snapshot().saliva.on);
     EXPECT_TRUE(scene.snapshot().saliva.positions.empty());
-    inputs.secretion = 10.0f;
+    inputs.live.secretion = 10.0f;
     for (int k = 0; k < 2 * steps_per_second; ++k) {
         scene.step(inputs);
     }
-    EXPECT_NEAR(scene.snapshot().secretion, 10.0f, 1e-3f);
+    EXPECT_NEAR(scene.snapshot().live.secretion, 10.0f, 1e-3f);
     // It takes two seconds to be asked for ten times the flow, five more of it in each; each gland may owe a
     // particle. None has run out yet.
     const double given = 10.0 * 1.0 * 4.0 * 2e-9 * (1.1 / 3.5);
     const double particle = std::pow(static_cast<double>(scene.snapshot().saliva.spacing), 3);
     EXPECT_NEAR(static_cast<double>(scene.snapshot().saliva.positions.size()), given / particle, 5.0);
-    inputs.secretion = 0.0f;
+    inputs.live.secretion = 0.0f;
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         scene.step(inputs);
     }
@@ -287,7 +288,7 @@ TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
 TEST_F(SalivaInScene, RunsToTheEndOfTheTableThatIsLower) {
     const auto middle = [&](float table_angle) {
         Inputs inputs = away_;
-        inputs.posture.table_angle = table_angle;
+        inputs.live.table_angle = table_angle;
         Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
                     {.rigid = {}, .saliva = true});
         for (int k = 0; k < 2 * steps_per_second; ++k) {

@@ -18,7 +18,8 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueModel> {
     SceneSleepTest() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
         away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.posture = {20.0f * degree, 25.0f * degree};
+        away_.live.head_elevation = 20.0f * degree;
+        away_.live.jaw_opening = 25.0f * degree;
     }
 
     [[nodiscard]] Scene make(bool sleeps = true) const {
@@ -72,10 +73,10 @@ TEST_P(SceneSleepTest, AStepAtRestWorksAtNoTissue) {
 
 TEST_P(SceneSleepTest, WhatChangesTheWholeWakesTheWhole) {
     const std::array<std::function<void(Inputs&)>, 4> changes = {
-        [](Inputs& i) { i.posture.head_elevation += 0.01f; },
-        [](Inputs& i) { i.posture.jaw_opening += 0.01f; },
-        [](Inputs& i) { i.posture.table_angle += 0.01f; },
-        [](Inputs& i) { i.tissue_stiffness = 7.9e3f; },
+        [](Inputs& i) { i.live.head_elevation += 0.01f; },
+        [](Inputs& i) { i.live.jaw_opening += 0.01f; },
+        [](Inputs& i) { i.live.table_angle += 0.01f; },
+        [](Inputs& i) { i.live.tissue_stiffness = 7.9e3f; },
     };
     Scene scene = make();
     for (std::size_t c = 0; c < changes.size(); ++c) {
@@ -93,7 +94,7 @@ TEST_P(SceneSleepTest, WhatChangesTheWholeWakesTheWhole) {
 TEST_P(SceneSleepTest, TheShellsDistancesWakeWhatTheyMayMeet) {
     Scene scene = make();
     Inputs inputs = away_;
-    inputs.posture.head_elevation += 0.5f * degree;
+    inputs.live.head_elevation += 0.5f * degree;
     std::size_t slept_at = 0;
     std::size_t woke_at = 0;
     for (std::size_t k = 1; k < 2 * PosedShell::grid_delay; ++k) {
@@ -111,7 +112,7 @@ TEST_P(SceneSleepTest, AHeadThatTurnsEndsWhereItWouldHadNothingSlept) {
     Scene awake = make(false);
     rest(scene);
     Inputs inputs = away_;
-    inputs.posture.head_elevation += 3.0f * degree;
+    inputs.live.head_elevation += 3.0f * degree;
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         scene.step(inputs);
         awake.step(inputs);

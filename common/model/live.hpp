@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace eti {
+
+/// What commands change while a session runs; SI. Inputs carry what is wanted, a snapshot what is.
+struct LiveValues {
+    float head_elevation = 0.0f;    ///< [rad], of the skull about the upper neck, positive chin-up
+    float jaw_opening = 0.0f;       ///< [rad]
+    float table_angle = 0.0f;       ///< [rad], positive head-up; the patient frame tilts with the table
+    float head_scale = 1.0f;        ///< cranium; 1 is usual for weight and age
+    float tongue_scale = 1.0f;      ///< 1 is usual
+    float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
+    float secretion = 1.0f;         ///< of what the glands usually give
+    float suction = 0.0f;           ///< 0..1
+
+    [[nodiscard]] bool operator==(const LiveValues&) const = default;
+};
+
+/// One row of the table of what lives. Scenario reader, command line, commands, their checks, what follows
+/// them, recording and bus all walk it, so that a value is added in one place.
+struct LiveField {
+    std::string_view name;     ///< in code, on the wire and in files
+    std::string_view section;  ///< of a scenario that sets it by its key, or empty
+    std::string_view label;    ///< as people say it
+    std::string_view unit;     ///< as typed: "deg", or empty for a ratio
+    float per_unit;            ///< SI value of one typed unit
+    float low, high;           ///< as typed
+    float LiveValues::*value;
+    float rate;              ///< [SI per second], by which a scene follows; 0: at once
+    bool of_itself;          ///< the rate is a share of the value: a factor of e^rate a second
+    std::string_view group;  ///< of a session file
+    std::string_view si;     ///< unit in files
+    std::string_view help;
+
+    /// The name with its unit, as typed: "head_elevation_deg".
+    [[nodiscard]] std::string key() const;
+};
+
+extern const std::array<LiveField, 8> live_fields;
+
+/// The row of a name, or nullptr.
+[[nodiscard]] const LiveField* live_field(std::string_view name);
+
+/// `from` carried on towards `to` for `seconds`, each value at its own rate times `haste`.
+[[nodiscard]] LiveValues followed(const LiveValues& from, const LiveValues& to, float seconds, float haste);
+
+/// Every value within its range.
+[[nodiscard]] LiveValues clamped(const LiveValues& values);
+
+}  // namespace eti
