@@ -25,9 +25,6 @@ bool within_bounds(const msg::ProxyState& message) {
 bool within_bounds(const msg::TissueContacts& message) {
     return message.contacts().size() <= 96;
 }
-bool within_bounds(const msg::Command&) {
-    return true;
-}
 bool within_bounds(const msg::LiveMetrics& message) {
     return message.live().size() <= 64 && message.landmarks().size() <= 32 &&
            message.parameters().size() <= msg::PARAMETER_COUNT;

@@ -20,7 +20,6 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
 [[nodiscard]] bool within_bounds(const msg::FluidState& message);
 [[nodiscard]] bool within_bounds(const msg::ProxyState& message);
 [[nodiscard]] bool within_bounds(const msg::TissueContacts& message);
-[[nodiscard]] bool within_bounds(const msg::Command& message);
 [[nodiscard]] bool within_bounds(const msg::LiveMetrics& message);
 [[nodiscard]] bool within_bounds(const msg::AttemptSummary& message);
 [[nodiscard]] bool within_bounds(const msg::SessionStatus& message);
@@ -31,6 +30,9 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
     return true;
 }
 [[nodiscard]] inline bool within_bounds(const msg::EyePose&) {
+    return true;
+}
+[[nodiscard]] inline bool within_bounds(const msg::Command&) {
     return true;
 }
 [[nodiscard]] inline bool within_bounds(const msg::CommandResult&) {

@@ -58,6 +58,10 @@ std::string LiveField::key() const {
     return out;
 }
 
+float LiveField::clamped(float quantity) const {
+    return std::clamp(quantity, low * per_unit, high * per_unit);
+}
+
 const LiveField* live_field(std::string_view name) {
     const auto found = std::ranges::find(live_fields, name, &LiveField::name);
     return found == live_fields.end() ? nullptr : &*found;
@@ -78,8 +82,7 @@ LiveValues followed(const LiveValues& from, const LiveValues& to, float seconds,
 LiveValues clamped(const LiveValues& values) {
     LiveValues out = values;
     for (const LiveField& field : live_fields) {
-        out.*field.value =
-            std::clamp(values.*field.value, field.low * field.per_unit, field.high * field.per_unit);
+        out.*field.value = field.clamped(values.*field.value);
     }
     return out;
 }

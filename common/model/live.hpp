@@ -40,6 +40,8 @@ struct LiveField {
 
     /// The name with its unit, as typed: "head_elevation_deg".
     [[nodiscard]] std::string key() const;
+    /// A value [SI] within the range.
+    [[nodiscard]] float clamped(float quantity) const;
 };
 
 extern const std::array<LiveField, 8> live_fields;

@@ -24,8 +24,7 @@ constexpr float settled_after = 1.0f;  // [s]
 void CommandPad::follow(Posture& posture, const LiveValues& patient) {
     const LiveField& field = posture.field;
     if (const float now = patient.*field.value; posture.rested >= settled_after && std::isfinite(now)) {
-        posture.value = posture.sent =
-            std::clamp(now, field.low * field.per_unit, field.high * field.per_unit);
+        posture.value = posture.sent = field.clamped(now);
     }
 }
 
@@ -47,9 +46,7 @@ bool CommandPad::move(Posture& posture, float stick, float elapsed) {
         return unsent;
     }
     posture.rested = 0.0f;
-    const LiveField& field = posture.field;
-    posture.value = std::clamp(*posture.value + rate * elapsed * stick, field.low * field.per_unit,
-                               field.high * field.per_unit);
+    posture.value = posture.field.clamped(*posture.value + rate * elapsed * stick);
     if (std::abs(*posture.value - posture.sent) < sent_every) {
         return false;
     }

@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include "server/app/command_desk.hpp"
 
-#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -59,8 +58,7 @@ std::string CommandDesk::carry_out(const ReceivedCommand& command) {
     }
     std::string refusal = refusal_of(*field, command.value);
     if (refusal.empty()) {
-        wanted_.*field->value =
-            std::clamp(command.value, field->low * field->per_unit, field->high * field->per_unit);
+        wanted_.*field->value = field->clamped(command.value);
     }
     return refusal;
 }

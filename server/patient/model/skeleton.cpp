@@ -7,12 +7,6 @@
 
 namespace eti::anatomy {
 
-Posture clamped(const Posture& posture) {
-    return {std::clamp(posture.head_elevation, 0.0f, max_head_elevation),
-            std::clamp(posture.jaw_opening, 0.0f, max_jaw_opening),
-            std::clamp(posture.table_angle, -max_table_angle, max_table_angle)};
-}
-
 Vec3f gravity(float table_angle) {
     constexpr float strength = 9.81f;
     // Head-up, it pulls towards the feet. Of 0 - 0 rather than -0: a level table leaves no trace in any bit.

@@ -9,9 +9,6 @@
 
 namespace eti::anatomy {
 
-/// Every angle within its range.
-[[nodiscard]] Posture clamped(const Posture& posture);
-
 /// [m/s^2], patient frame. On a level table the patient lies on its back: +y is posterior.
 [[nodiscard]] Vec3f gravity(float table_angle);
 
