@@ -7,7 +7,8 @@
 namespace eti::client {
 
 SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
-    : scene_(node, bus::topics::scene),
+    : description_(node, bus::topics::session_description),
+      scene_(node, bus::topics::scene),
       deformation_(node, every_state ? bus::topics::deformation : bus::topics::deformation_slow),
       fluid_(node, bus::topics::fluid),
       proxy_(node, bus::topics::proxy),
@@ -20,6 +21,10 @@ SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
 
 bool SessionInput::take_into(view::SceneView& scene) {
     bool any = false;
+    while (description_.take(description_message_)) {
+        scene.apply(description_message_);
+        any = true;
+    }
     while (scene_.take(scene_message_)) {
         scene.apply(scene_message_);
         any = true;

@@ -42,6 +42,7 @@ class SessionInput {
   private:
     void update_presence();
 
+    bus::Subscriber<msg::SessionDescription> description_;
     bus::Subscriber<msg::SceneDescription> scene_;
     bus::Subscriber<msg::DeformationState> deformation_;
     bus::Subscriber<msg::FluidState> fluid_;
@@ -52,6 +53,7 @@ class SessionInput {
     std::uint32_t eye_number_ = 0;
 
     // Reused, so that no message allocates anew.
+    msg::SessionDescription description_message_;
     msg::SceneDescription scene_message_;
     msg::DeformationState deformation_message_;
     msg::FluidState fluid_message_;

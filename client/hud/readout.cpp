@@ -19,7 +19,9 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
         readout.link = status->phase() == msg::PHASE_FINISHED ? Link::finished : Link::running;
         readout.server_load = status->load();
         readout.behind_s = status->behind_s();
-        readout.scenario = status->scenario().to_string();
+    }
+    if (const auto& description = scene.description()) {
+        readout.scenario = description->scenario().to_string();
     }
     if (!scene.complete()) {
         readout.link = Link::waiting;
@@ -36,8 +38,8 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
         readout.tube_force_n = metrics->tube_force_n();
         readout.message = metrics->message().to_string();
     }
-    if (scene.laryngoscope() && scene.laryngoscope_pose()) {
-        const Vec3f tip = *scene.laryngoscope_pose() * Vec3f(0.0f, 0.0f, scene.laryngoscope()->blade_length);
+    if (scene.keys() && scene.laryngoscope_pose()) {
+        const Vec3f tip = *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip();
         readout.blade_depth_cm = blade_depth(scene.landmarks(), tip) / centimetre;
     }
     return readout;

@@ -127,8 +127,8 @@ void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport
     const Camera camera = SceneRenderer::camera(view, scene, orbit);
     const float aspect = static_cast<float>(viewport.width) / static_cast<float>(viewport.height);
     std::optional<Light> lamp;
-    if (scene.laryngoscope_pose() && scene.laryngoscope()) {
-        lamp = blade_lamp(*scene.laryngoscope_pose(), scene.laryngoscope()->blade_length);
+    if (scene.laryngoscope_pose() && scene.keys()) {
+        lamp = blade_lamp(*scene.laryngoscope_pose(), scene.keys()->laryngoscope().blade_length);
     }
     Lighting lighting;
     Vec3f background(0.016f, 0.022f, 0.028f);
@@ -384,7 +384,7 @@ void SceneRenderer::draw_tools(const Frame& frame, float opacity) {
         program.set("clip_plane", no_clipping);
         program.set("flat_colour", flat(tube_colour));
         program.set("opacity", opacity);
-        program.set("tube_length", frame.scene.tube()->model().length);
+        program.set("tube_length", frame.scene.tube()->tube().length);
         frame.lighting.apply(program, frame.camera.eye);
         if (!frame.ids) {
             glEnable(GL_BLEND);

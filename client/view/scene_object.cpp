@@ -114,52 +114,6 @@ std::optional<SceneObject> decode_surface(const msg::SceneDescription& message, 
     return surface;
 }
 
-std::optional<SceneObject> decode_tube(const msg::SceneDescription& message, std::string& why) {
-    if (message.vertices().size() < 3) {
-        why = "a tube needs length, grip from tip and curve radius";
-        return std::nullopt;
-    }
-    const TubeModel tube{message.outer_radius(), message.inner_radius(), message.vertices()[0],
-                         message.vertices()[1], message.vertices()[2]};
-    const bool finite = std::isfinite(tube.outer_radius) && std::isfinite(tube.inner_radius) &&
-                        std::isfinite(tube.length) && std::isfinite(tube.grip_from_tip) &&
-                        std::isfinite(tube.curve_radius);
-    if (!finite || tube.inner_radius <= 0.0f || tube.outer_radius <= tube.inner_radius ||
-        tube.outer_radius > 0.02f || tube.length <= 0.0f || tube.length > 1.0f) {
-        why = fmt::format("impossible tube: radii {} and {} m, length {} m", tube.outer_radius,
-                          tube.inner_radius, tube.length);
-        return std::nullopt;
-    }
-    return tube;
-}
-
-std::optional<SceneObject> decode_landmarks(const msg::SceneDescription& message, std::string& why) {
-    std::vector<Vec3f> points;
-    if (!read_points(message.vertices(), points, why)) {
-        return std::nullopt;
-    }
-    if (points.size() != message.names().size()) {
-        why = fmt::format("{} landmark names for {} positions", message.names().size(), points.size());
-        return std::nullopt;
-    }
-    LandmarkModel model;
-    std::array<bool, landmark_count> found{};
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        // Names of a newer server that this client does not know are no error.
-        if (const auto landmark = landmark_named(message.names()[i].c_str())) {
-            model.rest[static_cast<std::size_t>(*landmark)] = points[i];
-            found[static_cast<std::size_t>(*landmark)] = true;
-        }
-    }
-    for (std::size_t i = 0; i < landmark_count; ++i) {
-        if (!found[i]) {
-            why = fmt::format("landmark {} is missing", landmark_names[i]);
-            return std::nullopt;
-        }
-    }
-    return model;
-}
-
 }  // namespace
 
 bool plausible(const Vec3f& point) {
@@ -187,15 +141,8 @@ std::optional<SceneObject> decode(const msg::SceneDescription& message, std::str
             if (!read_mesh(message, tool.mesh, why)) {
                 return std::nullopt;
             }
-            for (const Vec3f& vertex : tool.mesh.vertices) {
-                tool.blade_length = std::max(tool.blade_length, vertex.z());
-            }
             return tool;
         }
-        case msg::OBJECT_TUBE:
-            return decode_tube(message, why);
-        case msg::OBJECT_LANDMARKS:
-            return decode_landmarks(message, why);
     }
     why = fmt::format("unknown kind {}", static_cast<int>(message.kind()));
     return std::nullopt;

@@ -10,7 +10,6 @@
 
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
-#include "common/model/landmark.hpp"
 #include "common/model/tissue.hpp"
 #include "idl/eti.h"
 
@@ -34,24 +33,9 @@ struct SurfaceModel {
 /// A rigid surface in the laryngoscope's frame.
 struct ToolModel {
     TriangleMesh mesh;
-    float blade_length = 0.0f;  ///< [m], origin to the farthest vertex along the blade (+z)
 };
 
-/// The tube's measures [m]; its course comes with DeformationState.
-struct TubeModel {
-    float outer_radius = 2.1e-3f;
-    float inner_radius = 1.5e-3f;
-    float length = 0.16f;
-    float grip_from_tip = 0.10f;
-    float curve_radius = 0.14f;
-};
-
-/// Landmarks in the rest posture [m].
-struct LandmarkModel {
-    Landmarks rest{};
-};
-
-using SceneObject = std::variant<FrameModel, SurfaceModel, ToolModel, TubeModel, LandmarkModel>;
+using SceneObject = std::variant<FrameModel, SurfaceModel, ToolModel>;
 
 /// Coordinates beyond this [m] from the patient's gum are taken for damage on the way, not for anatomy.
 inline constexpr float farthest_coordinate = 10.0f;

@@ -54,6 +54,24 @@ bool SceneView::refuse(const char* topic, const std::string& why) {
     return false;
 }
 
+bool SceneView::apply(const msg::SessionDescription& message) {
+    std::string why;
+    auto keys = bus::SessionKeys::of(message, why);
+    if (!keys) {
+        return refuse("eti/session_description", why);
+    }
+    keys_ = std::move(keys);
+    description_ = message;
+    tube_.emplace(keys_->tube());
+    tube_moved_ = !tube_nodes_.empty();
+    rest_landmarks_ = keys_->rest_landmarks();
+    if (!live_landmarks_) {
+        landmarks_ = rest_landmarks_;
+    }
+    ++scene_revision_;
+    return true;
+}
+
 bool SceneView::apply(const msg::SceneDescription& message) {
     const std::string name = message.object().to_string();
     std::string why;
@@ -114,23 +132,10 @@ void SceneView::keep(const std::string&, ToolModel&& object) {
     laryngoscope_ = std::move(object);
 }
 
-void SceneView::keep(const std::string&, TubeModel&& object) {
-    tube_.emplace(object);
-    tube_moved_ = !tube_nodes_.empty();
-}
-
-void SceneView::keep(const std::string&, LandmarkModel&& object) {
-    rest_landmarks_ = object.rest;
-    if (!live_landmarks_) {
-        landmarks_ = object.rest;
-    }
-}
-
 void SceneView::clear_scene() {
     arrived_.clear();
     surfaces_.clear();
     laryngoscope_.reset();
-    tube_.reset();
     rest_centres_.clear();
     frames_.clear();
     maps_.clear();
@@ -232,16 +237,13 @@ bool SceneView::apply(const msg::ProxyState& message) {
 }
 
 bool SceneView::apply(const msg::LiveMetrics& message) {
-    if (message.landmarks().size() != landmark_count) {
-        return refuse("eti/live_metrics",
-                      fmt::format("{} landmarks; expected {}", message.landmarks().size(), landmark_count));
+    // Without the description nothing tells which value is which.
+    if (!keys_) {
+        return false;
     }
-    Landmarks points;
-    for (std::size_t i = 0; i < landmark_count; ++i) {
-        points[i] = vector_of(message.landmarks()[i]);
-        if (!plausible(points[i])) {
-            return refuse("eti/live_metrics", fmt::format("impossible landmark {}", landmark_names[i]));
-        }
+    const auto points = keys_->landmarks(message);
+    if (!points || !std::ranges::all_of(*points, plausible)) {
+        return refuse("eti/live_metrics", "landmarks that are missing or impossible");
     }
     if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
         return refuse("eti/live_metrics", "gum force or glottic opening is not finite");
@@ -250,10 +252,10 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
         return refuse("eti/live_metrics", "a value that lives is not finite");
     }
     note_time(message.header().simulation_time_ns());
-    landmarks_ = points;
+    landmarks_ = *points;
     live_landmarks_ = true;
     metrics_ = message;
-    live_ = bus::live_of(message);
+    live_ = keys_->live(message);
     return true;
 }
 
@@ -292,7 +294,7 @@ void SceneView::update() {
 }
 
 bool SceneView::complete() const {
-    return object_count_ > 0 && arrived_.size() >= object_count_ && !rest_centres_.empty();
+    return keys_ && object_count_ > 0 && arrived_.size() >= object_count_ && !rest_centres_.empty();
 }
 
 const TubeSweep* SceneView::tube() const {

@@ -13,10 +13,11 @@
 #include "client/view/scene_object.hpp"
 #include "client/view/skinned_surface.hpp"
 #include "client/view/tube_sweep.hpp"
+#include "common/bus/session_keys.hpp"
 #include "common/mesh/skinning.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/live.hpp"
-#include "idl/eti.h"
+#include "idl/eti_wire.hpp"
 
 namespace eti::view {
 
@@ -25,6 +26,7 @@ namespace eti::view {
 /// nothing, is counted, and makes apply() return false. One thread uses it.
 class SceneView {
   public:
+    bool apply(const msg::SessionDescription& message);
     bool apply(const msg::SceneDescription& message);
     bool apply(const msg::DeformationState& message);
     bool apply(const msg::FluidState& message);
@@ -35,7 +37,7 @@ class SceneView {
     /// Brings surfaces and tube up to date with the frames and nodes that arrived.
     void update();
 
-    /// All objects that the server announced have arrived.
+    /// The session's description and all objects that the server announced have arrived.
     [[nodiscard]] bool complete() const;
 
     [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const { return surfaces_; }
@@ -52,7 +54,12 @@ class SceneView {
     /// Newest landmarks; those of the rest posture until live ones come.
     [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
 
+    /// Of the description; zeros before.
     [[nodiscard]] const Landmarks& rest_landmarks() const { return rest_landmarks_; }
+
+    /// Once the session has described itself; until then there is no scene.
+    [[nodiscard]] const std::optional<bus::SessionKeys>& keys() const { return keys_; }
+    [[nodiscard]] const std::optional<msg::SessionDescription>& description() const { return description_; }
 
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
     /// What commands change, as the server last said, NaN for what it does not say; the defaults before.
@@ -76,11 +83,11 @@ class SceneView {
     void keep(const std::string& name, FrameModel&& object);
     void keep(const std::string& name, SurfaceModel&& object);
     void keep(const std::string& name, ToolModel&& object);
-    void keep(const std::string& name, TubeModel&& object);
-    void keep(const std::string& name, LandmarkModel&& object);
     void clear_scene();
     void note_time(std::uint64_t time_ns);
 
+    std::optional<bus::SessionKeys> keys_;
+    std::optional<msg::SessionDescription> description_;
     std::map<std::string, msg::ObjectKind> arrived_;
     std::uint32_t object_count_ = 0;
     std::uint64_t scene_revision_ = 0;
@@ -105,8 +112,8 @@ class SceneView {
     std::vector<Vec3f> liquid_;
     float liquid_spacing_ = 0.0f;
     bool liquid_moved_ = false;
-    Landmarks landmarks_{};
-    Landmarks rest_landmarks_{};
+    Landmarks landmarks_ = unseen_landmarks();
+    Landmarks rest_landmarks_ = unseen_landmarks();
     bool live_landmarks_ = false;
 
     std::optional<msg::LiveMetrics> metrics_;

@@ -107,20 +107,20 @@ struct Ring {
     float radius;  // [m], outer
 };
 
-std::array<Ring, TubeSweep::rings> profile(const TubeModel& model, float length) {
+std::array<Ring, TubeSweep::rings> profile(const Tube& tube, float length) {
     std::array<Ring, TubeSweep::rings> result{};
-    const float widest = std::max(connector_radius, 1.2f * model.outer_radius);
+    const float widest = std::max(connector_radius, 1.2f * tube.outer_radius());
     const std::array<Ring, 6> connector{{{-spigot_length - connector_length, 0.97f * widest},
                                          {-spigot_length - 0.1f * connector_length, widest},
                                          {-spigot_length, 1.15f * widest},
                                          {-spigot_length + 1e-3f, 1.15f * widest},
-                                         {-spigot_length + 1.5e-3f, 1.3f * model.outer_radius},
-                                         {-1e-4f, 1.25f * model.outer_radius}}};
+                                         {-spigot_length + 1.5e-3f, 1.3f * tube.outer_radius()},
+                                         {-1e-4f, 1.25f * tube.outer_radius()}}};
     std::copy(connector.begin(), connector.end(), result.begin());
     const std::size_t rest = result.size() - connector.size();
     for (std::size_t i = 0; i < rest; ++i) {
         const float share = static_cast<float>(i) / static_cast<float>(rest - 1);
-        result[connector.size() + i] = {share * length, model.outer_radius};
+        result[connector.size() + i] = {share * length, tube.outer_radius()};
     }
     return result;
 }
@@ -147,8 +147,8 @@ std::vector<Triangle> wall_triangles() {
 
 }  // namespace
 
-TubeSweep::TubeSweep(const TubeModel& model)
-    : model_(model), vertices_(std::size_t{2} * rings * sides), triangles_(wall_triangles()) {}
+TubeSweep::TubeSweep(const Tube& tube)
+    : tube_(tube), vertices_(std::size_t{2} * rings * sides), triangles_(wall_triangles()) {}
 
 bool TubeSweep::update(std::span<const Vec3f> nodes) {
     if (nodes.size() < 2) {
@@ -159,8 +159,8 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
         return false;
     }
     const float length = curve.back().arc;
-    const auto outline = profile(model_, length);
-    const float setback_zone = std::min(4.0f * model_.outer_radius, length);
+    const auto outline = profile(tube_, length);
+    const float setback_zone = std::min(4.0f * tube_.outer_radius(), length);
     std::size_t index = 0;
     const auto sweep_ring = [&](const Ring& ring, float radius, float outward) {
         for (int side = 0; side < sides; ++side, ++index) {
@@ -179,7 +179,7 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
         sweep_ring(ring, ring.radius, 1.0f);
     }
     for (auto ring = outline.rbegin(); ring != outline.rend(); ++ring) {
-        sweep_ring(*ring, model_.inner_radius, -1.0f);
+        sweep_ring(*ring, tube_.inner_radius(), -1.0f);
     }
     ++revision_;
     return true;

@@ -6,8 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "client/view/scene_object.hpp"
 #include "common/math/transform.hpp"
+#include "common/mesh/triangle_mesh.hpp"
+#include "common/model/tools.hpp"
 
 namespace eti::view {
 
@@ -26,18 +27,18 @@ class TubeSweep {
     static constexpr int rings = 80;  ///< along each wall
     static constexpr int sides = 16;  ///< around
 
-    explicit TubeSweep(const TubeModel& model);
+    explicit TubeSweep(const Tube& tube);
 
     /// Sweeps along `nodes` [m], connector to tip; at least two distinct ones, else nothing changes.
     bool update(std::span<const Vec3f> nodes);
 
-    [[nodiscard]] const TubeModel& model() const { return model_; }
+    [[nodiscard]] const Tube& tube() const { return tube_; }
     [[nodiscard]] std::span<const TubeVertex> vertices() const { return vertices_; }
     [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   private:
-    TubeModel model_;
+    Tube tube_;
     std::vector<TubeVertex> vertices_;
     std::vector<Triangle> triangles_;
     std::uint64_t revision_ = 0;  ///< 0: no course known yet

@@ -17,7 +17,7 @@
 namespace eti::bus {
 
 struct Options {
-    std::string session = "default";  ///< partition; several sessions share a domain
+    std::string session = "default";  ///< several share a domain
     int domain = 0;                   ///< DDS domain, 0-232
     std::string name;                 ///< of this participant, e.g. "eti-server"
     std::filesystem::path profile;    ///< optional XML profile file (transports, peers, security)
@@ -121,7 +121,7 @@ struct SelfCheck {
 /// Looks for stale shared memory of dead processes, an unusable network, a taken session; a server
 /// calls it before it publishes SessionStatus. Takes all of `wait` for a server; for others, until a
 /// server is found. `is_server`: refuses (BusError) when another live server owns the session, or
-/// started on it first.
+/// started on it first. Others refuse when the session's server speaks another protocol.
 [[nodiscard]] SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait);
 
 }  // namespace eti::bus

@@ -6,10 +6,8 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "common/math/transform.hpp"
-#include "common/model/live.hpp"
 #include "idl/eti.h"
 
 namespace eti::bus {
@@ -68,23 +66,6 @@ namespace eti::bus {
 
 [[nodiscard]] inline RigidTransform from_msg(const eti::msg::Pose& pose) {
     return {from_msg(pose.orientation()), from_msg(pose.position())};
-}
-
-/// What lives, as a message tells it; NaN for what it does not.
-[[nodiscard]] inline LiveValues live_of(const eti::msg::LiveMetrics& message) {
-    LiveValues values;
-    for (std::size_t i = 0; i < live_fields.size(); ++i) {
-        values.*live_fields[i].value =
-            i < message.live().size() ? message.live()[i] : std::numeric_limits<float>::quiet_NaN();
-    }
-    return values;
-}
-
-inline void put_live(const LiveValues& values, eti::msg::LiveMetrics& message) {
-    message.live().clear();
-    for (const LiveField& field : live_fields) {
-        message.live().push_back(values.*field.value);
-    }
 }
 
 [[nodiscard]] inline bool is_finite(const eti::msg::Vec3& v) {

@@ -26,19 +26,7 @@ struct Wire;
     struct Wire<msg::name> {                          \
         using Type = WireType<msg::name##PubSubType>; \
     };
-ETI_WIRE(SceneDescription)
-ETI_WIRE(DeformationState)
-ETI_WIRE(FluidState)
-ETI_WIRE(ToolPose)
-ETI_WIRE(EyePose)
-ETI_WIRE(ProxyState)
-ETI_WIRE(TissueContacts)
-ETI_WIRE(TubeForce)
-ETI_WIRE(Command)
-ETI_WIRE(CommandResult)
-ETI_WIRE(LiveMetrics)
-ETI_WIRE(AttemptSummary)
-ETI_WIRE(SessionStatus)
+ETI_MESSAGES(ETI_WIRE)
 #undef ETI_WIRE
 
 const Duration_t liveliness_lease{0.3L};
@@ -252,19 +240,7 @@ bool Subscriber<Message>::alive() const {
 #define ETI_ENDPOINTS(name)              \
     template class Publisher<msg::name>; \
     template class Subscriber<msg::name>;
-ETI_ENDPOINTS(SceneDescription)
-ETI_ENDPOINTS(DeformationState)
-ETI_ENDPOINTS(FluidState)
-ETI_ENDPOINTS(ToolPose)
-ETI_ENDPOINTS(EyePose)
-ETI_ENDPOINTS(ProxyState)
-ETI_ENDPOINTS(TissueContacts)
-ETI_ENDPOINTS(TubeForce)
-ETI_ENDPOINTS(Command)
-ETI_ENDPOINTS(CommandResult)
-ETI_ENDPOINTS(LiveMetrics)
-ETI_ENDPOINTS(AttemptSummary)
-ETI_ENDPOINTS(SessionStatus)
+ETI_MESSAGES(ETI_ENDPOINTS)
 #undef ETI_ENDPOINTS
 
 }  // namespace eti::bus

@@ -136,6 +136,12 @@ void check_socket_buffer(int option, const char* kernel_setting, std::vector<std
     ::close(probe);
 }
 
+/// Programs of another protocol would misread messages: they meet in another partition. No session's name
+/// holds a slash.
+std::string partition_of(const std::string& session) {
+    return fmt::format("{}/{}", session, protocol);
+}
+
 std::string field_of(const std::string& text, std::string_view key) {
     const auto at = text.find(key);
     if (at == std::string::npos) {
@@ -179,7 +185,8 @@ Participant::Participant(const Options& wanted) : options(wanted) {
     quality.name(options.name);
     started_ns_ = wall_clock_ns();
     const std::string introduction =
-        fmt::format("eti;session={};process={};started={};", options.session, process_name(), started_ns_);
+        fmt::format("eti;protocol={};version={};session={};process={};started={};", protocol, ETI_VERSION,
+                    options.session, process_name(), started_ns_);
     quality.user_data().data_vec({introduction.begin(), introduction.end()});
 
     participant = dds::DomainParticipantFactory::get_instance()->create_participant(
@@ -192,10 +199,11 @@ Participant::Participant(const Options& wanted) : options(wanted) {
                         options.domain, 7400 + 250 * options.domain));
     }
     dds::PublisherQos publisher_quality = dds::PUBLISHER_QOS_DEFAULT;
-    publisher_quality.partition().push_back(options.session.c_str());
+    const std::string partition = partition_of(options.session);
+    publisher_quality.partition().push_back(partition.c_str());
     publisher = participant->create_publisher(publisher_quality);
     dds::SubscriberQos subscriber_quality = dds::SUBSCRIBER_QOS_DEFAULT;
-    subscriber_quality.partition().push_back(options.session.c_str());
+    subscriber_quality.partition().push_back(partition.c_str());
     subscriber = participant->create_subscriber(subscriber_quality);
     if (publisher == nullptr || subscriber == nullptr) {
         close();
@@ -262,9 +270,16 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
         const std::string started = field_of(text, ";started=");
         std::uint64_t started_ns = 0;
         std::from_chars(started.data(), started.data() + started.size(), started_ns);
+        // Programs before protocol 2 did not say what they speak.
+        const std::string said = field_of(text, ";protocol=");
+        int spoken = 1;
+        std::from_chars(said.data(), said.data() + said.size(), spoken);
+        const std::string version = field_of(text, ";version=");
         peers_[prefix] = {std::string(info.info.m_participantName.c_str()),
                           field_of(text, ";session="),
                           field_of(text, ";process="),
+                          spoken,
+                          version.empty() ? "not told" : version,
                           {started_ns, prefix}};
     }
 }

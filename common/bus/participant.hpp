@@ -32,6 +32,8 @@ struct Peer {
     std::string name;  ///< Options::name
     std::string session;
     std::string process;  ///< host:pid
+    int protocol = 0;     ///< that it speaks; see bus::protocol
+    std::string version;  ///< of its program
     /// When it joined [ns, its system clock] and, to tell two of one instant apart, its identity.
     std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started;
 };

@@ -4,13 +4,18 @@
 
 #include <string_view>
 
-#include "idl/eti.h"
+#include "idl/eti_wire.hpp"
 
 namespace eti::bus {
 
 namespace msg = ::eti::msg;
 
-/// How a topic travels. One table says it for all topics; a new topic is a new row.
+/// Raised when a message or a topic changes so that older programs would misread it. Programs of different
+/// protocols do not meet; self_check() says so, with both versions. New keys of a SessionDescription do not
+/// count.
+inline constexpr int protocol = 2;
+
+/// How a topic travels.
 struct Quality {
     bool reliable = false;
     bool transient_local = false;    ///< late joiners get the last sample of each key
@@ -24,26 +29,30 @@ struct Topic {
     Quality quality;
 };
 
-namespace topics {
-inline constexpr Topic<msg::SceneDescription> scene{"eti/scene", {.reliable = true, .transient_local = true}};
-inline constexpr Topic<msg::ToolPose> laryngoscope_pose{"eti/laryngoscope_pose", {}};
-inline constexpr Topic<msg::ToolPose> tube_pose{"eti/tube_pose", {}};
-inline constexpr Topic<msg::EyePose> eye_pose{"eti/eye_pose", {}};
-inline constexpr Topic<msg::ProxyState> proxy{"eti/proxy", {}};
-inline constexpr Topic<msg::TissueContacts> tissue_contacts{"eti/tissue_contacts", {}};
-inline constexpr Topic<msg::TubeForce> tube_force{"eti/tube_force", {}};
+/// Every topic: X(name, message, members of Quality...). A new topic is a struct in eti.idl and a row here.
 // Best effort with room for the chunks of a few states: keep last 1 would drop all but the last chunk.
-inline constexpr Topic<msg::DeformationState> deformation{"eti/deformation", {.depth = 1024}};
-inline constexpr Topic<msg::DeformationState> deformation_slow{"eti/deformation_slow", {.depth = 1024}};
-inline constexpr Topic<msg::FluidState> fluid{"eti/fluid", {.depth = 128}};
-inline constexpr Topic<msg::Command> command{"eti/command", {.reliable = true, .depth = 64}};
-inline constexpr Topic<msg::CommandResult> command_result{"eti/command_result",
-                                                          {.reliable = true, .depth = 64}};
-inline constexpr Topic<msg::LiveMetrics> live_metrics{"eti/live_metrics", {}};
-inline constexpr Topic<msg::AttemptSummary> attempt_summary{"eti/attempt_summary",
-                                                            {.reliable = true, .transient_local = true}};
-inline constexpr Topic<msg::SessionStatus> session_status{
-    "eti/session_status", {.reliable = true, .transient_local = true, .manual_liveliness = true}};
+#define ETI_TOPICS(X)                                                                     \
+    X(session_description, SessionDescription, .reliable = true, .transient_local = true) \
+    X(scene, SceneDescription, .reliable = true, .transient_local = true)                 \
+    X(laryngoscope_pose, ToolPose)                                                        \
+    X(tube_pose, ToolPose)                                                                \
+    X(eye_pose, EyePose)                                                                  \
+    X(proxy, ProxyState)                                                                  \
+    X(tissue_contacts, TissueContacts)                                                    \
+    X(tube_force, TubeForce)                                                              \
+    X(deformation, DeformationState, .depth = 1024)                                       \
+    X(deformation_slow, DeformationState, .depth = 1024)                                  \
+    X(fluid, FluidState, .depth = 128)                                                    \
+    X(command, Command, .reliable = true, .depth = 64)                                    \
+    X(command_result, CommandResult, .reliable = true, .depth = 64)                       \
+    X(live_metrics, LiveMetrics)                                                          \
+    X(attempt_summary, AttemptSummary, .reliable = true, .transient_local = true)         \
+    X(session_status, SessionStatus, .reliable = true, .transient_local = true, .manual_liveliness = true)
+
+namespace topics {
+#define ETI_TOPIC(name, message, ...) inline constexpr Topic<msg::message> name{"eti/" #name, {__VA_ARGS__}};
+ETI_TOPICS(ETI_TOPIC)
+#undef ETI_TOPIC
 }  // namespace topics
 
 }  // namespace eti::bus

@@ -2,10 +2,13 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
+#include <concepts>
 #include <exception>
 #include <mutex>
 #include <type_traits>
 
+#include "common/bus/payload.hpp"
 #include "common/bus/topics.hpp"
 #include "idl/etiPubSubTypes.h"
 
@@ -13,35 +16,29 @@ namespace eti::bus {
 
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 
-/// True when every bounded sequence keeps the bound that eti.idl gives it and every enumerator is one
-/// of its type. The generated code checks neither, on writing or on reading.
-[[nodiscard]] bool within_bounds(const msg::SceneDescription& message);
-[[nodiscard]] bool within_bounds(const msg::DeformationState& message);
-[[nodiscard]] bool within_bounds(const msg::FluidState& message);
-[[nodiscard]] bool within_bounds(const msg::ProxyState& message);
-[[nodiscard]] bool within_bounds(const msg::TissueContacts& message);
-[[nodiscard]] bool within_bounds(const msg::LiveMetrics& message);
-[[nodiscard]] bool within_bounds(const msg::AttemptSummary& message);
-[[nodiscard]] bool within_bounds(const msg::SessionStatus& message);
-[[nodiscard]] inline bool within_bounds(const msg::ToolPose&) {
-    return true;
+/// True when every sequence keeps the bound that eti.idl gives it and every enumerator is one of its type, in
+/// a message or any part of it. The generated code checks neither.
+template <class Part>
+[[nodiscard]] bool within_bounds(const Part& part) {
+    bool within = true;
+    if constexpr (requires { msg::for_members(part, [](const char*, const auto&, std::size_t) {}); }) {
+        msg::for_members(part, [&](const char*, const auto& member, std::size_t bound) {
+            using Member = std::remove_cvref_t<decltype(member)>;
+            if constexpr (std::is_enum_v<Member>) {
+                within = within && static_cast<std::size_t>(member) < bound;
+            } else if constexpr (requires(Member m) { m.emplace_back(); }) {
+                within = within && member.size() <= bound;
+                if constexpr (std::is_class_v<typename Member::value_type>) {
+                    within =
+                        within && std::ranges::all_of(member, [](const auto& e) { return within_bounds(e); });
+                }
+            } else {
+                within = within && within_bounds(member);
+            }
+        });
+    }
+    return within;
 }
-[[nodiscard]] inline bool within_bounds(const msg::TubeForce&) {
-    return true;
-}
-[[nodiscard]] inline bool within_bounds(const msg::EyePose&) {
-    return true;
-}
-[[nodiscard]] inline bool within_bounds(const msg::Command&) {
-    return true;
-}
-[[nodiscard]] inline bool within_bounds(const msg::CommandResult&) {
-    return true;
-}
-
-/// False when a scene description's payload announces more names than it has bytes for. The generated
-/// code checks sequences of numbers, but allocates sequences of strings as announced, up to 128 GB.
-[[nodiscard]] bool plausible_size(const SerializedPayload_t& payload);
 
 /// The generated type, made safe against what anybody may send: whatever a sample holds, reading it
 /// neither throws nor allocates beyond its own size times a constant.
@@ -60,12 +57,9 @@ class WireType : public Generated {
 
     bool deserialize(SerializedPayload_t* payload, void* data) override {
         try {
-            if constexpr (std::is_same_v<Message, msg::SceneDescription>) {
-                if (!plausible_size(*payload)) {
-                    return false;
-                }
-            }
-            return Generated::deserialize(payload, data) && within_bounds(*static_cast<const Message*>(data));
+            Payload walked(payload->data, payload->length);
+            return whole(walked, static_cast<const Message*>(nullptr)) &&
+                   Generated::deserialize(payload, data);
         } catch (const std::exception&) {
             return false;
         }

@@ -3,9 +3,7 @@
 #include "common/model/live.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <iterator>
 
 #include "common/math/units.hpp"
 #include "common/model/newborn_shape.hpp"
@@ -16,6 +14,74 @@ namespace eti {
 namespace {
 
 constexpr float nurse = 0.17f;  // [rad/s]; a head is tilted at about 10 deg/s
+constexpr float at_once = 0.0f;
+
+constexpr LiveField rows[] = {
+    {{"head_elevation", "patient", "head elevation", "deg", degree, 0.0f, max_head_elevation_deg,
+      &LiveValues::head_elevation,
+      "Turn of the skull about the upper neck, positive chin-up; aligns mouth and throat"},
+     nurse,
+     false,
+     "skeleton",
+     "rad"},
+    {{"jaw_opening", "patient", "jaw opening", "deg", degree, 0.0f, max_jaw_opening_deg,
+      &LiveValues::jaw_opening, "Turn of the mandible about its joints; closed, no blade enters"},
+     nurse,
+     false,
+     "skeleton",
+     "rad"},
+    {{"table_angle", "patient", "table angle", "deg", degree, -max_table_angle_deg, max_table_angle_deg,
+      &LiveValues::table_angle,
+      "Tilt of the operating table, positive head-up. The patient frame tilts with it: gravity turns, and "
+      "with it "
+      "saliva, tube and what tissue weighs"},
+     nurse,
+     false,
+     "skeleton",
+     "rad"},
+    {{"head_scale", "", "head scale", "", 1.0f, head_scale_range.low, head_scale_range.high,
+      &LiveValues::head_scale,
+      "Size of the cranium, 1 is usual for weight and age; skin and skull are seen to grow, nothing else "
+      "changes"},
+     0.1f,
+     false,
+     "skeleton",
+     "1"},
+    {{"tongue_scale", "", "tongue scale", "", 1.0f, tongue_scale_range.low, tongue_scale_range.high,
+      &LiveValues::tongue_scale, "Size of the tongue, 1 is usual; 0.55 to 1.5 times the built one"},
+     0.1f,
+     false,
+     "tissue",
+     "1"},
+    {{"tissue_stiffness", "patient", "tissue stiffness", "kPa", 1e3f, 1.0f, 100.0f,
+      &LiveValues::tissue_stiffness,
+      "Young's modulus of tongue and mucosa; stiffer tissue is harder to lift out of sight"},
+     1.0f,
+     true,
+     "tissue",
+     "Pa"},
+    // Above ten times the usual flow (5 ml a minute in a term newborn) drops come out faster than ducts let
+    // them.
+    {{"secretion", "", "secretion", "", 1.0f, 0.0f, 10.0f, &LiveValues::secretion,
+      "What the glands give; 1 is usual, half a millilitre a minute in a term newborn. Needs saliva on or "
+      "standby"},
+     5.0f,
+     false,
+     "tissue",
+     "1"},
+    {{"suction", "", "suction", "", 1.0f, 0.0f, 1.0f, &LiveValues::suction, "Suction of the laryngoscope"},
+     at_once,
+     false,
+     "inputs",
+     "1"},
+    {{"view_enhanced", "view", "enhanced view", "", 1.0f, 0.0f, 1.0f, &LiveValues::view_enhanced,
+      "Every client shows the mid-sagittal section beside the scene, and what else helps a learner"},
+     at_once,
+     false,
+     "inputs",
+     "1",
+     true},
+};
 
 /// `from` carried towards `to` by `most` at most.
 float approach(float from, float to, float most) {
@@ -24,43 +90,7 @@ float approach(float from, float to, float most) {
 
 }  // namespace
 
-const std::array<LiveField, 8> live_fields = {{
-    {"head_elevation", "patient", "head elevation", "deg", degree, 0.0f, max_head_elevation_deg,
-     &LiveValues::head_elevation, nurse, false, "skeleton", "rad",
-     "turn of the skull about the upper neck, positive chin-up"},
-    {"jaw_opening", "patient", "jaw opening", "deg", degree, 0.0f, max_jaw_opening_deg,
-     &LiveValues::jaw_opening, nurse, false, "skeleton", "rad", "turn of the mandible about its joints"},
-    {"table_angle", "patient", "table angle", "deg", degree, -max_table_angle_deg, max_table_angle_deg,
-     &LiveValues::table_angle, nurse, false, "skeleton", "rad",
-     "tilt of the operating table, positive head-up; the patient frame tilts with it"},
-    {"head_scale", "", "head scale", "", 1.0f, head_scale_range.low, head_scale_range.high,
-     &LiveValues::head_scale, 0.1f, false, "skeleton", "1",
-     "size of the cranium, 1 is usual for weight and age"},
-    {"tongue_scale", "", "tongue scale", "", 1.0f, tongue_scale_range.low, tongue_scale_range.high,
-     &LiveValues::tongue_scale, 0.1f, false, "tissue", "1", "size of the tongue, 1 is usual"},
-    {"tissue_stiffness", "patient", "tissue stiffness", "kPa", 1e3f, 1.0f, 100.0f,
-     &LiveValues::tissue_stiffness, 1.0f, true, "tissue", "Pa", "Young's modulus of tongue and mucosa"},
-    // Above ten times the usual flow (5 ml a minute in a term newborn) drops come out faster than ducts let
-    // them.
-    {"secretion", "", "secretion", "", 1.0f, 0.0f, 10.0f, &LiveValues::secretion, 5.0f, false, "tissue", "1",
-     "what the glands give over what they usually do"},
-    {"suction", "", "suction", "", 1.0f, 0.0f, 1.0f, &LiveValues::suction, 0.0f, false, "inputs", "1",
-     "suction, 0 to 1"},
-}};
-
-std::string LiveField::key() const {
-    std::string out(name);
-    if (!unit.empty()) {
-        out += '_';
-        std::ranges::transform(unit, std::back_inserter(out),
-                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    }
-    return out;
-}
-
-float LiveField::clamped(float quantity) const {
-    return std::clamp(quantity, low * per_unit, high * per_unit);
-}
+constinit const std::span<const LiveField> live_fields = rows;
 
 const LiveField* live_field(std::string_view name) {
     const auto found = std::ranges::find(live_fields, name, &LiveField::name);

@@ -2,9 +2,10 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <array>
-#include <string>
+#include <span>
 #include <string_view>
+
+#include "common/model/field.hpp"
 
 namespace eti {
 
@@ -18,33 +19,23 @@ struct LiveValues {
     float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     float secretion = 1.0f;         ///< of what the glands usually give
     float suction = 0.0f;           ///< 0..1
+    float view_enhanced = 0.0f;     ///< 0 or 1
 
     [[nodiscard]] bool operator==(const LiveValues&) const = default;
 };
 
 /// One row of the table of what lives. Scenario reader, command line, commands, their checks, what follows
 /// them, recording and bus all walk it, so that a value is added in one place.
-struct LiveField {
-    std::string_view name;     ///< in code, on the wire and in files
-    std::string_view section;  ///< of a scenario that sets it by its key, or empty
-    std::string_view label;    ///< as people say it
-    std::string_view unit;     ///< as typed: "deg", or empty for a ratio
-    float per_unit;            ///< SI value of one typed unit
-    float low, high;           ///< as typed
-    float LiveValues::*value;
+struct LiveField : Field<LiveValues> {
     float rate;              ///< [SI per second], by which a scene follows; 0: at once
     bool of_itself;          ///< the rate is a share of the value: a factor of e^rate a second
     std::string_view group;  ///< of a session file
     std::string_view si;     ///< unit in files
-    std::string_view help;
-
-    /// The name with its unit, as typed: "head_elevation_deg".
-    [[nodiscard]] std::string key() const;
-    /// A value [SI] within the range.
-    [[nodiscard]] float clamped(float quantity) const;
+    bool on_off = false;     ///< 0 or 1
 };
 
-extern const std::array<LiveField, 8> live_fields;
+/// Every value that lives, in the order of display.
+extern const std::span<const LiveField> live_fields;
 
 /// The row of a name, or nullptr.
 [[nodiscard]] const LiveField* live_field(std::string_view name);

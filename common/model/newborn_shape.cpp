@@ -52,20 +52,23 @@ constexpr float heaviest = 1.7f;
 }  // namespace
 
 const std::array<ShapeField, 8> shape_fields = {{
-    {"weight_kg", &NewbornShape::weight, 0.5f, 4.5f, 1.0f, "Weight; lengths go with its cube root"},
-    {"gestational_age_weeks", &NewbornShape::gestational_age, 22.0f, 42.0f, 1.0f,
+    {"weight", "patient", "weight", "kg", 1.0f, 0.5f, 4.5f, &NewbornShape::weight,
+     "Weight; lengths go with its cube root"},
+    {"gestational_age", "patient", "gestational age", "weeks", 1.0f, 22.0f, 42.0f,
+     &NewbornShape::gestational_age,
      "Gestational age, by default that of the weight; the cranium follows it"},
-    {"tongue_scale", &NewbornShape::tongue_scale, tongue_scale_range.low, tongue_scale_range.high, 1.0f,
-     "Size of the tongue; 1 is usual"},
-    {"mandible_scale", &NewbornShape::mandible_scale, 0.7f, 1.15f, 1.0f,
-     "Length of the mandible; 1 is usual"},
-    {"mouth_scale", &NewbornShape::mouth_scale, 0.7f, 1.2f, 1.0f, "Width of the mouth; 1 is usual"},
-    {"head_scale", &NewbornShape::head_scale, head_scale_range.low, head_scale_range.high, 1.0f,
-     "Size of the cranium against that of weight and age"},
-    {"larynx_anterior_mm", &NewbornShape::larynx_anterior, 0.0f, 3.0f, 1e-3f,
-     "How far the larynx lies forward, in mm of a 3.5 kg newborn"},
-    {"larynx_superior_mm", &NewbornShape::larynx_superior, 0.0f, 3.0f, 1e-3f,
-     "How far the larynx lies upward, in mm of a 3.5 kg newborn"},
+    {"tongue_scale", "patient", "tongue scale", "", 1.0f, tongue_scale_range.low, tongue_scale_range.high,
+     &NewbornShape::tongue_scale, "Size of the tongue, 1 is usual; a large one hides the glottis"},
+    {"mandible_scale", "patient", "mandible scale", "", 1.0f, 0.7f, 1.15f, &NewbornShape::mandible_scale,
+     "Length of the mandible, 1 is usual; a short one pushes the tongue back"},
+    {"mouth_scale", "patient", "mouth scale", "", 1.0f, 0.7f, 1.2f, &NewbornShape::mouth_scale,
+     "Width of the mouth, 1 is usual"},
+    {"head_scale", "patient", "head scale", "", 1.0f, head_scale_range.low, head_scale_range.high,
+     &NewbornShape::head_scale, "Size of the cranium against that of weight and age"},
+    {"larynx_anterior", "patient", "larynx forward", "mm", millimetre, 0.0f, 3.0f,
+     &NewbornShape::larynx_anterior, "How far the larynx lies forward, in mm of a 3.5 kg newborn"},
+    {"larynx_superior", "patient", "larynx upward", "mm", millimetre, 0.0f, 3.0f,
+     &NewbornShape::larynx_superior, "How far the larynx lies upward, in mm of a 3.5 kg newborn"},
 }};
 
 void apply(AirwayVariant variant, NewbornShape& shape) {
@@ -107,10 +110,11 @@ WeightRange plausible_weights(float gestational_age) {
 
 std::string implausible(const NewbornShape& shape) {
     for (const ShapeField& field : shape_fields) {
-        const float typed = shape.*field.value / field.unit;
+        const float typed = shape.*field.value / field.per_unit;
         const float slack = 1e-4f * (std::fabs(field.low) + std::fabs(field.high));
         if (!(typed >= field.low - slack && typed <= field.high + slack)) {
-            return fmt::format("{} is {:g}; expected {:g} to {:g}", field.key, typed, field.low, field.high);
+            return fmt::format("{} is {:g}; expected {:g} to {:g}", field.key(), typed, field.low,
+                               field.high);
         }
     }
     if (!(shape.jaw_opening >= 0.0f && shape.jaw_opening <= 25.0f * degree)) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/model/field.hpp"
+
 namespace eti {
 
 /// Well-known forms of the newborn's airway, each a preset of shape parameters.
@@ -38,14 +40,7 @@ struct TypedRange {
 inline constexpr TypedRange tongue_scale_range{0.8f, 1.4f};
 inline constexpr TypedRange head_scale_range{0.85f, 1.15f};
 
-/// One shape parameter: its name as typed, its range and unit, and what it changes.
-struct ShapeField {
-    std::string_view key;  ///< in YAML and files; on the command line with dashes
-    float NewbornShape::*value;
-    float low, high;  ///< as typed
-    float unit;       ///< SI value of one typed unit
-    std::string_view help;
-};
+using ShapeField = Field<NewbornShape>;
 
 /// Every shape parameter that a person may set, in the order of display. Scenario reader, command line,
 /// provenance and random sampling walk this list.

@@ -2,15 +2,16 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <array>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace eti {
 
 /// The performance parameters: the twelve of Xiao et al. 2020, Table 2, and those beyond it. Units as in the
-/// names; the definitions stand in docs/metrics.md. Not-a-number where a value does not exist for an attempt
-/// (a tube that never entered the mouth has no speed).
+/// names; the definitions stand in docs/metrics.md. NaN where a value does not exist for an attempt (a tube
+/// that never entered the mouth has no speed).
 struct Parameters {
     double gum_force_max_n = 0, gum_force_mean_n = 0;
     double blade_depth_max_cm = 0, blade_depth_mean_cm = 0;
@@ -32,18 +33,37 @@ struct Parameters {
     double blade_smoothness = 0;  ///< spectral arc length is negative; closer to zero is smoother
 };
 
-/// One row of the table of parameters: where a value lies in JSON and files, and how it is shown.
+/// How a run's value follows from those of its attempts.
+enum class Combine : std::uint8_t {
+    greatest,
+    least,
+    sum,
+    time_mean,  ///< mean weighted by the time of the attempts
+    view_mean,  ///< by the time from first sight of the glottis to the tube's arrival
+    tube_mean,  ///< by the time of the tube in the mouth
+    passage,    ///< of the last attempt in which the glottis was passed, else of the best view
+    last,       ///< of the last attempt; where the run itself has a value, that one
+};
+
+/// One row of the table of parameters: where a value lies in JSON and files, how it is shown, what it is
+/// before anything has happened, and how a run combines its attempts.
 struct ParameterField {
     std::string_view key;  ///< JSON key; "name.max" and "name.mean" become an object with two members
     std::string_view label;
     std::string_view unit;
     double Parameters::*value;
     bool in_paper;
+    double start;  ///< NaN: has no value until something was measured
+    Combine combine;
+    std::string_view definition;
 };
 
-/// Every parameter, in the order of display. JSON, the session file, the bus and the printed table
-/// all walk this list, so a parameter is added in one place.
-extern const std::array<ParameterField, 25> parameter_fields;
+/// Every parameter, in the order of display. JSON, the session file, the bus, the run's values, the printed
+/// table and that of docs/metrics.md all walk this list, so a parameter is added in one place.
+extern const std::span<const ParameterField> parameter_fields;
+
+/// Every parameter as it is before anything has happened.
+[[nodiscard]] Parameters starting_parameters();
 
 /// How a run or an attempt ended.
 struct Outcome {

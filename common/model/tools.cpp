@@ -4,7 +4,17 @@
 
 #include <numbers>
 
+#include "common/math/units.hpp"
+
 namespace eti {
+
+const std::array<Field<Tube>, 3> tube_fields = {{
+    {"inner_diameter", "tube", "inner diameter", "mm", millimetre, 2.0f, 4.5f, &Tube::inner_diameter,
+     "The tube's size; the outer diameter follows (3.6, 4.2, 4.9 mm for 2.5, 3.0, 3.5)"},
+    {"length", "tube", "length", "mm", millimetre, 100.0f, 250.0f, &Tube::length, "Connector to tip"},
+    {"grip_from_tip", "tube", "grip from tip", "mm", millimetre, 40.0f, 200.0f, &Tube::grip_from_tip,
+     "Where the hand holds it, at most its length; farther back it bends and buckles more"},
+}};
 
 Laryngoscope make_laryngoscope(Blade blade) {
     Laryngoscope scope;

@@ -8,6 +8,7 @@
 
 #include "common/math/transform.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/field.hpp"
 
 namespace eti {
 
@@ -44,14 +45,19 @@ struct Laryngoscope {
 /// An endotracheal tube. Tool frame of a tracked tube: origin at the grip on the centre line,
 /// +z along the tube towards its tip, +y the concave side of its curve.
 struct Tube {
-    float inner_diameter = 3.0e-3f;                 ///< [m]
-    float outer_diameter = 4.2e-3f;                 ///< [m]
-    float length = 0.16f;                           ///< [m], connector to tip
-    float youngs_modulus = 15e6f;                   ///< [Pa], PVC (10-20 MPa)
-    float grip_from_tip = 0.10f;                    ///< [m], where the tracked hand holds it
-    float curve_radius = 0.14f;                     ///< [m], the manufactured curve of an uncuffed tube
+    float inner_diameter = 3.0e-3f;  ///< [m]
+    float outer_diameter = 4.2e-3f;  ///< [m]
+    float length = 0.16f;            ///< [m], connector to tip
+    float youngs_modulus = 15e6f;    ///< [Pa], PVC (10-20 MPa)
+    float grip_from_tip = 0.10f;     ///< [m], where the tracked hand holds it
+    float curve_radius = 0.14f;      ///< [m], the manufactured curve of an uncuffed tube
+    [[nodiscard]] float outer_radius() const { return 0.5f * outer_diameter; }
+    [[nodiscard]] float inner_radius() const { return 0.5f * inner_diameter; }
     [[nodiscard]] float bending_stiffness() const;  ///< E I [N m^2] of the hollow section
 };
+
+/// What a scenario says of the tube; what of it lives stands in live_fields.
+extern const std::array<Field<Tube>, 3> tube_fields;
 
 /// Outer diameter [m] of a tube with the given inner diameter [m]; 3.6, 4.2, 4.9 mm for 2.5, 3.0,
 /// 3.5 mm, linear between and beyond.

@@ -28,43 +28,48 @@ std::vector<std::filesystem::path> data_folders(const std::string& kind) {
     return folders;
 }
 
+/// The rows of a table that are set in `section`.
+template <class Rows, class Values>
+void read_fields(YamlMap& map, std::string_view section, const Rows& rows, Values& values) {
+    for (const auto& field : rows) {
+        if (field.section != section) {
+            continue;
+        }
+        const std::string key = field.key_in_section();
+        float& value = values.*field.value;
+        if constexpr (requires { field.on_off; }) {
+            if (field.on_off) {
+                value = map.flag(key, value != 0.0f) ? 1.0f : 0.0f;
+                continue;
+            }
+        }
+        value = map.number(key, value, {field.low, field.high, field.per_unit});
+    }
+}
+
 void read_shape(YamlMap& patient, NewbornShape& shape) {
     apply(static_cast<AirwayVariant>(patient.choice("variant", 0, airway_variant_names)), shape);
-    for (const ShapeField& field : shape_fields) {
-        shape.*field.value =
-            patient.number(std::string(field.key), shape.*field.value, {field.low, field.high, field.unit});
-        if (field.value == &NewbornShape::weight && patient.has("weight_kg")) {
-            shape.gestational_age = usual_gestational_age(shape.weight);
-        }
+    const std::span rows(shape_fields);
+    read_fields(patient, "patient", rows.first(1), shape);
+    if (patient.has(rows[0].key())) {
+        shape.gestational_age = usual_gestational_age(shape.weight);
     }
+    read_fields(patient, "patient", rows.subspan(1), shape);
     const auto [lightest, heaviest] = plausible_weights(shape.gestational_age);
     if (shape.weight < lightest || shape.weight > heaviest) {
         patient.refuse(
-            "weight_kg", fmt::format("{:g}", shape.weight),
+            rows[0].key(), fmt::format("{:g}", shape.weight),
             fmt::format("{:.2f} to {:.2f} at gestational_age_weeks {:g}; or leave the age out, and it "
                         "follows the weight",
                         lightest, heaviest, shape.gestational_age));
     }
 }
 
-/// What lives and is set in this section; there a key goes without the section's name before it.
-void read_live(YamlMap& map, std::string_view section, LiveValues& live) {
-    for (const LiveField& field : live_fields) {
-        if (field.section == section) {
-            std::string key = field.key();
-            if (key.starts_with(std::string(section) + "_")) {
-                key.erase(0, section.size() + 1);
-            }
-            live.*field.value = map.number(key, live.*field.value, {field.low, field.high, field.per_unit});
-        }
-    }
-}
-
 /// A built model fixes what it was built from.
-void refuse_what_a_model_holds(const YamlMap& map, std::span<const std::string_view> keys) {
-    for (const std::string_view key : keys) {
+void refuse_what_a_model_holds(const YamlMap& map, std::span<const std::string> keys) {
+    for (const std::string& key : keys) {
         if (map.has(key)) {
-            map.refuse(std::string(key), "a value",
+            map.refuse(key, "a value",
                        "none beside patient.model, which was built with its own; build another model");
         }
     }
@@ -113,12 +118,11 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);
-        read_live(*patient, "patient", s.live);
+        read_fields(*patient, "patient", live_fields, s.live);
         if (const std::string model = patient->text("model", ""); !model.empty()) {
-            const std::string stiffness = live_field("tissue_stiffness")->key();
-            std::vector<std::string_view> held = {"variant", stiffness};
+            std::vector<std::string> held = {"variant", live_field("tissue_stiffness")->key()};
             for (const ShapeField& field : shape_fields) {
-                held.push_back(field.key);
+                held.push_back(field.key());
             }
             refuse_what_a_model_holds(*patient, held);
             // Beside the scenario, wherever the server was started.
@@ -133,10 +137,8 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     }
     if (auto tube = root.map("tube")) {
         Tube& t = s.tube;
-        t.inner_diameter = tube->number("inner_diameter_mm", t.inner_diameter, {2.0f, 4.5f, millimetre});
-        t.length = tube->number("length_mm", t.length, {100, 250, millimetre});
+        read_fields(*tube, "tube", tube_fields, t);
         t.youngs_modulus = tube->number("youngs_modulus_mpa", t.youngs_modulus, {1, 200, 1e6f});
-        t.grip_from_tip = tube->number("grip_from_tip_mm", t.grip_from_tip, {40, 200, millimetre});
         t.curve_radius = tube->number("curve_radius_mm", t.curve_radius, {60, 2000, millimetre});
         if (t.grip_from_tip > t.length) {
             tube->refuse("grip_from_tip_mm", fmt::format("{:.0f}", t.grip_from_tip / millimetre),
@@ -154,8 +156,7 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
         p.tissue_model = static_cast<TissueModel>(
             physics->choice("tissue_model", static_cast<std::size_t>(p.tissue_model), tissue_model_names));
         if (!s.patient.model.empty()) {
-            static constexpr std::array<std::string_view, 3> held = {"spacing_mm", "fine_spacing_mm",
-                                                                     "region_mm"};
+            static const std::array<std::string, 3> held = {"spacing_mm", "fine_spacing_mm", "region_mm"};
             refuse_what_a_model_holds(*physics, held);
         }
         if (p.fine_spacing > p.spacing) {
@@ -167,7 +168,7 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
         physics->finish();
     }
     if (auto view = root.map("view")) {
-        s.enhanced_view = view->flag("enhanced", s.enhanced_view);
+        read_fields(*view, "view", live_fields, s.live);
         view->finish();
     }
     static constexpr std::array<std::string_view, 3> secretions = {"off", "on", "standby"};

@@ -42,7 +42,6 @@ struct Scenario {
 
     bool saliva = false;          ///< whether there may be secretions
     bool saliva_standby = false;  ///< with saliva: none before someone switches them on
-    bool enhanced_view = false;   ///< the client shows the section view beside the scene
     float time_limit = 30.0f;     ///< [s], per attempt
     std::uint64_t seed = 1;
 };

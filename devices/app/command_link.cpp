@@ -45,6 +45,7 @@ CommandLink::CommandLink(const bus::Options& options)
       commands_(node_, bus::topics::command),
       answers_(node_, bus::topics::command_result),
       status_(node_, bus::topics::session_status),
+      description_topic_(node_, bus::topics::session_description),
       live_(node_, bus::topics::live_metrics) {}
 
 void CommandLink::send(const PadCommand& command) {
@@ -74,9 +75,20 @@ void CommandLink::hear() {
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
     }
+    msg::SessionDescription description;
+    while (description_topic_.take(description)) {
+        std::string why;
+        keys_ = bus::SessionKeys::of(description, why);
+        if (keys_) {
+            description_ = description;
+        } else {
+            spdlog::warn("the session's description cannot be right: {}", why);
+        }
+    }
     msg::LiveMetrics live;
-    if (live_.take_latest(live)) {
-        patient_ = bus::live_of(live);
+    if (keys_ && live_.take_latest(live)) {
+        now_ = live.live();
+        patient_ = keys_->live(live);
     }
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/session_keys.hpp"
 #include "devices/app/command_pad.hpp"
 
 namespace eti::devices {
@@ -37,6 +38,10 @@ class CommandLink {
     [[nodiscard]] std::uint32_t accepted() const { return accepted_; }
     [[nodiscard]] std::uint32_t refused() const { return refused_; }
     [[nodiscard]] bool session_finished() const { return session_finished_; }
+    /// What the session says of itself, once it has.
+    [[nodiscard]] const std::optional<msg::SessionDescription>& description() const { return description_; }
+    /// [SI], what lives as the server last said, in the order of the description; empty before.
+    [[nodiscard]] const std::vector<float>& now() const { return now_; }
     /// What the server last said of the patient.
     [[nodiscard]] const std::optional<LiveValues>& patient() const { return patient_; }
 
@@ -46,7 +51,11 @@ class CommandLink {
     bus::Publisher<msg::Command> commands_;
     bus::Subscriber<msg::CommandResult> answers_;
     bus::Subscriber<msg::SessionStatus> status_;
+    bus::Subscriber<msg::SessionDescription> description_topic_;
     bus::Subscriber<msg::LiveMetrics> live_;
+    std::optional<bus::SessionKeys> keys_;  // once the session has described itself
+    std::optional<msg::SessionDescription> description_;
+    std::vector<float> now_;  // in its order
     std::optional<LiveValues> patient_;
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
     bool session_finished_ = false;

@@ -12,6 +12,7 @@
 #include "common/scenario/scenario.hpp"
 #include "devices/app/command_link.hpp"
 #include "devices/app/program.hpp"
+#include "devices/app/session_list.hpp"
 #include "devices/sensor/sensor_watch.hpp"
 
 namespace eti::devices {
@@ -101,12 +102,11 @@ class Controller {
     std::string ended_;
 };
 
-/// Sends what was typed and waits for the answers.
-nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector<PadCommand>& wanted) {
-    using namespace std::chrono_literals;
-    CommandLink link(options.bus);
-    const auto limit = std::chrono::steady_clock::now() + 10s;
-    while (!link.served()) {
+/// Waits for a server that is `ready`; throws when none is after ten seconds.
+template <class Ready>
+void wait_for_server(const ProgramOptions& options, const Ready& ready) {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!ready()) {
         if (std::chrono::steady_clock::now() > limit) {
             throw std::runtime_error(fmt::format(
                 "no server takes commands in session '{}' on domain {}; start eti-server there, or "
@@ -115,6 +115,23 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
         }
         std::this_thread::sleep_for(period);
     }
+}
+
+/// What the session says of itself, with the values of now.
+nlohmann::ordered_json list_once(const ProgramOptions& options) {
+    CommandLink link(options.bus);
+    wait_for_server(options, [&] {
+        link.hear();
+        return link.description() && !link.now().empty();
+    });
+    return session_list(*link.description(), link.now());
+}
+
+/// Sends what was typed and waits for the answers.
+nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector<PadCommand>& wanted) {
+    using namespace std::chrono_literals;
+    CommandLink link(options.bus);
+    wait_for_server(options, [&] { return link.served(); });
     for (const PadCommand& command : wanted) {
         link.send(command);
     }
@@ -126,9 +143,14 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
             {"refused", link.refused()}};
 }
 
-int run(const ProgramOptions& options, const std::vector<std::string>& typed) {
+int run(const ProgramOptions& options, const std::vector<std::string>& typed, bool list) {
+    if (list) {
+        const nlohmann::ordered_json session = list_once(options);
+        std::cout << (options.json ? session.dump(2) + "\n" : session_text(session)) << std::flush;
+        return 0;
+    }
     if (options.device.empty() && typed.empty()) {
-        throw InputError("neither --device nor --set is given; see --help");
+        throw InputError("neither --device, --set nor --list is given; see --help");
     }
     nlohmann::ordered_json result;
     bool well = true;
@@ -173,6 +195,10 @@ int main(int argc, char** argv) {
     app.add_option("--set", typed,
                    "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
         ->excludes(device);
+    bool list = false;
+    app.add_flag("--list", list,
+                 "Print what the session says of itself, with every value that lives, and end")
+        ->excludes(device);
     add_bus_options(app, options);
-    return run_program(app, argc, argv, [&] { return run(options, typed); });
+    return run_program(app, argc, argv, [&] { return run(options, typed, list); });
 }

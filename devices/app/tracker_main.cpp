@@ -20,9 +20,7 @@ constexpr std::uint64_t cycles_per_report = 48;  // five times a second
 class TubeTracker {
   public:
     TubeTracker(Program& program, Sensor& sensor)
-        : program_(program), watch_(sensor), topic_(program.node(), bus::topics::tube_pose) {
-        message_.tool(static_cast<std::uint32_t>(Tool::tube));
-    }
+        : program_(program), watch_(sensor), topic_(program.node(), bus::topics::tube_pose) {}
 
     void run() {
         std::int64_t last = monotonic_ns(), next = last;

@@ -77,9 +77,8 @@ std::optional<OutgoingPose> HapticCycle::run(std::int64_t now, bool stop) {
 HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
                        const RenderSettings& settings)
     : sensor_(sensor),
-      tool_(settings.tool),
       cycle_(sensor, scene, settings),
-      topic_(node, tool_ == Tool::tube ? bus::topics::tube_pose : bus::topics::laryngoscope_pose) {
+      topic_(node, settings.tool == Tool::tube ? bus::topics::tube_pose : bus::topics::laryngoscope_pose) {
     publisher_ = std::thread([this] { publish(); });
     on_servo_ = sensor_.start_servo(*this);
     if (on_servo_) {
@@ -140,7 +139,6 @@ void HapticLoop::servo_cycle() noexcept {
 void HapticLoop::publish() {
     (void)become_real_time(priority::bus);
     msg::ToolPose message;
-    message.tool(static_cast<std::uint32_t>(tool_));
     const OutgoingPose* pose = nullptr;
     while (!ending_.load(std::memory_order_relaxed)) {
         if (!posted_.try_acquire_for(publisher_patience) || !outgoing_.read(pose)) {

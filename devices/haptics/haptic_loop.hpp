@@ -114,7 +114,6 @@ class HapticLoop final : private ServoCycle {
     void publish();
 
     Sensor& sensor_;
-    Tool tool_;
     HapticCycle cycle_;
     bus::Publisher<msg::ToolPose> topic_;
     TripleBuffer<OutgoingPose> outgoing_;

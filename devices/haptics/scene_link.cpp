@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "common/bus/convert.hpp"
-#include "common/model/parameters.hpp"
 #include "devices/haptics/timing.hpp"
 
 namespace eti::devices {
@@ -28,17 +27,8 @@ constexpr float most_speed = 100.0f;   // [m/s], [rad/s]
 // [ns], thirty years; later times are a fault of the sender and would not fit where seconds are counted.
 constexpr std::uint64_t most_simulation_ns = 1'000'000'000'000'000'000;
 
-/// [m]; 0 when the parameters do not tell, or tell nonsense.
-float depth_rule_in(const std::vector<double>& parameters) {
-    const auto field =
-        std::ranges::find(parameter_fields, &Parameters::tube_depth_rule_cm, &ParameterField::value);
-    const auto index = static_cast<std::size_t>(field - parameter_fields.begin());
-    const double depth = index < parameters.size() ? 0.01 * parameters[index] : 0.0;
-    return depth > 0.0 && depth < 0.3 ? static_cast<float>(depth) : 0.0f;
-}
-
 bool is_motion(const msg::ProxyState& m) {
-    // Written so that not-a-number is too fast too.
+    // Written so that NaN is too fast too.
     return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) &&
            from_msg(m.velocity()).norm() < most_speed && from_msg(m.angular_velocity()).norm() < most_speed &&
            m.header().simulation_time_ns() < most_simulation_ns &&
@@ -73,22 +63,12 @@ Vec3f centre_of(const std::vector<msg::ShellContact>& contacts, std::size_t coun
                         : Vec3f(plain / static_cast<float>(std::max<std::size_t>(count, 1)));
 }
 
-Blade blade_of(const msg::SceneDescription& scope, float length) {
-    for (const Blade blade : {Blade::miller_0, Blade::miller_1}) {
-        if (!scope.names().empty() && scope.names().front() == std::string(name_of(blade)).c_str()) {
-            return blade;
-        }
-    }
-    const auto off = [&](Blade blade) { return std::abs(make_laryngoscope(blade).blade_length - length); };
-    return off(Blade::miller_0) < off(Blade::miller_1) ? Blade::miller_0 : Blade::miller_1;
-}
-
 }  // namespace
 
 SceneLink::SceneLink(bus::Node& node, Feel feel)
     : proxy_topic_(node, bus::topics::proxy),
       live_topic_(node, bus::topics::live_metrics),
-      scene_topic_(node, bus::topics::scene),
+      description_topic_(node, bus::topics::session_description),
       status_topic_(node, bus::topics::session_status) {
     if (feel == Feel::tissue) {
         tissue_topic_.emplace(node, bus::topics::tissue_contacts);
@@ -120,8 +100,8 @@ void SceneLink::run() {
         bool changed = take_proxy();
         changed = take_tissue() || changed;
         changed = take_tube() || changed;
+        take_description();
         changed = take_live() || changed;
-        take_scene();
         take_status();
         if (changed) {
             newest_.write(state_);
@@ -219,19 +199,20 @@ bool SceneLink::take_live() {
     if (!live_topic_.take_latest(live_)) {
         return false;
     }
-    if (live_.landmarks().size() < landmark_count || !bus::is_finite(live_.tube_tip()) ||
-        !std::isfinite(live_.glottic_opening_percent()) || !std::isfinite(live_.tube_depth_past_glottis()) ||
-        !std::ranges::all_of(live_.landmarks(), [](const msg::Vec3& p) { return bus::is_finite(p); })) {
+    // Without the description nothing tells which landmark is which.
+    if (!keys_) {
+        return false;
+    }
+    const std::optional<Landmarks> landmarks = keys_->landmarks(live_);
+    if (!landmarks || !bus::is_finite(live_.tube_tip()) || !std::isfinite(live_.glottic_opening_percent()) ||
+        !std::isfinite(live_.tube_depth_past_glottis())) {
         refused_.fetch_add(1, std::memory_order_relaxed);
         return false;
     }
-    for (std::size_t i = 0; i < landmark_count; ++i) {
-        state_.seen.landmarks[i] = from_msg(live_.landmarks()[i]);
-    }
+    state_.seen.landmarks = *landmarks;
     state_.seen.glottic_opening_percent = live_.glottic_opening_percent();
     state_.seen.tube_tip = from_msg(live_.tube_tip());
     state_.seen.tube_depth_past_glottis = live_.tube_depth_past_glottis();
-    state_.seen.tube_depth_rule = depth_rule_in(live_.parameters());
     const std::lock_guard lock(mutex_);
     surroundings_.seen = state_.seen;
     surroundings_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
@@ -239,24 +220,27 @@ bool SceneLink::take_live() {
     return true;
 }
 
-void SceneLink::take_scene() {
-    while (scene_topic_.take(scene_)) {
-        const std::vector<float>& v = scene_.vertices();
-        const std::lock_guard lock(mutex_);
-        if (scene_.kind() == msg::OBJECT_TOOL && scene_.object() == "laryngoscope") {
-            float tip = 0.0f;
-            for (std::size_t i = 2; i < v.size(); i += 3) {
-                tip = std::max(tip, v[i]);
-            }
-            if (tip > 0.0f && tip < 1.0f) {
-                surroundings_.blade_length = tip;
-                state_.blade = make_laryngoscope(blade_of(scene_, tip)).capsules;
-            }
-        } else if (scene_.kind() == msg::OBJECT_TUBE && v.size() >= 3 && v[1] > 0.0f && v[1] < 1.0f &&
-                   v[2] > 0.01f) {
-            surroundings_.grip_to_tip = v[1];
-            surroundings_.tube_curvature = 1.0f / v[2];
+void SceneLink::take_description() {
+    while (description_topic_.take(description_)) {
+        std::string why;
+        std::optional<bus::SessionKeys> keys = bus::SessionKeys::of(description_, why);
+        if (!keys) {
+            refused_.fetch_add(1, std::memory_order_relaxed);
+            spdlog::warn("the session's description cannot be right: {}", why);
+            continue;
         }
+        if (!keys->unlike().empty()) {
+            spdlog::warn("{}", keys->unlike());
+        }
+        state_.blade = keys->laryngoscope().capsules;
+        state_.seen.tube_depth_rule = static_cast<float>(tube_depth_by_weight(keys->patient_weight()));
+        {
+            const std::lock_guard lock(mutex_);
+            surroundings_.blade_length = keys->laryngoscope().blade_length;
+            surroundings_.grip_to_tip = keys->tube().grip_from_tip;
+            surroundings_.tube_curvature = 1.0f / keys->tube().curve_radius;
+        }
+        keys_ = std::move(keys);
     }
 }
 

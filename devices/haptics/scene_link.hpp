@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/session_keys.hpp"
 #include "devices/haptics/scene_state.hpp"
 #include "devices/sensor/triple_buffer.hpp"
 
@@ -22,9 +23,8 @@ struct Surroundings {
 };
 
 /// Follows the server over the bus on a thread of its own and leaves the newest scene in a triple
-/// buffer for the device's loop. Messages are checked here: what is not finite, or bears another number
-/// of landmarks, is dropped and counted; of proxy, tissue and tube, what came before it counts no more, so
-/// that its force ends at once.
+/// buffer for the device's loop. Messages are checked here: what is not finite is dropped and counted; of
+/// proxy, tissue and tube, what came before it counts no more, so that its force ends at once.
 class SceneLink {
   public:
     /// What of the scene a device needs besides the proxy.
@@ -53,7 +53,7 @@ class SceneLink {
     bool take_tissue();
     bool take_tube();
     bool take_live();
-    void take_scene();
+    void take_description();
     void take_status();
     void watch_silence(std::int64_t now);
     void measure_pace(std::uint64_t simulation_ns, std::int64_t now);
@@ -63,15 +63,16 @@ class SceneLink {
     std::optional<bus::Subscriber<msg::TissueContacts>> tissue_topic_;
     std::optional<bus::Subscriber<msg::TubeForce>> tube_topic_;
     bus::Subscriber<msg::LiveMetrics> live_topic_;
-    bus::Subscriber<msg::SceneDescription> scene_topic_;
+    bus::Subscriber<msg::SessionDescription> description_topic_;
     bus::Subscriber<msg::SessionStatus> status_topic_;
     msg::ProxyState proxy_;
     msg::TissueContacts tissue_;
     msg::TubeForce tube_;
     msg::LiveMetrics live_;
-    msg::SceneDescription scene_;
+    msg::SessionDescription description_;
     msg::SessionStatus status_;
 
+    std::optional<bus::SessionKeys> keys_;  // once the session has described itself
     SceneState state_;
     std::uint64_t simulation_ns_ = 0;  // of the last ProxyState
     // Where the measurement of the pace began.

@@ -11,6 +11,7 @@
 #include "common/model/tools.hpp"
 #include "common/operator/hand.hpp"
 #include "common/operator/operator.hpp"
+#include "idl/eti_wire.hpp"
 
 namespace eti::devices {
 
@@ -24,9 +25,9 @@ template <std::size_t count>
 
 /// The proxy as the server last reported it.
 struct ProxyReport {
-    static constexpr std::size_t most_contacts = 16;  ///< as in eti.idl
-    Motion proxy;                                     ///< velocities per simulation second
-    RigidTransform device;                            ///< the device's pose that the proxy answers to
+    static constexpr std::size_t most_contacts = msg::bound::ProxyState_contacts;
+    Motion proxy;           ///< velocities per simulation second
+    RigidTransform device;  ///< the device's pose that the proxy answers to
     std::array<Vec3f, most_contacts> normals =
         all_zero<most_contacts>();  ///< from the shell to the proxy, unit
     std::size_t contacts = 0;
@@ -46,10 +47,9 @@ struct TissuePoint {
 
 /// What the tissue does to the blade, as last reported.
 struct TissueReport {
-    static constexpr std::size_t most_points = 96;  ///< as in eti.idl
-    Wrench wrench;                                  ///< on the blade, about the proxy's origin; or of a
-                                                    ///< tube on the hand, about its grip
-    RigidTransform proxy;                           ///< the blade's pose that all this is about
+    static constexpr std::size_t most_points = msg::bound::TissueContacts_contacts;
+    Wrench wrench;  ///< on the blade, about the proxy's origin; or of a tube on the hand, about its grip
+    RigidTransform proxy;  ///< the blade's pose that all this is about
     std::array<TissuePoint, most_points> points{};
     std::size_t count = 0;
     float represents = 1.0f;  ///< contacts that each point stands for, where the message could not hold all

@@ -10,6 +10,7 @@
 
 #include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
+#include "common/bus/session_keys.hpp"
 #include "common/math/units.hpp"
 #include "common/model/live.hpp"
 #include "common/model/pace.hpp"
@@ -25,7 +26,7 @@ using bus::to_msg;
 // Every frame is sent again within this many states, so that a late joiner or a lost chunk heals.
 constexpr std::uint32_t refresh_states = 45;
 // 24 bytes a frame; the first chunk also carries the tube's nodes. Each chunk fits 1300 bytes.
-constexpr std::size_t frames_per_chunk = 48;
+constexpr std::size_t frames_per_chunk = msg::bound::DeformationState_frames;
 constexpr std::size_t frames_in_first_chunk = 24;
 
 constexpr std::uint64_t steps_per_state = steps_per_second / 90;
@@ -56,24 +57,16 @@ msg::FrameUpdate frame_update(std::size_t index, const FramePose& pose) {
     return update;
 }
 
-std::vector<double> values_of(const Parameters& parameters) {
-    std::vector<double> values;
-    for (const ParameterField& field : parameter_fields) {
-        values.push_back(parameters.*field.value);
-    }
-    return values;
-}
-
 void append(std::vector<float>& to, const Vec3f& v) {
     to.insert(to.end(), {v.x(), v.y(), v.z()});
 }
 
 }  // namespace
 
-BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope,
-                     const Tube& tube, std::string scenario, bool saliva)
+BusOutput::BusOutput(bus::Node& node, const Scenario& scenario, const anatomy::Patient& patient,
+                     const Laryngoscope& scope, const LiveValues& start)
     : session_(node.options().session),
-      scenario_(std::move(scenario)),
+      description_(node, bus::topics::session_description),
       scene_(node, bus::topics::scene),
       deformation_(node, bus::topics::deformation),
       deformation_slow_(node, bus::topics::deformation_slow),
@@ -81,10 +74,11 @@ BusOutput::BusOutput(bus::Node& node, const anatomy::Patient& patient, const Lar
       summary_(node, bus::topics::attempt_summary),
       result_(node, bus::topics::command_result),
       status_(node, bus::topics::session_status) {
-    if (saliva) {
+    if (scenario.saliva) {
         fluid_.emplace(node, bus::topics::fluid);
     }
-    publish_scene(patient, scope, tube);
+    publish_description(scenario, patient, scope, start);
+    publish_scene(patient, scope);
     thread_ = std::thread([this] { run(); });
 }
 
@@ -94,7 +88,31 @@ BusOutput::~BusOutput() {
     }
 }
 
-void BusOutput::publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube) {
+void BusOutput::publish_description(const Scenario& scenario, const anatomy::Patient& patient,
+                                    const Laryngoscope& scope, const LiveValues& start) {
+    msg::SessionDescription message;
+    message.session(session_.substr(0, 47));
+    message.header(make_header(0, 0));
+    message.version(ETI_VERSION);
+    message.scenario(scenario.name.substr(0, 63));
+    message.description(scenario.description.substr(0, 499));
+    message.scenario_text(scenario.text);
+    message.steps_per_second(steps_per_second);
+    message.time_limit_s(scenario.time_limit);
+    message.patient_weight_kg(patient.weight);
+    bus::put_keys(start, message);
+    bus::put_tools(scope, scenario.tube, message);
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        msg::LandmarkKey& key = message.landmarks().emplace_back();
+        key.name(std::string(landmark_names[i]));
+        key.rest(to_msg(patient.landmarks[i].rest));
+    }
+    if (!description_.publish(message)) {
+        spdlog::error("the session's description could not be published; no client or device will follow it");
+    }
+}
+
+void BusOutput::publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope) {
     std::vector<msg::SceneDescription> objects;
     const auto object = [&](std::string name, msg::ObjectKind kind) -> msg::SceneDescription& {
         objects.emplace_back();
@@ -132,16 +150,6 @@ void BusOutput::publish_scene(const anatomy::Patient& patient, const Laryngoscop
     }
     for (const Triangle& t : mesh.triangles) {
         blade.triangles().insert(blade.triangles().end(), t.begin(), t.end());
-    }
-    blade.names({std::string(name_of(scope.blade))});
-    msg::SceneDescription& sweep = object("tube", msg::OBJECT_TUBE);
-    sweep.outer_radius(0.5f * tube.outer_diameter);
-    sweep.inner_radius(0.5f * tube.inner_diameter);
-    sweep.vertices({tube.length, tube.grip_from_tip, tube.curve_radius});
-    msg::SceneDescription& points = object("landmarks", msg::OBJECT_LANDMARKS);
-    for (std::size_t i = 0; i < landmark_count; ++i) {
-        append(points.vertices(), patient.landmarks[i].rest);
-        points.names().push_back(std::string(landmark_names[i]));
     }
     for (msg::SceneDescription& o : objects) {
         o.object_count(static_cast<std::uint32_t>(objects.size()));
@@ -181,7 +189,7 @@ void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveMeasures& l
     for (const Vec3f& p : snapshot.landmarks) {
         message.landmarks().push_back(to_msg(p));
     }
-    message.parameters(values_of(live.parameters));
+    message.parameters(bus::to_msg(live.parameters));
     message.message(live.message.substr(0, 199));
     {
         const std::scoped_lock lock(mutex_);
@@ -272,7 +280,7 @@ void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deq
         message.attempt(s.attempt);
         message.success(s.outcome.success);
         message.reason(s.outcome.reason.substr(0, 199));
-        message.parameters(values_of(s.parameters));
+        message.parameters(bus::to_msg(s.parameters));
         summary_.publish(message);
     }
     summaries.clear();
@@ -322,9 +330,9 @@ void BusOutput::publish_deformation(const scene::Snapshot& snapshot,
         state.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
         state.chunk(static_cast<std::uint16_t>(chunk));
         state.chunks(static_cast<std::uint16_t>(chunks));
-        state.full(first);
         if (chunk == 0) {
-            for (std::size_t i = 0; i < std::min<std::size_t>(40, snapshot.tube_nodes.size()); ++i) {
+            for (std::size_t i = 0;
+                 i < std::min(msg::bound::DeformationState_tube_nodes, snapshot.tube_nodes.size()); ++i) {
                 state.tube_nodes().push_back(to_msg(snapshot.tube_nodes[i]));
             }
         }
@@ -358,12 +366,9 @@ void BusOutput::publish_status(const Work& work) {
     message.session(session_.substr(0, 47));
     message.header(make_header(work.snapshot.time_ns, static_cast<std::uint32_t>(work.snapshot.step)));
     message.phase(work.status.phase);
-    message.version(ETI_VERSION);
-    message.scenario(scenario_.substr(0, 63));
     message.server((std::string(host) + ":" + std::to_string(getpid())).substr(0, 63));
     message.load(work.status.load);
     message.behind_s(work.status.behind);
-    message.late_steps(work.status.late_steps);
     status_.publish(message);
 }
 

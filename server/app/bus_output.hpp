@@ -14,6 +14,7 @@
 #include "common/bus/bus.hpp"
 #include "common/model/parameters.hpp"
 #include "common/model/tools.hpp"
+#include "common/scenario/scenario.hpp"
 #include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
@@ -34,7 +35,6 @@ struct StatusValues {
     msg::SessionPhase phase = msg::PHASE_RUNNING;
     float load = 0.0f;
     float behind = 0.0f;  ///< [s]
-    std::uint32_t late_steps = 0;
 };
 
 /// Publishes what is seen and told from its own thread; the physics thread only leaves copies here and never
@@ -42,8 +42,9 @@ struct StatusValues {
 /// message is a state, not a difference, so nothing is lost but smoothness.
 class BusOutput {
   public:
-    BusOutput(bus::Node& node, const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-              std::string scenario, bool saliva);
+    /// `start`: what lives, as the session begins.
+    BusOutput(bus::Node& node, const Scenario& scenario, const anatomy::Patient& patient,
+              const Laryngoscope& scope, const LiveValues& start);
     ~BusOutput();
     BusOutput(const BusOutput&) = delete;
     BusOutput& operator=(const BusOutput&) = delete;
@@ -70,7 +71,9 @@ class BusOutput {
         Parameters parameters;
     };
 
-    void publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube);
+    void publish_description(const Scenario& scenario, const anatomy::Patient& patient,
+                             const Laryngoscope& scope, const LiveValues& start);
+    void publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope);
     void run();
     void publish_step(const Work& work);
     void publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
@@ -79,7 +82,8 @@ class BusOutput {
     void publish_status(const Work& work);
     void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries);
 
-    std::string session_, scenario_;
+    std::string session_;
+    bus::Publisher<msg::SessionDescription> description_;
     bus::Publisher<msg::SceneDescription> scene_;
     bus::Publisher<msg::DeformationState> deformation_, deformation_slow_;
     std::optional<bus::Publisher<msg::FluidState>> fluid_;  // only with secretions

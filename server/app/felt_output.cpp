@@ -14,10 +14,6 @@ namespace {
 using bus::make_header;
 using bus::to_msg;
 
-// As idl/eti.idl bounds them.
-constexpr std::size_t most_shell_contacts = 16;
-constexpr std::size_t most_tissue_contacts = 96;
-
 }  // namespace
 
 FeltOutput::FeltOutput(bus::Node& node)
@@ -103,12 +99,9 @@ void FeltOutput::publish(const scene::ProxySnapshot& s) {
     message.header(make_header(s.time_ns, static_cast<std::uint32_t>(s.step)));
     message.device(to_msg(s.device));
     message.proxy(to_msg(s.proxy));
-    message.last_free(to_msg(s.last_free));
     message.velocity(to_msg(s.proxy_velocity));
     message.angular_velocity(to_msg(s.proxy_angular_velocity));
-    message.shell_force(to_msg(s.shell_force));
-    message.shell_torque(to_msg(s.shell_torque));
-    for (std::size_t i = 0; i < std::min(most_shell_contacts, s.shell_contacts.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(msg::bound::ProxyState_contacts, s.shell_contacts.size()); ++i) {
         msg::ShellContact c;
         c.position(to_msg(s.shell_contacts[i].position));
         c.normal(to_msg(s.shell_contacts[i].normal));
@@ -125,7 +118,7 @@ void FeltOutput::publish(const Forces& s) {
     contacts.proxy(to_msg(s.proxy));
     contacts.force(to_msg(s.tissue_force));
     contacts.torque(to_msg(s.tissue_torque));
-    const std::size_t sent = std::min(most_tissue_contacts, s.contacts.size());
+    const std::size_t sent = std::min(msg::bound::TissueContacts_contacts, s.contacts.size());
     contacts.dropped(static_cast<std::uint32_t>(s.contacts.size() - sent));
     // Evenly over all contacts, so that a bounded message still covers the whole blade.
     for (std::size_t i = 0; i < sent; ++i) {

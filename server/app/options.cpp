@@ -3,6 +3,9 @@
 #include "server/app/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "server/app/describe.hpp"
 
 namespace eti::app {
 
@@ -31,10 +34,17 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--seed", options.seed, "Seed of tremor and chance, instead of the scenario's");
     app.add_option("--threads", options.threads, "Solver threads; 0: one per core; the result is the same")
         ->check(CLI::Range(0, 256));
+    bool describe = false;
+    app.add_flag("--describe", describe,
+                 "Print as JSON what scenarios set, commands change and results hold, with units and ranges");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
+    }
+    if (describe) {
+        std::cout << description().dump(2) << std::endl;
+        return 0;
     }
     return std::nullopt;
 }

@@ -154,8 +154,7 @@ class Session {
             }
             // Ordinary, it could be held up while it holds the bus's locks, and what is felt with it.
             const RealTimeThreads real_time(priority::step, live_);
-            output_.emplace(*bus_, patient_, simulation_->scope(), scenario_.tube, scenario_.name,
-                            scenario_.saliva);
+            output_.emplace(*bus_, scenario_, patient_, simulation_->scope(), inputs_.live);
             proxy_moved_ = [this](const scene::ProxySnapshot& proxy) { felt_->post_proxy(proxy); };
         }
         const RealTimeThreads real_time(priority::beside, live_);
@@ -241,8 +240,7 @@ class Session {
     }
 
     [[nodiscard]] static StatusValues status(const StepClock& clock) {
-        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind()),
-                clock.late()};
+        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind())};
     }
 
     [[nodiscard]] bool ended() {
@@ -296,6 +294,7 @@ class Session {
         out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
                           {"p99", 1e3 * clock.percentile(0.99)},
                           {"max", 1e3 * clock.most()}};
+        out["build"] = build_description();
         out["step_budget_ms"] = 1e3 / steps_per_second;
         out["behind_s"] = clock.behind();
         std::cout << out.dump(2) << std::endl;

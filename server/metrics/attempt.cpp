@@ -96,14 +96,8 @@ Attempt::Attempt(double weight_kg, double time_limit)
       blade_speed_(speed_rate, curve_capacity),
       tube_meter_(1.0 / speed_rate),
       blade_meter_(1.0 / speed_rate) {
-    const double unknown = std::numeric_limits<double>::quiet_NaN();
     parameters_.attempts = 1;
     parameters_.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_kg);
-    parameters_.tube_speed_max_cm_per_s = unknown;
-    parameters_.tube_speed_mean_cm_per_s = unknown;
-    parameters_.tube_depth_at_lip_cm = unknown;
-    parameters_.blade_smoothness = unknown;
-    parameters_.cormack_lehane_grade = cormack_lehane_grade(0.0, false);
 }
 
 void Attempt::add(const Moment& moment) {

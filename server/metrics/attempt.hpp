@@ -21,7 +21,7 @@ class TimeMean {
         sum_ += value * seconds;
         seconds_ += seconds;
     }
-    /// Not-a-number before anything was added.
+    /// NaN before anything was added.
     [[nodiscard]] double max() const { return max_ >= 0.0 ? max_ : std::numeric_limits<double>::quiet_NaN(); }
     [[nodiscard]] double mean() const {
         return seconds_ > 0.0 ? sum_ / seconds_ : std::numeric_limits<double>::quiet_NaN();
@@ -101,7 +101,7 @@ class Attempt {
     void fill_means();
 
     double time_limit_;
-    Parameters parameters_;
+    Parameters parameters_ = starting_parameters();
     TimeMean gum_, epiglottis_, tongue_, depth_, view_, tube_speed_;
     double best_view_ = 0.0;
     double pitch_angle_ = 0.0;  // [rad]

@@ -38,49 +38,58 @@ class WeightedMean {
     double sum_ = 0.0, weight_ = 0.0;
 };
 
+double combine(const ParameterField& field, std::span<const RunPart> parts, const RunPart* passage) {
+    double value = field.start;
+    WeightedMean mean;
+    for (const RunPart& part : parts) {
+        const double of_attempt = part.parameters.*field.value;
+        switch (field.combine) {
+            case Combine::greatest:
+                value = std::fmax(value, of_attempt);
+                break;
+            case Combine::least:
+                value = std::fmin(value, of_attempt);
+                break;
+            case Combine::sum:
+                value += of_attempt;
+                break;
+            case Combine::time_mean:
+                mean.add(of_attempt, part.weights.time);
+                break;
+            case Combine::view_mean:
+                mean.add(of_attempt, part.weights.view);
+                break;
+            case Combine::tube_mean:
+                mean.add(of_attempt, part.weights.tube);
+                break;
+            case Combine::passage:
+            case Combine::last:
+                value = of_attempt;
+                break;
+        }
+    }
+    if (field.combine == Combine::passage) {
+        return passage != nullptr ? passage->parameters.*field.value : unknown();
+    }
+    return mean.value(value);
+}
+
 }  // namespace
 
 Parameters combine(std::span<const RunPart> parts) {
-    Parameters run;
-    run.tube_speed_max_cm_per_s = unknown();
-    run.tube_depth_at_lip_cm = unknown();
-    run.cormack_lehane_grade = 4.0;
-    WeightedMean gum, depth, view, tube, smoothness;
-    const RunPart* elevation = nullptr;
+    // The last passage of the glottis; without one, the best view.
+    const RunPart* passage = nullptr;
     for (const RunPart& part : parts) {
-        const Parameters& p = part.parameters;
-        for (const auto member :
-             {&Parameters::gum_force_max_n, &Parameters::blade_depth_max_cm, &Parameters::pitch_rocking_deg,
-              &Parameters::yaw_rocking_deg, &Parameters::glottic_opening_max_percent,
-              &Parameters::tube_speed_max_cm_per_s, &Parameters::over_time_limit,
-              &Parameters::epiglottis_force_max_n, &Parameters::tongue_force_max_n}) {
-            run.*member = std::fmax(run.*member, p.*member);
-        }
-        for (const auto member : {&Parameters::pitch_peaks, &Parameters::yaw_peaks, &Parameters::attempts,
-                                  &Parameters::time_s, &Parameters::oesophageal_entries,
-                                  &Parameters::main_stem_entries, &Parameters::blade_path_length_cm}) {
-            run.*member += p.*member;
-        }
-        gum.add(p.gum_force_mean_n, part.weights.time);
-        depth.add(p.blade_depth_mean_cm, part.weights.time);
-        view.add(p.glottic_opening_mean_percent, part.weights.view);
-        tube.add(p.tube_speed_mean_cm_per_s, part.weights.tube);
-        smoothness.add(p.blade_smoothness, part.weights.time);
-        run.tube_depth_rule_cm = p.tube_depth_rule_cm;
-        run.cormack_lehane_grade = std::min(run.cormack_lehane_grade, p.cormack_lehane_grade);
-        // The last passage of the glottis; without one, the best view.
-        if (elevation == nullptr || part.passed_glottis ||
-            (!elevation->passed_glottis &&
-             p.glottic_opening_max_percent > elevation->parameters.glottic_opening_max_percent)) {
-            elevation = &part;
+        if (passage == nullptr || part.passed_glottis ||
+            (!passage->passed_glottis &&
+             part.parameters.glottic_opening_max_percent > passage->parameters.glottic_opening_max_percent)) {
+            passage = &part;
         }
     }
-    run.gum_force_mean_n = gum.value(0.0);
-    run.blade_depth_mean_cm = depth.value(0.0);
-    run.glottic_opening_mean_percent = view.value(0.0);
-    run.tube_speed_mean_cm_per_s = tube.value(unknown());
-    run.blade_smoothness = smoothness.value(unknown());
-    run.head_elevation_deg = elevation != nullptr ? elevation->parameters.head_elevation_deg : unknown();
+    Parameters run;
+    for (const ParameterField& field : parameter_fields) {
+        run.*field.value = combine(field, parts, passage);
+    }
     return run;
 }
 

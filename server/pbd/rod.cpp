@@ -32,6 +32,13 @@ Cut cut(double length, double from_tip, std::size_t count) {
     return result;
 }
 
+/// [m^2], of the tube's wall.
+double section(const Tube& tube) {
+    const double outer = 0.5 * double{tube.outer_diameter};
+    const double inner = 0.5 * double{tube.inner_diameter};
+    return std::numbers::pi * (outer * outer - inner * inner);
+}
+
 }  // namespace
 
 Rod::Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& grip)
@@ -47,6 +54,7 @@ Rod::Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& gr
       radius_(0.5f * tube.outer_diameter),
       retardation_time_(double{settings.retardation_time}),
       velocity_damping_(double{settings.velocity_damping}),
+      poisson_ratio_(double{settings.poisson_ratio}),
       max_speed_(double{settings.max_speed}) {
     lay_out(tube, settings);
     reset(grip);
@@ -55,7 +63,7 @@ Rod::Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& gr
 void Rod::lay_out(const Tube& tube, const RodSettings& settings) {
     const double outer = 0.5 * double{tube.outer_diameter};
     const double inner = 0.5 * double{tube.inner_diameter};
-    const double area = std::numbers::pi * (outer * outer - inner * inner);
+    const double area = section(tube);
     const Cut lengths = cut(double{tube.length}, double{tube.grip_from_tip}, segments_.size());
     held_ = lengths.held;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
@@ -73,8 +81,13 @@ void Rod::lay_out(const Tube& tube, const RodSettings& settings) {
             s.inverse_inertia = 12.0 / (mass * (3.0 * (outer * outer + inner * inner) + length * length));
         }
     }
+    set_material(tube);
+}
+
+void Rod::set_material(const Tube& tube) {
+    const double area = section(tube);
     const double bending = double{tube.bending_stiffness()};
-    const double twist = bending / (1.0 + double{settings.poisson_ratio});
+    const double twist = bending / (1.0 + poisson_ratio_);
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         const double length = segments_[j].ahead + segments_[j + 1].behind;
         joints_[j].bend_compliance = length * Vec3d(1.0 / bending, 1.0 / bending, 1.0 / twist);

@@ -49,6 +49,9 @@ class Rod {
     /// At rest on its manufactured curve.
     void reset(const RigidTransform& grip);
 
+    /// Takes another modulus and another curve from `tube`; sizes and masses stay as they were built.
+    void set_material(const Tube& tube);
+
     /// Moves all segments by their velocities for `dt` [s], the held one to `grip`. Gravity waits for
     /// solve(): where forces balance, velocity alone is the better guess.
     void predict(float dt, const Vec3f& gravity, const RigidTransform& grip);
@@ -142,6 +145,7 @@ class Rod {
     double dt_ = 1e-3;
     double retardation_time_ = 0.0;
     double velocity_damping_ = 0.0;
+    double poisson_ratio_ = 0.0;
     double max_speed_ = 0.0;
     Vec3d gravity_ = Vec3d::Zero();
 };

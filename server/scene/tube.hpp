@@ -39,6 +39,8 @@ class TubeContact {
     [[nodiscard]] pbd::GripWrench grip_wrench() const;
 
     void reset(const RigidTransform& grip);
+    /// Takes another modulus and another curve.
+    void set_material(const Tube& tube) { rod_.set_material(tube); }
     void nodes(std::vector<Vec3f>& out) const;
     [[nodiscard]] const pbd::Rod& rod() const { return rod_; }
 

@@ -2,12 +2,18 @@
 # Copyright the NeoETI authors
 """Scripted operators succeed and fail for the right reasons. Compares the runs that operator_run.py made."""
 
+import json
+import os
 import unittest
+from pathlib import Path
 
 import support
-from operator_run import result
+from operator_run import RUNS, result
 
 TIMING = ("step_ms", "step_budget_ms", "behind_s")  # what may differ between equal runs
+# By build (see eti-server --json) and run: the state at the end. A change that means to change what is simulated writes
+# it anew: ETI_WRITE_HASHES=1 ctest --preset release -R operators
+HASHES = Path(__file__).with_name("state_hashes.json")
 
 
 def without_timing(run):
@@ -38,6 +44,26 @@ class Operators(support.Case):
     def test_same_seed_gives_the_same_result_for_any_number_of_threads(self):
         self.assertEqual(result("expert")["state_hash"], result("expert_two_threads")["state_hash"])
         self.assertEqual(without_timing(result("expert")), without_timing(result("expert_two_threads")))
+
+    def test_no_simulated_bit_has_changed(self):
+        found = {name: result(name)["state_hash"] for name in RUNS}
+        build = result("expert")["build"]
+        known = json.loads(HASHES.read_text())
+        if os.environ.get("ETI_WRITE_HASHES"):
+            HASHES.write_text(json.dumps({**known, build: found}, indent=2) + "\n")
+        elif build not in known:
+            self.skipTest(f"no hashes are kept of this build: {build}")
+        else:
+            self.assertEqual(found, known[build])
+
+    def test_the_enhanced_view_changes_no_simulated_bit(self):
+        for plain in ("term", "premature"):
+            hashes = set()
+            for scenario in (plain, f"{plain}_enhanced"):
+                done = support.run("eti-server", "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds",
+                                   "--steps", 180, "--json", timeout=300)
+                hashes.add(json.loads(done.stdout)["state_hash"])
+            self.assertEqual(len(hashes), 1, plain)
 
     def test_expert_intubates_a_premature_newborn(self):
         run = result("premature")

@@ -11,7 +11,7 @@ Provenance provenance_of(const NewbornShape& shape, const BuildSettings& setting
     Provenance provenance = provenance_of(settings);
     provenance["generator"] = "implicit newborn";
     for (const ShapeField& field : shape_fields) {
-        provenance[std::string(field.key)] = fmt::format("{}", shape.*field.value / field.unit);
+        provenance[field.key()] = fmt::format("{}", shape.*field.value / field.per_unit);
     }
     provenance["modelled_jaw_opening_deg"] = fmt::format("{}", shape.jaw_opening / degree);
     return provenance;

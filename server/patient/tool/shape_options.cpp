@@ -18,11 +18,11 @@ ShapeOptions::ShapeOptions(CLI::App& command) : typed_(std::make_shared<Typed>()
     const NewbornShape usual;
     for (std::size_t i = 0; i < shape_fields.size(); ++i) {
         const ShapeField& field = shape_fields[i];
-        std::string name = "--" + std::string(field.key);
+        std::string name = "--" + field.key();
         std::replace(name.begin(), name.end(), '_', '-');
         command
             .add_option(name, typed_->values[i],
-                        fmt::format("{} [{:g}]", field.help, usual.*field.value / field.unit))
+                        fmt::format("{} [{:g}]", field.help, usual.*field.value / field.per_unit))
             ->check(CLI::Range(field.low, field.high));
     }
     command
@@ -39,7 +39,7 @@ NewbornShape ShapeOptions::shape() const {
     }
     for (std::size_t i = 0; i < shape_fields.size(); ++i) {
         if (typed_->values[i]) {
-            shape.*shape_fields[i].value = *typed_->values[i] * shape_fields[i].unit;
+            shape.*shape_fields[i].value = *typed_->values[i] * shape_fields[i].per_unit;
             if (shape_fields[i].value == &NewbornShape::weight) {
                 shape.gestational_age = usual_gestational_age(shape.weight);
             }

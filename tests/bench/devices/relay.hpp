@@ -85,7 +85,7 @@ class Relay {
         Wire<msg::ProxyState> proxy(server_, device_, bus::topics::proxy);
         Wire<msg::TissueContacts> tissue(server_, device_, bus::topics::tissue_contacts);
         Wire<msg::LiveMetrics> live(server_, device_, bus::topics::live_metrics);
-        Wire<msg::SceneDescription> scene(server_, device_, bus::topics::scene);
+        Wire<msg::SessionDescription> description(server_, device_, bus::topics::session_description);
         const Channel whole;
         while (!ending_) {
             std::this_thread::sleep_for(std::chrono::microseconds(250));
@@ -97,7 +97,7 @@ class Relay {
             const std::int64_t late = std::max(
                 {pose.run(channel, random), proxy.run(channel, random), tissue.run(channel, random)});
             (void)live.run(channel, random);
-            (void)scene.run(whole, random);
+            (void)description.run(whole, random);
             const std::lock_guard lock(mutex_);
             lateness_ = std::max(lateness_, late);
         }

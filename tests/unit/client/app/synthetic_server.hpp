@@ -44,6 +44,7 @@ class SyntheticServer {
     void run() {
         const Scene scene = make_scene();
         bus::Node node(bus_options("synthetic-server"));
+        bus::Publisher<msg::SessionDescription> description(node, bus::topics::session_description);
         bus::Publisher<msg::SceneDescription> objects(node, bus::topics::scene);
         bus::Publisher<msg::DeformationState> fast(node, bus::topics::deformation);
         bus::Publisher<msg::DeformationState> slow(node, bus::topics::deformation_slow);
@@ -51,6 +52,7 @@ class SyntheticServer {
         bus::Publisher<msg::LiveMetrics> live(node, bus::topics::live_metrics);
         bus::Publisher<msg::SessionStatus> status(node, bus::topics::session_status);
         bus::Subscriber<msg::EyePose> eye(node, bus::topics::eye_pose);
+        description.publish(scene.description);
         for (const auto& object : scene.objects) {
             objects.publish(object);
         }

@@ -211,14 +211,15 @@ TEST_F(SceneViewTest, HostileSceneIsDroppedAndCounted) {
     object = body;
     object.vertices().clear();
     expect_refused(view_.apply(object));
-    auto landmarks = scene_.objects.back();
-    landmarks.names()[0] = "nowhere";
-    expect_refused(view_.apply(landmarks));
-    auto tube = scene_.objects[scene_.objects.size() - 2];
-    tube.inner_radius(0.003f);
-    expect_refused(view_.apply(tube));
-    tube.vertices().clear();
-    expect_refused(view_.apply(tube));
+    auto description = scene_.description;
+    description.landmarks()[0].name("nowhere");
+    expect_refused(view_.apply(description));
+    description = scene_.description;
+    description.tube_inner_diameter(0.006f);
+    expect_refused(view_.apply(description));
+    description = scene_.description;
+    description.laryngoscope().pop_back();
+    expect_refused(view_.apply(description));
     EXPECT_TRUE(view_.complete()) << "what was there stays";
 }
 

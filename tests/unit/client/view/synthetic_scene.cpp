@@ -171,19 +171,9 @@ Scene make_scene() {
     add_mesh(blade, mesh_of(blade_field, {-0.012f, -0.012f, -0.012f}, {0.012f, 0.112f, 0.093f}, 2e-3f));
     scene.objects.push_back(blade);
 
-    msg::SceneDescription tube = named("tube", msg::OBJECT_TUBE);
-    tube.outer_radius(2.1e-3f);
-    tube.inner_radius(1.5e-3f);
-    tube.vertices({0.16f, 0.10f, 0.14f});
-    scene.objects.push_back(tube);
-
-    msg::SceneDescription landmarks = named("landmarks", msg::OBJECT_LANDMARKS);
-    for (std::size_t i = 0; i < landmark_count; ++i) {
-        const Vec3f& p = scene.landmarks[i];
-        landmarks.names().emplace_back(std::string(landmark_names[i]));
-        landmarks.vertices().insert(landmarks.vertices().end(), {p.x(), p.y(), p.z()});
-    }
-    scene.objects.push_back(landmarks);
+    Laryngoscope scope = make_laryngoscope(Blade::miller_1);
+    scope.blade_length = blade_length;
+    scene.description = test::session_description(scene.landmarks, scope);
     for (msg::SceneDescription& object : scene.objects) {
         object.object_count(static_cast<std::uint32_t>(scene.objects.size()));
     }
@@ -267,13 +257,13 @@ msg::SessionStatus status(msg::SessionPhase phase) {
     msg::SessionStatus state;
     state.session("default");
     state.server("test:1");
-    state.scenario("synthetic");
     state.phase(phase);
     state.load(0.5f);
     return state;
 }
 
 void fill(view::SceneView& view, const Scene& scene) {
+    view.apply(scene.description);
     for (const msg::SceneDescription& object : scene.objects) {
         view.apply(object);
     }

@@ -10,13 +10,14 @@
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/tissue.hpp"
-#include "idl/eti.h"
+#include "tests/support/session_description.hpp"
 
 namespace eti::synthetic {
 
 /// A head with mouth, throat and windpipe, tongue, epiglottis, glottic ring, spine, blade and tube out
 /// of ellipsoids and capsules: closed surfaces with known centres, small enough for a unit test.
 struct Scene {
+    msg::SessionDescription description;
     std::vector<msg::SceneDescription> objects;
     std::vector<Vec3f> rest_centres;  ///< frames: trunk, skull, tongue, epiglottis
     Landmarks landmarks{};

@@ -45,7 +45,7 @@ TEST(TubeSweep, IsAClosedManifoldOfOneHandle) {
 }
 
 TEST(TubeSweep, StraightTubeHasItsRadiiAndLength) {
-    const view::TubeModel model;
+    const Tube model;
     view::TubeSweep sweep(model);
     ASSERT_TRUE(sweep.update(std::vector<Vec3f>{{0, 0, 0}, {0, 0, -0.08f}, {0, 0, -0.16f}}));
     float longest = 0.0f, widest = 0.0f, narrowest = 1.0f;
@@ -58,13 +58,13 @@ TEST(TubeSweep, StraightTubeHasItsRadiiAndLength) {
         longest = std::max(longest, -vertex.position.z());
         EXPECT_NEAR(vertex.from_tip, 0.16f + vertex.position.z(), 1e-5f);
     }
-    EXPECT_NEAR(widest, model.outer_radius, 1e-6f);
-    EXPECT_NEAR(narrowest, model.inner_radius, 1e-6f);
+    EXPECT_NEAR(widest, model.outer_radius(), 1e-6f);
+    EXPECT_NEAR(narrowest, model.inner_radius(), 1e-6f);
     EXPECT_NEAR(longest, 0.16f, 1e-5f);
 }
 
 TEST(TubeSweep, BevelFacesThePatientsLeftWhenTheConcaveSideIsAnterior) {
-    const view::TubeModel model;
+    const Tube model;
     view::TubeSweep sweep(model);
     // Leads down (-z) and bends to anterior (-y), so its left is the patient's left (+x).
     std::vector<Vec3f> nodes = quarter_arc(0.16f, 24);
@@ -75,17 +75,17 @@ TEST(TubeSweep, BevelFacesThePatientsLeftWhenTheConcaveSideIsAnterior) {
     const view::TubeVertex* first_left = nullptr;
     float left_end = 1.0f, right_end = 1.0f;
     for (const view::TubeVertex& vertex : sweep.vertices()) {
-        if (vertex.position.x() > 0.95f * model.outer_radius && vertex.from_tip < left_end) {
+        if (vertex.position.x() > 0.95f * model.outer_radius() && vertex.from_tip < left_end) {
             left_end = vertex.from_tip;
             first_left = &vertex;
         }
-        if (vertex.position.x() < -0.95f * model.outer_radius) {
+        if (vertex.position.x() < -0.95f * model.outer_radius()) {
             right_end = std::min(right_end, vertex.from_tip);
         }
     }
     ASSERT_NE(first_left, nullptr);
     // A bevel of 45 deg sets the left wall back by the diameter.
-    EXPECT_NEAR(left_end - right_end, 2.0f * model.outer_radius, 0.1f * model.outer_radius);
+    EXPECT_NEAR(left_end - right_end, 2.0f * model.outer_radius(), 0.1f * model.outer_radius());
     EXPECT_NEAR(first_left->around, 0.25f, 0.04f);
 }
 

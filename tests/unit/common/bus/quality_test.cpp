@@ -13,11 +13,11 @@ TEST(Quality, LateJoinerGetsTheLastOfEveryKey) {
     constexpr int objects = 30;
     Node server(options("server"));
     Publisher<msg::SceneDescription> publisher(server, topics::scene);
-    for (const float revision : {1.0f, 2.0f}) {
+    for (const std::uint32_t revision : {1u, 2u}) {
         for (int i = 0; i < objects; ++i) {
             auto object = example<msg::SceneDescription>();
             object.object(("object" + std::to_string(i)).c_str());
-            object.outer_radius(revision);
+            object.tissue(revision);
             ASSERT_TRUE(publisher.publish(object));
         }
     }
@@ -30,8 +30,7 @@ TEST(Quality, LateJoinerGetsTheLastOfEveryKey) {
         while (subscriber.take(received)) {
             ++samples;
             seen.insert(std::string(received.object().c_str()));
-            EXPECT_EQ(received.outer_radius(), 2.0f)
-                << "an outdated revision of " << received.object().c_str();
+            EXPECT_EQ(received.tissue(), 2u) << "an outdated revision of " << received.object().c_str();
         }
         return seen.size() == objects;
     })) << "only "

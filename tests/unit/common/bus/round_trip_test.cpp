@@ -28,50 +28,10 @@ void expect_round_trip(const Topic<Message>& topic) {
     EXPECT_TRUE(sent == received);
 }
 
-TEST(RoundTrip, Scene) {
-    expect_round_trip(topics::scene);
-}
-TEST(RoundTrip, LaryngoscopePose) {
-    expect_round_trip(topics::laryngoscope_pose);
-}
-TEST(RoundTrip, TubePose) {
-    expect_round_trip(topics::tube_pose);
-}
-TEST(RoundTrip, EyePose) {
-    expect_round_trip(topics::eye_pose);
-}
-TEST(RoundTrip, Proxy) {
-    expect_round_trip(topics::proxy);
-}
-TEST(RoundTrip, TissueContacts) {
-    expect_round_trip(topics::tissue_contacts);
-}
-TEST(RoundTrip, TubeForce) {
-    expect_round_trip(topics::tube_force);
-}
-TEST(RoundTrip, Deformation) {
-    expect_round_trip(topics::deformation);
-}
-TEST(RoundTrip, DeformationSlow) {
-    expect_round_trip(topics::deformation_slow);
-}
-TEST(RoundTrip, Fluid) {
-    expect_round_trip(topics::fluid);
-}
-TEST(RoundTrip, Command) {
-    expect_round_trip(topics::command);
-}
-TEST(RoundTrip, CommandResult) {
-    expect_round_trip(topics::command_result);
-}
-TEST(RoundTrip, LiveMetrics) {
-    expect_round_trip(topics::live_metrics);
-}
-TEST(RoundTrip, AttemptSummary) {
-    expect_round_trip(topics::attempt_summary);
-}
-TEST(RoundTrip, SessionStatus) {
-    expect_round_trip(topics::session_status);
+TEST(RoundTrip, EveryTopic) {
+#define ETI_TRIP(name, ...) expect_round_trip(topics::name);
+    ETI_TOPICS(ETI_TRIP)
+#undef ETI_TRIP
 }
 
 // A scene object larger than any datagram arrives whole.

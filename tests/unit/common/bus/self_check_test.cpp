@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include "bus_fixture.hpp"
+#include "common/bus/participant.hpp"
 #include "messages.hpp"
 
 namespace eti::bus {
@@ -40,7 +42,9 @@ TEST(SelfCheck, ASecondServerIsRefusedByName) {
     Node first(options("eti-server"));
     ASSERT_EQ(refusal_of(first), "no BusError");
     Publisher<msg::SessionStatus> status(first, topics::session_status);
-    ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
+    auto own = example<msg::SessionStatus>();
+    own.server("host:42");
+    ASSERT_TRUE(status.publish(own));
     Node second(options("another-server"));
     EXPECT_THAT(refusal_of(second, 20s), AllOf(HasSubstr("session 'test'"), HasSubstr("host:42"),
                                                HasSubstr("--session"), HasSubstr("stop that one")));
@@ -97,6 +101,33 @@ TEST(SelfCheck, SeesAServerThatIsStillLoading) {
     Node server(options("eti-server"));
     Node client(options("eti-client"));
     EXPECT_THAT(self_check(client, false, 10s).warnings, Not(Contains(HasSubstr("no server"))));
+}
+
+/// A participant as a program of another protocol introduces itself.
+TEST(SelfCheck, AServerOfAnotherProtocolIsNamedWithBothVersions) {
+    for (const std::string theirs :
+         {"eti;session=test;process=host:7;started=1;",
+          "eti;protocol=999;version=9.8.7;session=test;process=host:7;started=1;"}) {
+        dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
+        quality.name(std::string(server_name));
+        quality.user_data().data_vec({theirs.begin(), theirs.end()});
+        auto* const factory = dds::DomainParticipantFactory::get_instance();
+        auto* const other =
+            factory->create_participant(static_cast<std::uint32_t>(options("x").domain), quality);
+        ASSERT_NE(other, nullptr);
+        Node client(options("eti-client"));
+        std::string refusal = "no BusError";
+        try {
+            (void)self_check(client, false, 10s);
+        } catch (const BusError& error) {
+            refusal = error.what();
+        }
+        EXPECT_THAT(refusal,
+                    AllOf(HasSubstr("host:7"), HasSubstr(ETI_VERSION),
+                          HasSubstr(theirs.find("9.8.7") != std::string::npos ? "9.8.7" : "not told"),
+                          HasSubstr("protocol " + std::to_string(protocol)), HasSubstr("the same version")));
+        factory->delete_participant(other);
+    }
 }
 
 TEST(NodeOptions, DomainOutOfRange) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fastdds/dds/publisher/DataWriter.hpp>
+#include <span>
 
 #include "bus_fixture.hpp"
 #include "common/bus/participant.hpp"
@@ -38,12 +39,12 @@ bool reads(const std::vector<std::uint8_t>& bytes) {
 template <class Generated>
 class Malformed : public ::testing::Test {};
 
-using Types =
-    ::testing::Types<msg::SceneDescriptionPubSubType, msg::DeformationStatePubSubType,
-                     msg::FluidStatePubSubType, msg::ToolPosePubSubType, msg::EyePosePubSubType,
-                     msg::ProxyStatePubSubType, msg::TissueContactsPubSubType, msg::TubeForcePubSubType,
-                     msg::CommandPubSubType, msg::CommandResultPubSubType, msg::LiveMetricsPubSubType,
-                     msg::AttemptSummaryPubSubType, msg::SessionStatusPubSubType>;
+/// Of all messages, without the comma that a list of macros leaves.
+template <class, class... Generated>
+using Listed = ::testing::Types<Generated...>;
+#define ETI_GENERATED(name) , msg::name##PubSubType
+using Types = Listed<void ETI_MESSAGES(ETI_GENERATED)>;
+#undef ETI_GENERATED
 TYPED_TEST_SUITE(Malformed, Types);
 
 TYPED_TEST(Malformed, EveryTruncationIsRefused) {
@@ -85,19 +86,25 @@ TYPED_TEST(Malformed, NoiseNeitherThrowsNorAllocatesWithoutEnd) {
     EXPECT_GT(refused, 0) << "the noise never met a member that can be malformed";
 }
 
-TEST(MalformedScene, AnnouncedNamesAreNotAllocatedUnseen) {
-    using Type = WireType<msg::SceneDescriptionPubSubType>;
-    auto message = example<msg::SceneDescription>();
-    message.names().clear();
+TEST(MalformedDescription, AnnouncedKeysAreNotAllocatedUnseen) {
+    using Type = WireType<msg::SessionDescriptionPubSubType>;
+    auto message = example<msg::SessionDescription>();
+    message.live().clear();
+    message.parameters().clear();
+    message.landmarks().clear();
+    message.tissues().clear();
+    message.laryngoscope().clear();
     auto bytes = bytes_of<Type>(message);
-    // The last members are the count of names and two radii.
-    const std::size_t count_at = bytes.size() - 12;
-    std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + count_at, sizeof count);
-    ASSERT_EQ(count, 0u);
-    count = 0xfffffff0u;  // 128 GB of strings
-    std::memcpy(bytes.data() + count_at, &count, sizeof count);
-    EXPECT_FALSE(reads<Type>(bytes));
+    ASSERT_TRUE(reads<Type>(bytes));
+    const float weight = message.patient_weight_kg();
+    const auto found =
+        std::ranges::search(bytes, std::span(reinterpret_cast<const std::uint8_t*>(&weight), 4));
+    ASSERT_FALSE(found.empty());
+    const auto count_at = static_cast<std::size_t>(found.end() - bytes.begin());
+    for (const std::uint32_t count : {65u, 0xfffffff0u}) {
+        std::memcpy(bytes.data() + count_at, &count, sizeof count);
+        EXPECT_FALSE(reads<Type>(bytes)) << count;
+    }
 }
 
 TEST(MalformedBounds, SequencesLongerThanTheirBound) {

@@ -23,7 +23,8 @@ Parameters numbered() {
 }
 
 TEST(Parameters, TableNamesEveryMemberOnce) {
-    static_assert(sizeof(Parameters) == parameter_fields.size() * sizeof(double));
+    EXPECT_EQ(sizeof(Parameters), parameter_fields.size() * sizeof(double))
+        << "a member stands not in the table";
     const Parameters parameters = numbered();
     std::set<double> values;
     std::set<std::string_view> keys;

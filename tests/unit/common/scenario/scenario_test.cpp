@@ -71,7 +71,7 @@ seed: 42
     EXPECT_FLOAT_EQ(s.physics.fine_spacing, 0.75e-3f);
     EXPECT_FLOAT_EQ(s.physics.region, 12e-3f);
     EXPECT_TRUE(s.saliva);
-    EXPECT_TRUE(s.enhanced_view);
+    EXPECT_EQ(s.live.view_enhanced, 1.0f);
     EXPECT_FLOAT_EQ(s.time_limit, 20);
     EXPECT_EQ(s.seed, 42u);
 }
@@ -178,8 +178,8 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
     for (const auto& [plain, name] :
          {std::pair{term, "term_enhanced"}, std::pair{premature, "premature_enhanced"}}) {
         const Scenario enhanced = load(name);
-        EXPECT_FALSE(plain.enhanced_view);
-        EXPECT_TRUE(enhanced.enhanced_view);
+        EXPECT_EQ(plain.live.view_enhanced, 0.0f);
+        EXPECT_EQ(enhanced.live.view_enhanced, 1.0f);
         EXPECT_EQ(enhanced.name, name);
         EXPECT_EQ(enhanced.patient.shape.weight, plain.patient.shape.weight);
         EXPECT_EQ(enhanced.patient.shape.gestational_age, plain.patient.shape.gestational_age);

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "bus_fixture.hpp"
-#include "common/model/parameters.hpp"
 #include "devices/haptics/timing.hpp"
+#include "tests/support/session_description.hpp"
 
 namespace eti::devices {
 namespace {
@@ -19,21 +19,16 @@ struct Server {
     bus::Publisher<msg::ProxyState> proxy{node, bus::topics::proxy};
     bus::Publisher<msg::TissueContacts> tissue{node, bus::topics::tissue_contacts};
     bus::Publisher<msg::LiveMetrics> live{node, bus::topics::live_metrics};
-    bus::Publisher<msg::SceneDescription> scene{node, bus::topics::scene};
+    bus::Publisher<msg::SessionDescription> description{node, bus::topics::session_description};
     bus::Publisher<msg::SessionStatus> status{node, bus::topics::session_status};
 
     void show_tools() {
-        msg::SceneDescription scope;
-        scope.object("laryngoscope");
-        scope.kind(msg::OBJECT_TOOL);
-        scope.vertices({0, 0, 0, 0, 0.1f, 0.02f, 0, 0, 0.076f});
-        scope.names({std::string(name_of(Blade::miller_0))});
-        ASSERT_TRUE(scene.publish(scope));
-        msg::SceneDescription tube;
-        tube.object("tube");
-        tube.kind(msg::OBJECT_TUBE);
-        tube.vertices({0.16f, 0.09f, 0.14f});
-        ASSERT_TRUE(scene.publish(tube));
+        Tube tube;
+        tube.grip_from_tip = 0.09f;
+        msg::SessionDescription message =
+            test::session_description(unseen_landmarks(), make_laryngoscope(Blade::miller_0), tube);
+        message.patient_weight_kg(1.1f);
+        ASSERT_TRUE(description.publish(message));
     }
 
     static msg::LiveMetrics metrics() {
@@ -42,11 +37,6 @@ struct Server {
         out.glottic_opening_percent(44.0f);
         out.tube_depth_past_glottis(-0.02f);
         out.tube_tip(bus::to_msg(Vec3f(0.1f, 0.2f, 0.3f)));
-        Parameters values;
-        values.tube_depth_rule_cm = 7.1;
-        for (const ParameterField& field : parameter_fields) {
-            out.parameters().push_back(values.*field.value);
-        }
         for (std::size_t i = 0; i < landmark_count; ++i) {
             out.landmarks().push_back(bus::to_msg(Vec3f(static_cast<float>(i), 0, 0)));
         }
@@ -189,6 +179,7 @@ TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
         }));
         refused = link_.refused();
     }
+    server_.show_tools();
     msg::LiveMetrics fewer = Server::metrics();
     fewer.landmarks().pop_back();
     ASSERT_TRUE(eventually([&] {

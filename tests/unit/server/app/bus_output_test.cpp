@@ -2,7 +2,10 @@
 // Copyright the NeoETI authors
 #include "server/app/bus_output.hpp"
 
+#include <algorithm>
+
 #include "common/bus/fluid_state.hpp"
+#include "common/bus/session_keys.hpp"
 #include "tests/unit/common/bus/bus_fixture.hpp"
 
 namespace eti::app {
@@ -20,8 +23,20 @@ class BusOutputTest : public ::testing::Test {
           live_(client_, bus::topics::live_metrics) {}
 
     [[nodiscard]] std::unique_ptr<BusOutput> output(bool saliva) {
-        return std::make_unique<BusOutput>(server_, anatomy::Patient{}, make_laryngoscope(Blade::miller_0),
-                                           Tube{}, "test", saliva);
+        Scenario scenario;
+        scenario.name = "test";
+        scenario.description = "made by a test";
+        scenario.text = "name: test";
+        scenario.saliva = saliva;
+        LiveValues start;
+        start.tongue_scale = 1.25f;
+        anatomy::Patient patient;
+        patient.weight = 1.1f;
+        for (anatomy::CarriedPoint& landmark : patient.landmarks) {
+            landmark.rest.setConstant(0.01f);
+        }
+        return std::make_unique<BusOutput>(server_, scenario, patient, make_laryngoscope(Blade::miller_0),
+                                           start);
     }
 
     bus::Node server_, client_;
@@ -35,6 +50,26 @@ TEST_F(BusOutputTest, NobodyWritesLiquidForAScenarioWithoutSaliva) {
     bus::Subscriber<msg::SessionStatus> status(client_, bus::topics::session_status);
     ASSERT_TRUE(eventually([&] { return live_.matched() == 1 && status.matched() == 1; }));
     EXPECT_EQ(fluid_.matched(), 0);
+}
+
+TEST_F(BusOutputTest, TheSessionDescribesItselfToLateJoiners) {
+    const auto writes = output(false);
+    bus::Subscriber<msg::SessionDescription> descriptions(client_, bus::topics::session_description);
+    msg::SessionDescription message;
+    ASSERT_TRUE(eventually([&] { return descriptions.take(message); }));
+    EXPECT_EQ(message.scenario().to_string(), "test");
+    EXPECT_EQ(message.description().to_string(), "made by a test");
+    EXPECT_EQ(message.scenario_text(), "name: test");
+    EXPECT_EQ(message.version().to_string(), ETI_VERSION);
+    std::string why;
+    const auto keys = bus::SessionKeys::of(message, why);
+    ASSERT_TRUE(keys) << why;
+    EXPECT_EQ(keys->laryngoscope().blade, Blade::miller_0);
+    EXPECT_FLOAT_EQ(static_cast<float>(keys->patient_weight()), 1.1f);
+    const auto tongue =
+        std::ranges::find_if(message.live(), [](const auto& key) { return key.name() == "tongue_scale"; });
+    ASSERT_NE(tongue, message.live().end());
+    EXPECT_EQ(tongue->start(), 1.25f);
 }
 
 TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {

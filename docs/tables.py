@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Writes the tables of keys and parameters into the documents, from what the server says of itself.
+
+A table stands between "<!-- table: NAME -->" and "<!-- end -->". --check changes nothing and exits 1 where a document
+holds another table.
+"""
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parent
+BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
+PAGES = ("scenarios.md", "metrics.md")
+
+
+def number(value):
+    return f"{value:g}"
+
+
+def range_of(row):
+    return "`on`, `off`" if row["on_off"] else f"{number(row['low'])} to {number(row['high'])}"
+
+
+def default_of(row):
+    return ("`on`" if row["default"] else "`off`") if row["on_off"] else number(row["default"])
+
+
+def rate_of(row):
+    if row["rate"] == 0:
+        return "at once"
+    if row["relative"]:
+        return f"by a factor of e in {number(1 / row['rate'])} s"
+    per_second = float(f"{row['rate']:.2g}")
+    return " ".join(filter(None, [number(per_second), row["unit"], "a second"]))
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "".join(line + "\n" for line in lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def scenario(tables):
+    return table(["key", "unit", "range", "default", "what it changes"],
+                 [[f"`{r['key']}`", r["unit"], range_of({"on_off": False, **r}), default_of({"on_off": False, **r}),
+                   r["help"]] for r in tables["scenario"]])
+
+
+def live(tables):
+    return table(["key of `--set`", "range", "how it gets there", "what it changes"],
+                 [[f"`{r['key']}`", f"{number(r['low'])} to {number(r['high'])}", rate_of(r), r["help"]]
+                  for r in tables["live"]])
+
+
+def parameters(tables):
+    return table(["name", "unit", "over a run", "definition"],
+                 [[f"`{r['key']}`" + ("" if r["in_paper"] else " *"), r["unit"], r["run"], r["definition"]]
+                  for r in tables["parameters"]])
+
+
+MAKERS = {"scenario": scenario, "live": live, "parameters": parameters}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--server", default=DOCS.parent / "build/release/bin/eti-server", help="the program that is asked")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 where a table is not up to date")
+    options = parser.parse_args()
+    tables = json.loads(subprocess.run([options.server, "--describe"], check=True, capture_output=True).stdout)
+    stale = []
+    for page in PAGES:
+        old = (DOCS / page).read_text(encoding="utf-8")
+        new = BLOCK.sub(lambda m: m[1] + MAKERS[m[2]](tables) + m[3], old)
+        if new != old:
+            stale.append(page)
+            if not options.check:
+                (DOCS / page).write_text(new, encoding="utf-8")
+    if options.check and stale:
+        print(f"docs/{', docs/'.join(stale)}: a table differs from what {options.server} says. Remedy: docs/tables.py",
+              file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

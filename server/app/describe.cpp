@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/describe.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "common/bus/topics.hpp"
+#include "common/model/landmark.hpp"
+#include "common/model/live.hpp"
+#include "common/model/newborn_shape.hpp"
+#include "common/model/parameters.hpp"
+#include "common/model/tissue.hpp"
+#include "common/model/tools.hpp"
+
+namespace eti::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::string_view combinations[] = {"greatest",
+                                             "least",
+                                             "sum",
+                                             "mean over time",
+                                             "mean over time of sight",
+                                             "mean over time in the mouth",
+                                             "at the last passage",
+                                             "at the end"};
+
+/// As a person types it: without the digits that only a float's rounding adds.
+double typed(float value) {
+    return std::stod(fmt::format("{:.6g}", value));
+}
+
+template <class Values>
+ordered_json row(const Field<Values>& field) {
+    return {{"key", field.key()},      {"label", field.label},      {"unit", field.unit},
+            {"low", typed(field.low)}, {"high", typed(field.high)}, {"default", typed(field.usual())},
+            {"help", field.help}};
+}
+
+/// The rows of a table that a scenario sets, by the keys that stand there.
+template <class Rows>
+void add_settings(const Rows& rows, bool live, ordered_json& to) {
+    for (const auto& field : rows) {
+        if (!field.section.empty()) {
+            ordered_json setting = row(field);
+            setting["key"] = std::string(field.section) + "." + field.key_in_section();
+            setting["live"] = live;
+            if constexpr (requires { field.on_off; }) {
+                setting["on_off"] = field.on_off;
+            }
+            to.push_back(setting);
+        }
+    }
+}
+
+}  // namespace
+
+ordered_json description() {
+    ordered_json out{{"version", ETI_VERSION}, {"protocol", bus::protocol}};
+    out["scenario"] = ordered_json::array();
+    add_settings(shape_fields, false, out["scenario"]);
+    add_settings(live_fields, true, out["scenario"]);
+    add_settings(tube_fields, false, out["scenario"]);
+    for (const LiveField& field : live_fields) {
+        ordered_json live = row(field);
+        live["name"] = field.name;
+        live["rate"] = typed(field.of_itself ? field.rate : field.rate / field.per_unit);
+        live["relative"] = field.of_itself;
+        live["on_off"] = field.on_off;
+        out["live"].push_back(live);
+    }
+    for (const ParameterField& field : parameter_fields) {
+        out["parameters"].push_back({{"key", field.key},
+                                     {"label", field.label},
+                                     {"unit", field.unit},
+                                     {"in_paper", field.in_paper},
+                                     {"run", combinations[static_cast<std::size_t>(field.combine)]},
+                                     {"definition", field.definition}});
+    }
+    out["landmarks"] = landmark_names;
+    out["tissues"] = tissue_names;
+    return out;
+}
+
+}  // namespace eti::app
