@@ -41,7 +41,8 @@ class Charts(unittest.TestCase):
                                  row["error"] <= shipped["error"], row)
 
     def test_tongue_under_the_blade_is_as_near_to_finite_elements_as_said(self):
-        """At the best view: force, displacements, and that it stands still. The bounds are what docs/solver.md says of them."""
+        """At the best view: force, displacements, and that it stands still. The bounds are what
+        docs/solver/lift.md says of them."""
         rows = plot.read(CHARTS / "accuracy.csv")
         error = {row["case"]: row["error"] for row in rows if plot.is_star(row) and row["spacing"] == 2.0}
         for case, bound in (("lift-force", 0.05), ("lift-material", 0.11), ("lift-shape", 0.05), ("tongue-force", 0.006),
@@ -232,13 +233,15 @@ class Charts(unittest.TestCase):
         self.assertLess(abs(force["default"] - force["richest"]),
                         0.5 * abs(force["tongue of clusters"] - force["richest"]))
 
-    # (map, column) where the shipped setting is known to fail, see docs/solver.md. Everything else it has to bear.
+    # (map, column) where the shipped setting is known to fail, see docs/solver/what-fails.md. Everything else has to
+    # pass.
     BEYOND = {("tube on wall of particles", "1 m/s")} | {
         (f"tube on {wall}", speed) for speed in ("3 m/s", "10 m/s")
         for wall in ("flap", "cords", "wall of particles", "wall of the shell")}
 
     # (map, method): rows that no scene has. Starts from upside down or at random end in knots, which are rests of
-    # the material, too; a scene turns head and jaw at 10 deg/s, by rows that are beside these. See docs/solver.md.
+    # the material, too; a scene turns head and jaw at 10 deg/s, by rows that are beside these. See
+    # docs/solver/what-fails.md.
     ABSENT = {("disturbance", plot.SHIPPED_TONGUE): ("turned 180 deg", "upset 180 deg", "random"),
               ("head in one step", "coarse patient"): ("jaw 0 to 35 deg",),
               ("head in one step", "shipped patient"): ("jaw 0 to 35 deg",)}
