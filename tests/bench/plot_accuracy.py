@@ -19,14 +19,14 @@ TONGUE = ("tongue-force", "tongue-shape", "lift-force", "lift-material", "lift-s
           "lift-still")
 # Of these, the ones that decide what is shipped: a view may come out right for the wrong reasons.
 DECIDING = ("tongue-force", "tongue-shape", "lift-force", "lift-shape")
-# What is not told in parts of something: what stands in the column of errors instead.
+# Cases whose column of errors holds a measure that is not relative.
 MEASURES = {"lift-still": "rms speed of the tongue [mm/s]"}
 TITLES = {"cantilever": "bar under its weight: displacements", "traction": "bar under traction: displacements",
           "stretch": "bar drawn out: displacements", "twist": "bar turned by 90°: displacements",
           "sphere": "sphere of 5 mm, 0.5 to 2 mm deep: force", "blade": "blade of 5 mm, 0.5 to 2 mm deep: force",
           "hertz": "large sphere, lightly pressed: force (Hertz)", "tongue-force": "the patient's tongue under the blade: force",
           "tongue-shape": "the patient's tongue under the blade: displacements", "lift-force": "the scene at the best view: the tongue's force on the blade",
-          "lift-material": "the scene at the best view: what the material bears under the blade",
+          "lift-material": "the scene at the best view: what the material supports under the blade",
           "lift-shape": "the scene at the best view: the tongue's displacements",
           "lift-view": "the scene at the best view: share of the glottis seen",
           "lift-still": "the scene at the best view: what trembles under a still blade", "tube": "tube held by its connector: tip",

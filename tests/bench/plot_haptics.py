@@ -22,7 +22,7 @@ def draw_over_the_bus(axes, found, losses):
     """Filled: the largest stiffness that held still over the bus; cross above it: the next, which did not."""
     for (passivity, loss, delay), (stable, unstable) in found.items():
         number = losses.index(loss)
-        # Apart by loss and controller, so that they can be told from each other.
+        # Apart by loss and controller, so that they can be distinguished.
         x = delay + 0.55 * (number - 1.5) + (0.25 if passivity == "1" else -0.25)
         colour = dict(color=f"C{number}", mec="black", mew=0.6, ms=6, ls="none", zorder=5)
         if stable:

@@ -266,7 +266,7 @@ class Charts(unittest.TestCase):
             if row["rotation_error"]:
                 self.assertLess(float(row["rotation_error"]), 1e-6, row)
 
-    def test_implicit_tongue_bears_what_tetrahedra_by_xpbd_bore(self):
+    def test_implicit_tongue_is_stable_where_tetrahedra_by_xpbd_are(self):
         """And more; but for the starts that end in knots."""
         rows = [row for row in rows_of(CHARTS / "stability.csv") if (row["map"], row["row"]) not in
                 {("disturbance", start) for start in self.ABSENT["disturbance", SHIPPED_TONGUE]}]

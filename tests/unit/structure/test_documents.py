@@ -55,7 +55,8 @@ class Pages(unittest.TestCase):
                 self.only({"docs/a.md": text}, f"docs/a.md:{line}: has a sentence of 41 words")
 
     def test_code_tables_headings_and_decisions_may_be_long(self):
-        for text in (f"```\n{WORDS}more\n```\n", f"| {WORDS} | more |\n", f"# {WORDS}more\n", f"A formula:\n\n    {WORDS}more\n"):
+        for text in (f"```\n{WORDS}more\n```\n", f"| {WORDS} | more |\n", f"# {WORDS}more\n",
+                     f"A formula:\n\n    {WORDS}more\n"):
             with self.subTest(text=text):
                 self.assertEqual(violations({"docs/a.md": text}), [])
         self.assertEqual(violations({"docs/decisions/0001-a.md": f"{WORDS}more.\n" * 200}), [])
