@@ -18,8 +18,8 @@ namespace eti::pbd {
 class Tetrahedra {
   public:
     /// [Pa]; stiffer meshes of `spacing` [m] and `density` [kg/m^3] fly apart at this `substep` [s], sooner
-    /// or later. From the stability maps (docs/solver.md): with E substep^2 / (density spacing^2) at 0.8 all
-    /// disturbed blocks came back, at 1.5 none.
+    /// or later. From the stability maps (docs/solver/stability.md): with E substep^2 / (density spacing^2)
+    /// at 0.8 all disturbed blocks came back, at 1.5 none.
     [[nodiscard]] static float stiffest(float spacing, float density, float substep) {
         return 0.8f * density * (spacing / substep) * (spacing / substep);
     }

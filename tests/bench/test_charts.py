@@ -12,7 +12,11 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import plot
+import plot_accuracy
+import plot_haptics
+import plot_stability
+import plotting
+from plotting import SHIPPED_TONGUE, rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 CHARTS = ROOT / "docs/charts"
@@ -33,17 +37,18 @@ class Charts(unittest.TestCase):
 
     def test_no_other_method_is_cheaper_and_nearer_than_what_is_shipped(self):
         """In the scene itself: force and shape of the patient's tongue under the blade, on the mesh that is shipped."""
-        for case in plot.DECIDING:
-            rows = [row for row in plot.read(CHARTS / "accuracy.csv") if row["case"] == case and row["spacing"] == 2.0]
-            shipped, = (row for row in rows if plot.is_star(row))
+        for case in plot_accuracy.DECIDING:
+            rows = [row for row in plot_accuracy.read(CHARTS / "accuracy.csv") if row["case"] == case and row["spacing"] == 2.0]
+            shipped, = (row for row in rows if plot_accuracy.is_star(row))
             for row in rows:
                 self.assertFalse(row["method"] != shipped["method"] and row["cost"] <= shipped["cost"] and
                                  row["error"] <= shipped["error"], row)
 
     def test_tongue_under_the_blade_is_as_near_to_finite_elements_as_said(self):
-        """At the best view: force, displacements, and that it stands still. The bounds are what docs/solver.md says of them."""
-        rows = plot.read(CHARTS / "accuracy.csv")
-        error = {row["case"]: row["error"] for row in rows if plot.is_star(row) and row["spacing"] == 2.0}
+        """At the best view: force, displacements, and that it stands still. The bounds are what
+        docs/solver/lift.md says of them."""
+        rows = plot_accuracy.read(CHARTS / "accuracy.csv")
+        error = {row["case"]: row["error"] for row in rows if plot_accuracy.is_star(row) and row["spacing"] == 2.0}
         for case, bound in (("lift-force", 0.05), ("lift-material", 0.11), ("lift-shape", 0.05), ("tongue-force", 0.006),
                             ("tongue-shape", 0.006)):
             self.assertLess(error[case], bound, case)
@@ -58,7 +63,7 @@ class Charts(unittest.TestCase):
     def test_the_lift_is_as_near_to_finite_elements_with_any_tremor(self):
         """The shipped tongue, each time judged in its own surroundings: not one lucky way of the hand. What the reference
         is sure of, 1.6 % of the force, may come on top for one of them."""
-        rows = plot.rows_of(CHARTS / "lift-tremors.csv")
+        rows = rows_of(CHARTS / "lift-tremors.csv")
         self.assertEqual([row["tremor"] for row in rows], ["0", "1", "2", "3"])
         for row in rows:
             self.assertLess(float(row["force_difference"]), 0.06, row)
@@ -70,7 +75,7 @@ class Charts(unittest.TestCase):
         """Its end is an equilibrium whatever the drag, but friction remembers the way that drag changes, and holds a tenth of
         the force at most: a third of that is left to it. Where clusters hold the tongue makes more of a difference, so that
         each tongue is judged where its own do."""
-        rows = {row["variant"]: row for row in plot.rows_of(CHARTS / "lift-reference.csv")}
+        rows = {row["variant"]: row for row in rows_of(CHARTS / "lift-reference.csv")}
         self.assertEqual(float(rows["as it is"]["force_difference"]), 0.0)
         self.assertLess(float(rows["four times the drag"]["force_difference"]), 0.033)
         self.assertLess(float(rows["surroundings of the implicit tongue"]["force_difference"]), 0.05)
@@ -78,24 +83,24 @@ class Charts(unittest.TestCase):
     def test_shipped_setting_is_what_scenarios_default_to(self):
         header = (ROOT / "common/scenario/scenario.hpp").read_text()
         substeps = int(re.search(r"int substeps =\s*(\d+);", header)[1])
-        self.assertEqual(substeps, plot.SHIPPED[SHIPPED][1])
+        self.assertEqual(substeps, plotting.SHIPPED[SHIPPED][1])
         header = (ROOT / "server/scene/saliva.hpp").read_text()
         saliva = int(re.search(r"int substeps =\s*(\d+);", header)[1])
-        self.assertEqual(f"1/{180 * saliva} s", plot.SALIVA_STEP)
+        self.assertEqual(f"1/{180 * saliva} s", plot_stability.SALIVA_STEP)
         for file in (ROOT / "deploy/scenarios").glob("*.yaml"):
             self.assertNotIn("substeps:", file.read_text(), f"{file.name} differs from the chart's star")
 
     def test_every_chart_is_there(self):
-        cases = {row["case"] for row in plot.read(CHARTS / "accuracy.csv")}
-        self.assertEqual(cases, set(plot.TITLES))
+        cases = {row["case"] for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
+        self.assertEqual(cases, set(plot_accuracy.TITLES))
         for name in [f"accuracy-{case}" for case in cases | {"all", "forces"}] + ["calibration"] + \
-                [f"haptics-{name}" for name in plot.HAPTICS] + \
-                [f"stability-{figure}" for figure in {row["figure"] for row in plot.read_maps(CHARTS / "stability.csv")}]:
+                [f"haptics-{name}" for name in plot_haptics.HAPTICS] + \
+                [f"stability-{figure}" for figure in {row["figure"] for row in rows_of(CHARTS / "stability.csv")}]:
             self.assertTrue((CHARTS / f"{name}.svg").exists(), name)
 
     def test_shipped_stiffness_is_stable_at_ten_milliseconds_and_one_percent_loss(self):
         """Of wall and tissue, in either grip, with room to spare, and further than the bound for a late force."""
-        rows = [row for row in plot.rows_of(CHARTS / "haptics-stability.csv")
+        rows = [row for row in rows_of(CHARTS / "haptics-stability.csv")
                 if (row["delay_ms"], row["loss_percent"], row["passivity"]) == ("10", "1", "1")]
         self.assertEqual(len(rows), 6)
         for row in rows:
@@ -106,26 +111,26 @@ class Charts(unittest.TestCase):
     def test_forces_are_held_until_holding_may_do_harm(self):
         """Up to the shipped time, holding moves the hand less than letting go at once on every surface, in either grip,
         also where the patient moves off as fast as the server lets it; not far beyond it no longer."""
-        rows = plot.rows_of(CHARTS / "haptics-gaps.csv")
-        held, gone = plot.held_in(rows)
+        rows = rows_of(CHARTS / "haptics-gaps.csv")
+        held, gone = plot_haptics.held_in(rows)
         header = (ROOT / "devices/haptics/safety.hpp").read_text()
         silence = 1000 * float(re.search(r"float silence_limit = ([\d.]+)f;", header)[1])
         share = re.search(r"float held_share = ([\d.]+)f / ([\d.]+)f;", header)
         self.assertAlmostEqual(gone, silence)
         self.assertAlmostEqual(held, silence * float(share[1]) / float(share[2]))
         surfaces = {row["surface"] for row in rows}
-        until = [plot.holding_pays_until(rows, surface, grip, 20.0) for surface in surfaces for grip in plot.GRIPS]
+        until = [plot_haptics.holding_pays_until(rows, surface, grip, 20.0) for surface in surfaces for grip in plot_haptics.GRIPS]
         self.assertEqual(len(until), 6)
         self.assertGreaterEqual(min(until), held)
         self.assertLess(min(until), 1.25 * held)
         for surface in surfaces:
-            for grip in plot.GRIPS:
+            for grip in plot_haptics.GRIPS:
                 for speed in (10.0, -20.0):
-                    self.assertIsNone(plot.holding_pays_until(rows, surface, grip, speed))
+                    self.assertIsNone(plot_haptics.holding_pays_until(rows, surface, grip, speed))
 
     def test_gaps_that_are_held_take_nothing_from_a_patient_at_rest(self):
-        rows = plot.rows_of(CHARTS / "haptics-gaps.csv")
-        held, _ = plot.held_in(rows)
+        rows = rows_of(CHARTS / "haptics-gaps.csv")
+        held, _ = plot_haptics.held_in(rows)
         cells = [row for row in rows if row["patient_mm_per_s"] == "0" and float(row["held_ms"]) == held and
                  float(row["gap_ms"]) <= held]
         self.assertEqual(len(cells), 3 * 2 * 3 * 6)
@@ -135,7 +140,7 @@ class Charts(unittest.TestCase):
 
     def test_shipped_stiffness_holds_still_over_the_bus(self):
         """The real loop against the real server over DDS, wherever that could be measured."""
-        cells = [row for row in plot.rows_of(CHARTS / "haptics-grid.csv") if row["stiffness_n_per_m"] == "800"]
+        cells = [row for row in rows_of(CHARTS / "haptics-grid.csv") if row["stiffness_n_per_m"] == "800"]
         measured = [row for row in cells if row["passivity"] == "1" and row["stable"]]
         self.assertIn(("10", "1"), {(row["delay_ms"], row["loss_percent"]) for row in measured})
         for row in measured:
@@ -143,7 +148,7 @@ class Charts(unittest.TestCase):
 
     def test_force_law_shipped_is_nearer_to_finite_elements(self):
         errors = {}
-        for row in plot.rows_of(CHARTS / "haptics-laws.csv"):
+        for row in rows_of(CHARTS / "haptics-laws.csv"):
             error = abs(float(row["force_n"]) / float(row["reference_n"]) - 1)
             errors[row["law"]] = max(errors.get(row["law"], 0), error)
         self.assertLess(errors["constraint"], 0.15)
@@ -155,11 +160,11 @@ class Charts(unittest.TestCase):
                 done = subprocess.run([BENCH, "haptics", "--quick", "--only", table, "--out", folder],
                                       stderr=subprocess.PIPE, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
-            for row in plot.rows_of(Path(folder) / "haptics-rendered.csv"):
+            for row in rows_of(Path(folder) / "haptics-rendered.csv"):
                 self.assertAlmostEqual(float(row["rendered_n_per_m"]) / float(row["set_n_per_m"]), 1, delta=0.1, msg=row)
-            gaps = plot.rows_of(Path(folder) / "haptics-gaps.csv")
+            gaps = rows_of(Path(folder) / "haptics-gaps.csv")
             self.assertGreater(len(gaps), 100)
-            for row, published in zip(gaps, plot.rows_of(CHARTS / "haptics-gaps.csv")):
+            for row, published in zip(gaps, rows_of(CHARTS / "haptics-gaps.csv")):
                 self.assertEqual(list(row.values())[:7], list(published.values())[:7])
                 self.assertAlmostEqual(float(row["excursion_mm"]), float(published["excursion_mm"]), delta=0.03, msg=row)
 
@@ -171,14 +176,14 @@ class Charts(unittest.TestCase):
         self.assertEqual(subprocess.run([BENCH, "nothing"], stderr=subprocess.DEVNULL).returncode, 2)
 
     def test_every_method_is_in_the_chart(self):
-        methods = {row["method"] for row in plot.read(CHARTS / "accuracy.csv")}
-        self.assertEqual(methods, set(plot.COLOURS))
+        methods = {row["method"] for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
+        self.assertEqual(methods, set(plot_accuracy.COLOURS))
 
     def test_calibrated_clusters_push_back_as_finite_elements_do(self):
         """Where their modulus can be reached: at the shipped substeps, on the spacing nearest to the scene's."""
         found = 0
-        for row in plot.read(CHARTS / "accuracy.csv"):
-            if (row["method"], *plot.setting(row)) == ("clusters, calibrated by indentation", 2.5, 8, 1) and \
+        for row in plot_accuracy.read(CHARTS / "accuracy.csv"):
+            if (row["method"], *plot_accuracy.setting(row)) == ("clusters, calibrated by indentation", 2.5, 8, 1) and \
                     row["case"] in ("sphere", "blade", "hertz"):
                 found += 1
                 self.assertLess(row["error"], 0.2, row)
@@ -232,48 +237,50 @@ class Charts(unittest.TestCase):
         self.assertLess(abs(force["default"] - force["richest"]),
                         0.5 * abs(force["tongue of clusters"] - force["richest"]))
 
-    # (map, column) where the shipped setting is known to fail, see docs/solver.md. Everything else it has to bear.
+    # (map, column) where the shipped setting is known to fail, see docs/solver/what-fails.md. Everything else has to
+    # pass.
     BEYOND = {("tube on wall of particles", "1 m/s")} | {
         (f"tube on {wall}", speed) for speed in ("3 m/s", "10 m/s")
         for wall in ("flap", "cords", "wall of particles", "wall of the shell")}
 
     # (map, method): rows that no scene has. Starts from upside down or at random end in knots, which are rests of
-    # the material, too; a scene turns head and jaw at 10 deg/s, by rows that are beside these. See docs/solver.md.
-    ABSENT = {("disturbance", plot.SHIPPED_TONGUE): ("turned 180 deg", "upset 180 deg", "random"),
+    # the material, too; a scene turns head and jaw at 10 deg/s, by rows that are beside these. See
+    # docs/solver/what-fails.md.
+    ABSENT = {("disturbance", SHIPPED_TONGUE): ("turned 180 deg", "upset 180 deg", "random"),
               ("head in one step", "coarse patient"): ("jaw 0 to 35 deg",),
               ("head in one step", "shipped patient"): ("jaw 0 to 35 deg",)}
 
     def shipped_cells(self, rows):
-        return [row for row in rows if plot.is_shipped(row) and (row["map"], row["column"]) not in self.BEYOND and
+        return [row for row in rows if plot_stability.is_shipped(row) and (row["map"], row["column"]) not in self.BEYOND and
                 row["row"] not in self.ABSENT.get((row["map"], row["method"]), ())]
 
     def test_shipped_setting_never_fails(self):
-        rows = plot.read_maps(CHARTS / "stability.csv")
+        rows = rows_of(CHARTS / "stability.csv")
         shipped = self.shipped_cells(rows)
         self.assertEqual({row["map"] for row in shipped}, {row["map"] for row in rows})
         self.assertGreaterEqual(len(shipped), 150)
-        maps = {row["map"] for row in shipped if row["method"] == plot.SHIPPED_TONGUE}
+        maps = {row["map"] for row in shipped if row["method"] == SHIPPED_TONGUE}
         self.assertEqual(maps, {row["map"] for row in rows if row["method"] == XPBD})
         for row in shipped:
             self.assertNotEqual(row["fate"], "fails", row)
             if row["rotation_error"]:
                 self.assertLess(float(row["rotation_error"]), 1e-6, row)
 
-    def test_implicit_tongue_bears_what_tetrahedra_by_xpbd_bore(self):
+    def test_implicit_tongue_is_stable_where_tetrahedra_by_xpbd_are(self):
         """And more; but for the starts that end in knots."""
-        rows = [row for row in plot.read_maps(CHARTS / "stability.csv") if (row["map"], row["row"]) not in
-                {("disturbance", start) for start in self.ABSENT["disturbance", plot.SHIPPED_TONGUE]}]
+        rows = [row for row in rows_of(CHARTS / "stability.csv") if (row["map"], row["row"]) not in
+                {("disturbance", start) for start in self.ABSENT["disturbance", SHIPPED_TONGUE]}]
         before = {(row["map"], row["row"]): row["fate"] for row in rows
-                  if row["method"] == XPBD and row["column"] == plot.SHIPPED_STEP}
+                  if row["method"] == XPBD and row["column"] == plot_stability.SHIPPED_STEP}
         now = {(row["map"], row["row"]): row["fate"] for row in rows
-               if row["method"] == plot.SHIPPED_TONGUE and plot.is_shipped(row)}
+               if row["method"] == SHIPPED_TONGUE and plot_stability.is_shipped(row)}
         self.assertEqual(set(before), set(now))
         self.assertEqual([cell for cell, fate in now.items() if fate == "fails"], [])
         gained = {cell for cell, fate in before.items() if fate == "fails"}
         self.assertLessEqual({("stiffness", "80 kPa"), ("mass ratio", "1:10"), ("mass ratio", "1:10000")}, gained)
 
     def test_maps_show_where_other_settings_break(self):
-        rows = plot.read_maps(CHARTS / "stability.csv")
+        rows = rows_of(CHARTS / "stability.csv")
         failing = {(row["map"], row["method"]) for row in rows if row["fate"] == "fails"}
         for case in (("stiffness", "shape matching, PBD"), ("stiffness", "tetrahedra, XPBD"),
                      ("tube on flap", "1/180 s"), ("tube on wall of the shell", "1/180 s")):
@@ -281,7 +288,7 @@ class Charts(unittest.TestCase):
 
     def test_stability_runs_and_the_shipped_setting_stands(self):
         rows = self.quick_run("stability")
-        published = plot.read_maps(CHARTS / "stability.csv")
+        published = rows_of(CHARTS / "stability.csv")
         self.assertEqual({row["map"] for row in rows}, {row["map"] for row in published})
         for row in self.shipped_cells(rows):
             self.assertNotEqual(row["fate"], "fails", row)
@@ -329,7 +336,7 @@ class Charts(unittest.TestCase):
     def test_sleep_costs_less_than_half_a_per_cent_of_forces_and_view(self):
         """In the means, and with the shipped tongue for 98 % of the attempt; what is left, a slip that comes a moment sooner
         or later, is no more than blades led a micrometre beside make of it."""
-        rows = plot.rows_of(CHARTS / "sleep.csv")
+        rows = rows_of(CHARTS / "sleep.csv")
         self.assertEqual({row["model"] for row in rows}, {"tetrahedra", "implicit"})
         for row in rows:
             for measure in ("blade_n", "tongue_n", "gum_n", "view_percent"):
@@ -352,10 +359,10 @@ class Charts(unittest.TestCase):
 
     def test_accuracy_runs(self):
         rows = self.quick_run("accuracy")
-        published = {row["case"]: 0 for row in plot.read(CHARTS / "accuracy.csv")}
+        published = {row["case"]: 0 for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
         self.assertEqual({row["case"] for row in rows}, set(published) - {"sphere", "blade"})
         for row in rows:
-            if row["case"] not in plot.MEASURES:
+            if row["case"] not in plot_accuracy.MEASURES:
                 self.assertLess(float(row["relative_error"]), 10.0, row)      # nothing flies apart
 
     def test_two_builds_are_compared(self):

@@ -8,7 +8,7 @@
 namespace eti::anatomy {
 
 /// The parametric newborn: ellipsoids, capsules and elliptical ducts along mid-sagittal stations,
-/// merged by smooth minima, at rest (lips parted, neck neutral). Proportions follow docs/anatomy.md.
+/// merged by smooth minima, at rest (lips parted, neck neutral). Proportions follow docs/anatomy/README.md.
 class Newborn final : public Anatomy {
   public:
     explicit Newborn(const NewbornShape& shape);

@@ -34,11 +34,11 @@ anatomy::Newborn newborn_of(const Registration& found) {
 Registration checked(const Registration& found) {
     const ShapeField& weight = shape_fields[0];
     if (found.off > most_off) {
-        throw imaging::VolumeError(
-            fmt::format("a newborn's airway and jaw lie {:.1f} mm off the labels' on average; expected at "
-                        "most {:.1f}. Remedy: "
-                        "see that the labels are numbered as docs/anatomy.md says and that left is left",
-                        1e3 * found.off, 1e3 * most_off));
+        throw imaging::VolumeError(fmt::format(
+            "a newborn's airway and jaw lie {:.1f} mm off the labels' on average; expected at "
+            "most {:.1f}. Remedy: "
+            "see that the labels are numbered as docs/anatomy/segment.md says and that left is left",
+            1e3 * found.off, 1e3 * most_off));
     }
     if (found.weight < 0.8f * weight.low || found.weight > 1.5f * weight.high) {
         throw imaging::VolumeError(

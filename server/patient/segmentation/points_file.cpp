@@ -62,7 +62,7 @@ Points read_points(const std::filesystem::path& file) {
         }
     } catch (const nlohmann::json::exception& error) {
         refuse(file, error.what(), "points as 3D Slicer saves them (*.mrk.json)",
-               "save them with 3D Slicer's Markups, or see docs/anatomy.md for an example");
+               "save them with 3D Slicer's Markups, or see docs/anatomy/segment.md for an example");
     }
     return points;
 }

@@ -29,7 +29,7 @@ imaging::Mask read_labels(const std::filesystem::path& file) {
             throw imaging::VolumeError(
                 fmt::format("{}: a value is {}; expected labels from 0 to {}. Remedy: give labels that "
                             "eti-anatomy segment "
-                            "wrote, or number your own as docs/anatomy.md says.",
+                            "wrote, or number your own as docs/anatomy/segment.md says.",
                             file.string(), v, label_count - 1));
         }
         labels.value.push_back(static_cast<std::uint8_t>(v));

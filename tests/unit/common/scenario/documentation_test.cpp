@@ -82,7 +82,7 @@ TEST(Documentation, ListsEveryKeyOfAnOperatorAndNoOther) {
         add_known(known, group + ".", stage + group + ": {zzz: 1}\n", parse_operator);
     }
     remove(known, {"tip", "axis", "until"});
-    std::set<std::string> keys = documented(page("operators.md"));
+    std::set<std::string> keys = documented(page("operators/keys.md"));
     EXPECT_EQ(keys, known);
 }
 
@@ -92,11 +92,11 @@ TEST(Documentation, ExamplesAreAccepted) {
         return text.substr(begin, text.find("```", begin) - begin);
     };
     EXPECT_EQ(parse_scenario(example(page("scenarios.md")), "x.yaml").name, "stiff_tongue");
-    EXPECT_EQ(parse_operator(example(page("operators.md")), "x.yaml").name, "brief_look");
+    EXPECT_EQ(parse_operator(example(page("operators/README.md")), "x.yaml").name, "brief_look");
 }
 
 TEST(Documentation, NamesEveryLandmark) {
-    const std::string text = page("operators.md");
+    const std::string text = page("operators/keys.md");
     for (const std::string_view name : landmark_names) {
         EXPECT_NE(text.find(std::string("`").append(name).append("`")), std::string::npos) << name;
     }

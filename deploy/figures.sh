@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Makes the figures of docs/ and README anew: measures, draws, and puts them where the pages show them.
+set -u
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+PARTS=(accuracy calibration stability sufficiency sleep haptics anatomy pictures)
+# How long each takes on two cores.
+declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
+                  [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
+                  [anatomy]="a minute" [pictures]="a minute")
+PICTURES=(laryngoscope section overview)
+CHARTS=$ETI_ROOT/docs/charts
+OUT=$ETI_ROOT/out/figures
+
+usage() {
+    cat <<USAGE
+Usage: deploy/figures.sh [--quick] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
+Measures anew what docs/ shows and draws it. Without options that takes more than two hours. A part's tables replace
+those of docs/charts once its measurement has ended well; until then they lie in out/figures.
+  --quick       measure nothing: draw all charts again from the tables of docs/charts (ten seconds)
+  --only NAME   this part; may be given several times:
+$(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "${TAKES[$part]}"; done)
+  --demo DIR    for pictures: take those of this demo's folder (out/demo/demo-...) instead of running one,
+                also with --quick
+  --no-build    use build/release as it is
+  --no-install  do not look for missing packages
+  --list        name the files that it makes, and make none
+  --help        print this
+Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads.
+USAGE
+}
+
+quick=no build=yes install=yes list=no demo='' only=()
+while [ $# -gt 0 ]; do
+    case $1 in
+        --quick) quick=yes ;;
+        --only)
+            [ $# -ge 2 ] && [ -n "${TAKES[$2]:-}" ] || eti_fail "--only wants one of: ${PARTS[*]}"
+            only+=("$2")
+            shift
+            ;;
+        --demo)
+            [ $# -ge 2 ] || eti_fail "--demo wants a demo's folder; see --help"
+            demo=$2
+            shift
+            ;;
+        --no-build) build=no ;;
+        --no-install) install=no ;;
+        --list) list=yes ;;
+        --help) usage; exit 0 ;;
+        *) usage >&2; exit 2 ;;
+    esac
+    shift
+done
+[ ${#only[@]} -gt 0 ] || only=("${PARTS[@]}")
+
+# Debian's packages are for Debian's interpreter, which may not be the first in PATH.
+python=/usr/bin/python3
+[ -x $python ] || python=python3
+plot() { "$python" -B "$ETI_ROOT/tests/bench/plot.py" "$CHARTS" "$@"; }
+draws() { case $1 in accuracy | calibration | stability | sleep | haptics) true ;; *) false ;; esac; }
+
+# bench PART ARGUMENT...: a command of eti-bench into a folder of its own, and its tables to docs/charts.
+bench() {
+    local folder=$OUT/$1
+    shift
+    mkdir -p "$folder" "$CHARTS" && rm -f "$folder"/*.csv
+    "$ETI_ROOT/build/release/bin/eti-bench" "$@" --out "$folder" && cp "$folder"/*.csv "$CHARTS"
+}
+
+# Slices of two segmented heads, as eti-anatomy draws them beside the labels.
+anatomy() {
+    local tool=$ETI_ROOT/build/release/bin/eti-anatomy folder=$OUT/anatomy pages=$ETI_ROOT/docs/anatomy
+    mkdir -p "$folder" "$pages"
+    "$tool" phantom --weight-kg 3.5 --out "$folder/newborn.nrrd" >&2 &&
+        "$tool" segment "$folder/newborn.nrrd" --out "$folder/phantom.nrrd" >&2 &&
+        "$tool" segment /usr/share/doc/invesalius-examples/examples/Cranium.inv3 --out "$folder/cranium.nrrd" >&2 &&
+        cp "$folder/phantom.png" "$folder/cranium.png" "$pages"
+}
+
+# README's: of one moment of a demo, when the glottis was seen best.
+pictures() {
+    local folder=$demo view found
+    if [ -z "$folder" ]; then
+        rm -rf "$OUT/demo"
+        "$python" -B "$ETI_ROOT/deploy/session_run.py" --bin "$ETI_ROOT/build/release/bin" --out "$OUT/demo" >&2 || return 1
+        folder=$(echo "$OUT"/demo/demo-*)
+    fi
+    for view in "${PICTURES[@]}"; do
+        found=("$folder"/trainee/"${view}"_best_*.png)
+        [ -f "${found[0]}" ] || { eti_say "There is no ${view}_best_*.png in $folder/trainee; give a demo's folder."; return 1; }
+    done
+    for view in "${PICTURES[@]}"; do
+        cp "$folder"/trainee/"${view}"_best_*.png "$ETI_ROOT/docs/$view.png" || return 1
+    done
+}
+
+measure() {
+    case $1 in
+        accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
+        sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
+        haptics) bench "$1" "$1" --whole-grid ;;
+        anatomy | pictures) "$1" ;;
+    esac
+}
+
+if [ $list = yes ]; then
+    for part in "${only[@]}"; do
+        if draws "$part"; then plot --only "$part" --list; fi
+        case $part in
+            anatomy) printf '%s\n' "$ETI_ROOT"/docs/anatomy/{phantom,cranium}.png ;;
+            pictures) printf "$ETI_ROOT/docs/%s.png\n" "${PICTURES[@]}" ;;
+        esac
+    done | sed "s|^$ETI_ROOT/||"
+    exit 0
+fi
+
+lists=(build client test figures)
+[ $quick = yes ] && lists=(figures)
+[ $install = yes ] && eti_install "${lists[@]}"
+if [ $quick = no ] && [ $build = yes ]; then
+    eti_say "Building build/release ..."
+    eti_build release || exit 1
+fi
+failed=()
+for number in "${!only[@]}"; do
+    part=${only[$number]}
+    if [ $quick = no ] || { [ "$part" = pictures ] && [ -n "$demo" ]; }; then
+        eti_say "== $((number + 1)) of ${#only[@]}: $part, measuring (${TAKES[$part]})"
+        measure "$part" || { failed+=("$part"); eti_say "$part failed; what docs/ showed of it stays."; continue; }
+    fi
+    if draws "$part"; then
+        eti_say "== $((number + 1)) of ${#only[@]}: $part, drawing"
+        plot --only "$part" || failed+=("$part")
+    fi
+done
+[ ${#failed[@]} -eq 0 ] || eti_fail "failed: ${failed[*]}"
+eti_say "Done. See what changed: git diff --stat docs"

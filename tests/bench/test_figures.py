@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""deploy/figures.sh makes every figure that the documents show, and the same bytes from the same tables."""
+
+import importlib.util
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+CHARTS = Path("docs/charts")
+FIGURE = re.compile(r"\]\(([^)\s]+\.(?:svg|png))\)")
+DRAWN_BY = re.compile(r"Matplotlib v([\d.]+)")
+
+
+def documents():
+    return [*ROOT.glob("*.md"), *(page for page in ROOT.glob("docs/**/*.md") if "decisions" not in page.parts)]
+
+
+def figures_of(page):
+    """The figures that a page shows or links to, by their paths in the repository."""
+    return {(page.parent / link).resolve().relative_to(ROOT).as_posix() for link in FIGURE.findall(page.read_text())}
+
+
+class Figures(unittest.TestCase):
+    def setUp(self):
+        """A tree with the script, what draws, and the published tables and figures."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        for part in ("deploy", "docs/charts", "tests/bench"):
+            shutil.copytree(ROOT / part, self.root / part, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def figures(self, *options):
+        return subprocess.run([self.root / "deploy/figures.sh", "--no-install", "--no-build", *options],
+                              capture_output=True, text=True)
+
+    def bench(self, body):
+        """Puts a script in the place of eti-bench; $folder is what follows --out."""
+        program = self.root / "build/release/bin/eti-bench"
+        program.parent.mkdir(parents=True)
+        program.write_text(f'#!/bin/sh\nfor folder; do :; done\n{body}\n')
+        program.chmod(0o755)
+
+    def needs_drawing(self):
+        if importlib.util.find_spec("matplotlib") is None:
+            self.skipTest("python3-matplotlib is missing; deploy/setup.sh installs it")
+
+    def test_quick_draws_the_published_charts_to_the_byte(self):
+        self.needs_drawing()
+        import matplotlib
+        published = {file.name: file.read_bytes() for file in (ROOT / CHARTS).glob("*.svg")}
+        versions = {DRAWN_BY.search(text.decode())[1] for text in published.values()}
+        if versions != {matplotlib.__version__}:
+            self.skipTest(f"the charts were drawn by Matplotlib {versions}, here is {matplotlib.__version__}")
+        for file in (self.root / CHARTS).glob("*.svg"):
+            file.unlink()
+        done = self.figures("--quick")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        drawn = {file.name: file.read_bytes() for file in (self.root / CHARTS).glob("*.svg")}
+        self.assertEqual(set(drawn), set(published))
+        differing = sorted(name for name in drawn if drawn[name] != published[name])
+        self.assertEqual(differing, [], "Remedy: deploy/figures.sh --quick, and look at what changed")
+        self.assertIn("drawing", done.stderr)
+
+    def test_every_figure_that_documents_show_is_made_by_it(self):
+        done = self.figures("--list")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        made = set(done.stdout.split())
+        shown = set().union(*map(figures_of, documents()))
+        self.assertGreater(len(shown), 30)
+        self.assertEqual(shown - made, set())
+        self.assertEqual({name for name in made if not (ROOT / name).exists()}, set())
+        self.assertEqual({file.relative_to(ROOT).as_posix() for suffix in ("svg", "png")
+                          for file in ROOT.glob(f"docs/**/*.{suffix}")} - made, set())
+
+    def test_pages_that_show_a_figure_name_the_command(self):
+        for page in documents():
+            if re.search(r"!\[[^\]]*\]\([^)]*\)", page.read_text()):
+                self.assertIn("deploy/figures.sh", page.read_text(), page.relative_to(ROOT))
+
+    def test_a_measured_part_replaces_its_tables_and_is_drawn(self):
+        self.needs_drawing()
+        table = self.root / CHARTS / "calibration.csv"
+        lines = table.read_text().splitlines(keepends=True)
+        measured = self.root / "measured.csv"
+        measured.write_text("".join(lines[:41]))
+        self.bench(f'cp {measured} "$folder/calibration.csv"')
+        before = (self.root / CHARTS / "calibration.svg").read_bytes()
+        done = self.figures("--only", "calibration")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("measuring (two minutes)", done.stderr)
+        self.assertEqual(table.read_text(), measured.read_text())
+        self.assertNotEqual((self.root / CHARTS / "calibration.svg").read_bytes(), before)
+
+    def test_a_part_that_fails_leaves_what_is_published(self):
+        self.bench('echo half > "$folder/calibration.csv"; exit 1')
+        done = self.figures("--only", "calibration")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("calibration failed", done.stderr)
+        for file in (self.root / CHARTS).glob("calibration.*"):
+            self.assertEqual(file.read_bytes(), (ROOT / CHARTS / file.name).read_bytes(), file.name)
+
+    def test_pictures_come_from_the_best_view_of_a_demo(self):
+        demo = self.root / "demo-1/trainee"
+        demo.mkdir(parents=True)
+        views = ("laryngoscope", "section", "overview")
+        for view in views:
+            (demo / f"{view}_best_007.000s.png").write_text(f"{view}, best")
+            (demo / f"{view}_009.000s.png").write_text("the last")
+        done = self.figures("--only", "pictures", "--demo", demo.parent)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for view in views:
+            self.assertEqual((self.root / f"docs/{view}.png").read_text(), f"{view}, best")
+        (demo / "section_best_007.000s.png").unlink()
+        done = self.figures("--only", "pictures", "--demo", demo.parent)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("section_best", done.stderr)
+
+    def test_unknown_parts_and_options_are_refused(self):
+        done = self.figures("--only", "weather")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("accuracy", done.stderr)
+        self.assertEqual(self.figures("--fast").returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
