@@ -30,7 +30,7 @@ class SleepTest : public ::testing::Test {
         SoftBody body = test::cluster_block(n, 8e3f, Vec3f::Zero(), 2);
         body.settings.damping = 60.0f;
         if (sleeps) {
-            body.sleep.configure(body.particles, body.shapes, body.links, {}, settings);
+            body.let_sleep({}, settings);
         }
         return body;
     }
@@ -204,7 +204,7 @@ TEST_F(SleepTest, ALinkWakesWhatItTies) {
     SoftBody body = cube(false);
     const auto far = static_cast<std::uint32_t>(n - 1);  // the next corner
     body.links.configure({{0u, far}}, {100.0f}, body.particles);
-    body.sleep.configure(body.particles, body.shapes, body.links, {}, settings);
+    body.let_sleep({}, settings);
     rest(body);
     ASSERT_EQ(body.sleep.awake_groups(), 0u);
     for (int k = 0; k < 3; ++k) {
