@@ -48,8 +48,7 @@ void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b
     project_compliant(a, b, inverse_mass_a, inverse_mass_b, length, compliance_of(stiffness, dt));
 }
 
-void Links::configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
-                      const Particles& particles) {
+void Links::configure(std::vector<Pair> ends, std::vector<float> stiffness, const Particles& particles) {
     ends_ = std::move(ends);
     stiffness_ = std::move(stiffness);
     compliance_.reserve(ends_.size());

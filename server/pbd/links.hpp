@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/pbd/particles.hpp"
+#include "server/pbd/constraint.hpp"
 
 namespace eti::pbd {
 
@@ -17,21 +17,19 @@ void project_link(Vec3f& a, Vec3f& b, float inverse_mass_a, float inverse_mass_b
                   float stiffness, float dt);
 
 /// Pairs of particles held at their rest distance, projected one after the other (Gauss-Seidel).
-class Links {
+class Links final : public Constraint {
   public:
-    void configure(std::vector<std::array<std::uint32_t, 2>> ends, std::vector<float> stiffness,
-                   const Particles& particles);
-    void set_rest(const Particles& particles);
+    void configure(std::vector<Pair> ends, std::vector<float> stiffness, const Particles& particles);
+    [[nodiscard]] std::span<const Pair> ties() const override { return ends_; }
+    void set_rest(const Particles& particles) override;
     /// Takes other stiffnesses [N/m], one per link.
     void set_stiffness(std::span<const float> stiffness);
-    /// Leaves links between particles that sleep alone, until the next call.
-    void select(const Particles& particles);
-    void project(Particles& particles, float dt);
-    [[nodiscard]] const std::vector<std::array<std::uint32_t, 2>>& ends() const { return ends_; }
+    void select(const Particles& particles) override;
+    void project(Particles& particles, float dt) override;
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
 
   private:
-    std::vector<std::array<std::uint32_t, 2>> ends_;
+    std::vector<Pair> ends_;
     std::vector<float> stiffness_, length_;
     /// Order of projection: mostly as configured, so that a pass hands on along chains of links. Of all, and
     /// of those that are awake.

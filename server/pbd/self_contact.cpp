@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/pbd/sleep.hpp"
+
 namespace eti::pbd {
 
 namespace {
@@ -35,7 +37,7 @@ void SelfContact::configure(std::vector<std::uint32_t> who, std::span<const std:
     distance_.clear();
     pairs_.reserve(8 * who_.size());  // more than a mouth closed on itself has: a step allocates nothing
     distance_.reserve(8 * who_.size());
-    margin_ = -1.0f;
+    grid_margin_ = -1.0f;
 }
 
 bool SelfContact::joined(std::size_t a, std::size_t b) const {
@@ -53,13 +55,13 @@ bool SelfContact::joined(std::size_t a, std::size_t b) const {
     return false;
 }
 
-void SelfContact::find(const Particles& particles, float margin) {
+void SelfContact::find(const Particles& particles) {
     pairs_.clear();
     distance_.clear();
     if (who_.empty()) {
         return;
     }
-    if (margin != margin_) {
+    if (margin != grid_margin_) {
         Vec3f low = particles.rest[who_.front()];
         Vec3f high = low;
         for (const std::uint32_t i : who_) {
@@ -68,7 +70,7 @@ void SelfContact::find(const Particles& particles, float margin) {
         }
         const Vec3f around = Vec3f::Constant(wander);
         grid_.emplace(low - around, high + around, 2.0f * widest_ + margin, who_.size());
-        margin_ = margin;
+        grid_margin_ = margin;
     }
     for (std::size_t k = 0; k < who_.size(); ++k) {
         const Vec3f& at = particles.position[who_[k]];
@@ -100,7 +102,11 @@ void SelfContact::find(const Particles& particles, float margin) {
     }
 }
 
-void SelfContact::wake(Particles& particles, Sleep& sleep) const {
+void SelfContact::begin_step(Particles& particles, Sleep& sleep) {
+    if (!sleep.any_awake()) {
+        return;
+    }
+    find(particles);
     for (const auto& [i, j] : pairs_) {
         if (particles.asleep[i] != particles.asleep[j] && sleep.stirs(particles.asleep[i] != 0 ? j : i)) {
             sleep.wake(particles, particles.asleep[i] != 0 ? i : j);
@@ -108,7 +114,7 @@ void SelfContact::wake(Particles& particles, Sleep& sleep) const {
     }
 }
 
-void SelfContact::project(Particles& particles) const {
+void SelfContact::project(Particles& particles, float /*dt*/) {
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
         const auto [i, j] = pairs_[k];
         const Vec3f apart = particles.predicted[j] - particles.predicted[i];

@@ -9,30 +9,33 @@
 #include <vector>
 
 #include "server/pbd/cell_grid.hpp"
-#include "server/pbd/particles.hpp"
-#include "server/pbd/sleep.hpp"
+#include "server/pbd/constraint.hpp"
 
 namespace eti::pbd {
 
 /// Keeps tissue out of tissue: two particles that no constraint joins stay as far apart as their radii say,
 /// or as they are at rest where that is less. One-sided distance constraints (Müller et al. 2007, "Position
 /// based dynamics", 3.3) without friction: mucosa is wet.
-class SelfContact {
+class SelfContact final : public Constraint {
   public:
+    /// [m]; half of it in a step of 1/180 s is 0.18 m/s. Larger: faster tissue is still met, and more pairs
+    /// are looked at.
+    float margin = 2e-3f;
+
     /// `who`: particles that lie at the surface; `groups`: particles that are joined to each other, as
     /// first[g] .. first[g + 1] of `member`. Pairs of one group never meet.
     void configure(std::vector<std::uint32_t> who, std::span<const std::uint32_t> first,
                    std::span<const std::uint32_t> member, const Particles& particles);
 
     /// Lists the pairs that may meet until the next call while none of their particles moves farther than
-    /// half of `margin` [m].
-    void find(const Particles& particles, float margin);
-    /// Wakes what sleeps beside something that stirs.
-    void wake(Particles& particles, Sleep& sleep) const;
-    /// Moves listed pairs apart, each by its inverse masses, one after the other.
-    void project(Particles& particles) const;
+    /// half of the margin.
+    void find(const Particles& particles);
+    [[nodiscard]] std::span<const Pair> pairs() const { return pairs_; }
 
-    [[nodiscard]] std::span<const std::array<std::uint32_t, 2>> pairs() const { return pairs_; }
+    /// Finds pairs, unless all sleep, and wakes what sleeps beside something that stirs.
+    void begin_step(Particles& particles, Sleep& sleep) override;
+    /// Moves listed pairs apart, each by its inverse masses, one after the other.
+    void project(Particles& particles, float dt) override;
 
   private:
     [[nodiscard]] bool joined(std::size_t a, std::size_t b) const;
@@ -41,10 +44,10 @@ class SelfContact {
     std::vector<std::uint32_t> first_group_, group_;  // of each of who_, ascending
     float widest_ = 0.0f;                             // [m], largest radius
     std::optional<CellGrid> grid_;
-    float margin_ = -1.0f;  // [m], what the grid's cells are made for
+    float grid_margin_ = -1.0f;  // [m], what the grid's cells are made for
     std::vector<Vec3f> at_;
-    std::vector<std::array<std::uint32_t, 2>> pairs_;  // in the order of who_
-    std::vector<float> distance_;                      // [m], kept by each pair
+    std::vector<Pair> pairs_;      // in the order of who_
+    std::vector<float> distance_;  // [m], kept by each pair
 };
 
 }  // namespace eti::pbd

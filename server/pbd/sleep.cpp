@@ -52,8 +52,9 @@ std::vector<std::uint32_t> owners(const std::vector<std::uint32_t>& first, std::
 
 }  // namespace
 
-void Sleep::configure(const Particles& particles, const ShapeMatching& shapes, const Links& links,
-                      const std::vector<bool>& mesh, const Settings& settings) {
+void Sleep::configure(const Particles& particles, const ShapeMatching& shapes,
+                      std::span<const Constraint::Pair> ties, const std::vector<bool>& mesh,
+                      const Settings& settings) {
     settings_ = settings;
     const std::size_t count = particles.size();
     const std::size_t blocks = shapes.blocks();
@@ -61,7 +62,7 @@ void Sleep::configure(const Particles& particles, const ShapeMatching& shapes, c
         return !mesh.empty() && mesh[i] && particles.inverse_mass[i] > 0.0f;
     };
     Lists tied(count);
-    for (const auto& [a, b] : links.ends()) {
+    for (const auto& [a, b] : ties) {
         tied[a].push_back(b);
         tied[b].push_back(a);
     }
@@ -180,9 +181,9 @@ void Sleep::put_to_sleep(Particles& particles, std::uint32_t group) {
     }
 }
 
-void Sleep::arrange(Particles& particles, ShapeMatching& shapes, Links& links) {
+bool Sleep::arrange(Particles& particles) {
     if (!changed_) {
-        return;
+        return false;
     }
     changed_ = false;
     particles.awake.clear();
@@ -205,8 +206,7 @@ void Sleep::arrange(Particles& particles, ShapeMatching& shapes, Links& links) {
             }
         }
     }
-    shapes.select(std::span(asleep_).first(shapes.blocks()), particles);
-    links.select(particles);
+    return true;
 }
 
 void Sleep::count_stillness(const Particles& particles) {

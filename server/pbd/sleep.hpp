@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "server/pbd/links.hpp"
+#include "server/pbd/constraint.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/shape_matching.hpp"
 
@@ -16,12 +16,13 @@ namespace eti::pbd {
 
 /// What rests sleeps: tissue that nothing moves is not solved. Particles fall asleep and wake in groups: the
 /// blocks of clusters, the tetrahedral mesh as a whole, and what only bone moves. A group reads more
-/// particles than it moves: all members of its clusters, or of clusters that hold its mesh, and what links
-/// tie to them. It falls asleep once none of these has gone farther than `still` for `steps` steps, and wakes
-/// when one has gone farther than `shift` from where it was then, so that a slow drift is not missed. A
-/// particle sleeps when all groups that move it do. What sleeps stays as the last solved substep left it,
-/// also halfway through a substep (frames of clusters, ends of links), so that neighbours awake are in
-/// balance with it. What a step decides hangs on the state after it alone: the bits do not depend on threads.
+/// particles than it moves: all members of its clusters, or of clusters that hold its mesh, and what
+/// constraints tie to them. It falls asleep once none of these has gone farther than `still` for `steps`
+/// steps, and wakes when one has gone farther than `shift` from where it was then, so that a slow drift is
+/// not missed. A particle sleeps when all groups that move it do. What sleeps stays as the last solved
+/// substep left it, also halfway through a substep (frames of clusters, ends of links), so that neighbours
+/// awake are in balance with it. What a step decides hangs on the state after it alone: the bits do not
+/// depend on threads.
 class Sleep {
   public:
     struct Settings {
@@ -31,10 +32,11 @@ class Sleep {
         int steps = 9;        ///< of 1/180 s: half a period of 10 Hz, a hand's tremor
     };
 
-    /// Begins with everything awake. `mesh`, by particle: those that a tetrahedral mesh moves, and clusters
-    /// may move besides; empty: none.
-    void configure(const Particles& particles, const ShapeMatching& shapes, const Links& links,
-                   const std::vector<bool>& mesh, const Settings& settings);
+    /// Begins with everything awake. `ties`: pairs of particles that read each other. `mesh`, by particle:
+    /// those that a tetrahedral mesh moves, and clusters may move besides; empty: none.
+    void configure(const Particles& particles, const ShapeMatching& shapes,
+                   std::span<const Constraint::Pair> ties, const std::vector<bool>& mesh,
+                   const Settings& settings);
     [[nodiscard]] bool on() const { return !asleep_.empty(); }
 
     /// Posture, moduli, gravity or walls are others now.
@@ -62,8 +64,9 @@ class Sleep {
         return on() && age_[particle] < settings_.steps;
     }
 
-    /// Once before a step's substeps: tells everyone who is awake.
-    void arrange(Particles& particles, ShapeMatching& shapes, Links& links);
+    /// Once before a step's substeps: lists the particles that are awake. Returns whether others are than
+    /// before.
+    [[nodiscard]] bool arrange(Particles& particles);
     /// Once after a step: who falls asleep, and who wakes because of neighbours.
     void end_step(Particles& particles);
 
@@ -76,6 +79,10 @@ class Sleep {
     [[nodiscard]] bool mesh_awake() const { return !on() || asleep_[mesh()] == 0; }
     [[nodiscard]] bool held_awake() const { return !on() || asleep_[held()] == 0; }
     [[nodiscard]] bool block_awake(std::size_t block) const { return !on() || asleep_[block] == 0; }
+    /// By block of clusters, where sleep is on.
+    [[nodiscard]] std::span<const std::uint8_t> blocks_asleep() const {
+        return std::span(asleep_).first(mesh());
+    }
 
   private:
     using Indices = std::span<const std::uint32_t>;

@@ -27,6 +27,22 @@ void for_awake_ranges(const Particles& particles, const Body& body) {
 
 }  // namespace
 
+void SoftBody::let_sleep(const std::vector<bool>& mesh, const Sleep::Settings& wanted) {
+    std::vector<Constraint::Pair> ties;
+    for_constraints([&](const Constraint& constraint) {
+        ties.insert(ties.end(), constraint.ties().begin(), constraint.ties().end());
+    });
+    sleep.configure(particles, shapes, ties, mesh, wanted);
+}
+
+void SoftBody::begin_step() {
+    for_constraints([&](Constraint& constraint) { constraint.begin_step(particles, sleep); });
+    if (sleep.arrange(particles)) {
+        shapes.select(sleep.blocks_asleep(), particles);
+        for_constraints([&](Constraint& constraint) { constraint.select(particles); });
+    }
+}
+
 void SoftBody::end_step() {
     if (sleep.on()) {
         sleep.end_step(particles);
@@ -83,7 +99,7 @@ void SoftBody::project(float dt) {
     } else {
         shapes.project_late(particles);
     }
-    links.project(particles, dt);
+    for_constraints([&](Constraint& constraint) { constraint.project(particles, dt); });
 }
 
 void SoftBody::finish(float dt) {
@@ -106,7 +122,7 @@ void SoftBody::finish(float dt) {
 void SoftBody::set_rest() {
     shapes.set_rest(particles);
     tetrahedra.set_rest(particles);
-    links.set_rest(particles);
+    for_constraints([&](Constraint& constraint) { constraint.set_rest(particles); });
     sleep.wake_whole(particles);
 }
 
@@ -115,6 +131,7 @@ void SoftBody::reset() {
     particles.predicted = particles.rest;
     particles.velocity.assign(particles.size(), Vec3f::Zero());
     shapes.reset();
+    for_constraints([](Constraint& constraint) { constraint.reset(); });
     sleep.wake_whole(particles);
 }
 

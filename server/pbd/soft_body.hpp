@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <vector>
+
+#include "server/pbd/constraint.hpp"
 #include "server/pbd/links.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/shape_matching.hpp"
@@ -24,11 +27,14 @@ class SoftBody {
     ShapeMatching shapes;  ///< the tetrahedra's particles have to be its early ones
     Tetrahedra tetrahedra;
     Links links;
-    Sleep sleep;  ///< off until it is configured; whoever changes settings wakes the whole
+    std::vector<AnyConstraint> further;  ///< projected in this order, after the links
+    Sleep sleep;                         ///< off before let_sleep(); whoever changes settings wakes the whole
     Settings settings;
 
-    /// Once per step, before its substeps and after them, where sleep is on.
-    void begin_step() { sleep.arrange(particles, shapes, links); }
+    /// From now on what rests sleeps. All constraints have to be there. `mesh`: see Sleep::configure().
+    void let_sleep(const std::vector<bool>& mesh, const Sleep::Settings& wanted);
+    /// Once per step, before its substeps and after them, where sleep is on or constraints are further ones.
+    void begin_step();
     void end_step();
     /// Moves free particles by their velocity; particles of infinite mass go the `fraction` of the
     /// remaining way to their rest position (1 on the last substep of a step).
@@ -41,6 +47,16 @@ class SoftBody {
     void set_rest();
     /// Everything back to rest, at standstill.
     void reset();
+
+  private:
+    /// body(constraint) for each, in the order of projection.
+    template <class Body>
+    void for_constraints(const Body& body) {
+        body(links);
+        for (AnyConstraint& constraint : further) {
+            body(*constraint);
+        }
+    }
 };
 
 }  // namespace eti::pbd

@@ -10,6 +10,7 @@
 #include "common/model/live.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/model/swelling.hpp"
+#include "server/pbd/self_contact.hpp"
 #include "server/scene/friction.hpp"
 
 namespace eti::scene {
@@ -18,7 +19,6 @@ namespace {
 
 constexpr int swelling_delay = 90;  // steps; half a second
 constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
-constexpr float self_contact_margin = 2e-3f;  // [m]; half of it in a step is 0.18 m/s
 
 template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
@@ -55,8 +55,10 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
         std::ranges::sort(surface);
         const auto repeated = std::ranges::unique(surface);
         surface.erase(repeated.begin(), repeated.end());
-        self_contact_.emplace().configure(std::move(surface), patient.clusters.first, patient.clusters.member,
-                                          tissue_.body().particles);
+        pbd::SelfContact contact;
+        contact.configure(std::move(surface), patient.clusters.first, patient.clusters.member,
+                          tissue_.body().particles);
+        tissue_.body().further.emplace_back(std::move(contact));
     }
     if (settings.saliva) {
         saliva_.emplace(patient, scope, 0.5f * tube.outer_diameter, settings.seed);
@@ -200,10 +202,6 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     }
     blade_.wake(body, blade_pose_, blade_to);
     tube_.wake(body, grip_, inputs.tube_grip);
-    if (self_contact_ && body.sleep.any_awake()) {
-        self_contact_->find(body.particles, self_contact_margin);
-        self_contact_->wake(body.particles, body.sleep);
-    }
     body.begin_step();
     parallel::both([&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
                    [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
@@ -238,9 +236,6 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         lap(Stage::predict);
         const auto tissue = [&] {
             body.project(dt);
-            if (self_contact_ && !body.particles.awake.empty()) {
-                self_contact_->project(body.particles);
-            }
             lap(Stage::tissue);
             blade_.project(body.particles, begin, end, dt);
             lap(Stage::blade);

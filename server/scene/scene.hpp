@@ -12,7 +12,6 @@
 #include "common/model/pace.hpp"
 #include "server/patient/model/patient.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/pbd/self_contact.hpp"
 #include "server/rigid/rigid_layer.hpp"
 #include "server/scene/blade.hpp"
 #include "server/scene/posed_shell.hpp"
@@ -123,7 +122,6 @@ class Scene {
     rigid::RigidLayer rigid_;
     BladeContact blade_;
     TubeContact tube_;
-    std::optional<pbd::SelfContact> self_contact_;
     std::optional<Saliva> saliva_;
     std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's
     std::vector<std::uint32_t> meets_shell_;  // particles

@@ -216,7 +216,7 @@ void SoftTissue::let_sleep() {
             mesh[i] = true;
         }
     }
-    body_.sleep.configure(body_.particles, body_.shapes, body_.links, mesh, {});
+    body_.let_sleep(mesh, {});
 }
 
 void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {

@@ -12,6 +12,7 @@ namespace eti::pbd {
 namespace {
 
 constexpr float radius = 1e-3f;
+constexpr float dt = 1.0f / 1440.0f;  // [s], on which pushes do not depend
 
 Particles particles_at(const std::vector<Vec3f>& at) {
     Particles p;
@@ -34,8 +35,8 @@ TEST(SelfContact, PartsWhatOverlapsByItsMassesAndKeepsTheCentreOfMass) {
     SelfContact contact;
     contact.configure(all(p), {}, {}, p);
     p.position[1] = p.predicted[1] = Vec3f(1.2e-3f, 0, 0);
-    contact.find(p, 1e-3f);
-    contact.project(p);
+    contact.find(p);
+    contact.project(p, dt);
     // An overlap of 0.8 mm, a quarter of it to the one that is three times as heavy.
     EXPECT_NEAR(p.predicted[0].x(), -0.2e-3f, 1e-8f);
     EXPECT_NEAR(p.predicted[1].x(), 1.8e-3f, 1e-8f);
@@ -50,15 +51,15 @@ TEST(SelfContact, LeavesAloneWhatIsJoinedApartOrAtRest) {
     SelfContact loose;
     loose.configure(all(p), {}, {}, p);
     // At rest, nearer to each other than their radii: that is how the patient is made.
-    loose.find(p, 1e-3f);
+    loose.find(p);
     const std::vector<Vec3f> before = p.predicted;
-    loose.project(p);
+    loose.project(p, dt);
     EXPECT_EQ(p.predicted, before);
     p.position[1] = p.predicted[1] = Vec3f(1e-3f, 0, 0);
-    joined.find(p, 1e-3f);
+    joined.find(p);
     EXPECT_TRUE(joined.pairs().empty());
-    loose.find(p, 1e-3f);
-    loose.project(p);
+    loose.find(p);
+    loose.project(p, dt);
     EXPECT_NEAR((p.predicted[1] - p.predicted[0]).norm(), 1.5e-3f, 1e-8f);
     EXPECT_EQ(p.predicted[2], before[2]);
 }
@@ -69,7 +70,7 @@ TEST(SelfContact, OfTwoThatDoNotMoveNeitherIsMoved) {
     SelfContact contact;
     contact.configure(all(p), {}, {}, p);
     p.position[1] = p.predicted[1] = Vec3f(1e-3f, 0, 0);
-    contact.find(p, 1e-3f);
+    contact.find(p);
     EXPECT_TRUE(contact.pairs().empty());
 }
 
@@ -85,17 +86,16 @@ TEST(SelfContact, FindsThePairsThatTryingAllFinds) {
     now[17] = Vec3f(0.5f, 0, 0);  // out of its mind
     Particles p = particles_at(rest);
     p.position = p.predicted = now;
-    const float margin = 1.5e-3f;
     SelfContact contact;
     contact.configure(all(p), {}, {}, p);
-    contact.find(p, margin);
+    contact.find(p);
     std::set<std::array<std::uint32_t, 2>> found(contact.pairs().begin(), contact.pairs().end());
     EXPECT_EQ(found.size(), contact.pairs().size());
     std::set<std::array<std::uint32_t, 2>> expected;
     for (std::uint32_t i = 0; i < 400; ++i) {
         for (std::uint32_t j = i + 1; j < 400; ++j) {
             const float touching = std::min(2 * radius, (rest[i] - rest[j]).norm());
-            if ((now[i] - now[j]).norm() < touching + margin) {
+            if ((now[i] - now[j]).norm() < touching + contact.margin) {
                 expected.insert({i, j});
             }
         }
