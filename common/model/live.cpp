@@ -81,6 +81,19 @@ constexpr LiveField rows[] = {
      "inputs",
      "1",
      true},
+    {{"tube_youngs_modulus", "tube", "tube stiffness", "MPa", 1e6f, 1.0f, 200.0f,
+      &LiveValues::tube_youngs_modulus,
+      "Young's modulus of the tube's material; 10 to 20 is PVC, more stands for a stylet"},
+     1.0f,
+     true,
+     "tools",
+     "Pa"},
+    {{"tube_curve_radius", "tube", "tube curve", "mm", millimetre, 60.0f, 2000.0f,
+      &LiveValues::tube_curve_radius, "Radius of the curve that the tube was made with; 2000 is straight"},
+     1.0f,
+     true,
+     "tools",
+     "m"},
 };
 
 /// `from` carried towards `to` by `most` at most.
@@ -107,6 +120,12 @@ LiveValues followed(const LiveValues& from, const LiveValues& to, float seconds,
         }
     }
     return out;
+}
+
+Tube tube_as(Tube tube, const LiveValues& values) {
+    tube.youngs_modulus = values.tube_youngs_modulus;
+    tube.curve_radius = values.tube_curve_radius;
+    return tube;
 }
 
 LiveValues clamped(const LiveValues& values) {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/model/field.hpp"
+#include "common/model/tools.hpp"
 
 namespace eti {
 
@@ -20,6 +21,8 @@ struct LiveValues {
     float secretion = 1.0f;         ///< of what the glands usually give
     float suction = 0.0f;           ///< 0..1
     float view_enhanced = 0.0f;     ///< 0 or 1
+    float tube_youngs_modulus = Tube{}.youngs_modulus;  ///< [Pa]
+    float tube_curve_radius = Tube{}.curve_radius;      ///< [m]
 
     [[nodiscard]] bool operator==(const LiveValues&) const = default;
 };
@@ -42,6 +45,9 @@ extern const std::span<const LiveField> live_fields;
 
 /// `from` carried on towards `to` for `seconds`, each value at its own rate times `haste`.
 [[nodiscard]] LiveValues followed(const LiveValues& from, const LiveValues& to, float seconds, float haste);
+
+/// The tube as it lives.
+[[nodiscard]] Tube tube_as(Tube tube, const LiveValues& values);
 
 /// Every value within its range.
 [[nodiscard]] LiveValues clamped(const LiveValues& values);

@@ -138,8 +138,8 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     if (auto tube = root.map("tube")) {
         Tube& t = s.tube;
         read_fields(*tube, "tube", tube_fields, t);
-        t.youngs_modulus = tube->number("youngs_modulus_mpa", t.youngs_modulus, {1, 200, 1e6f});
-        t.curve_radius = tube->number("curve_radius_mm", t.curve_radius, {60, 2000, millimetre});
+        read_fields(*tube, "tube", live_fields, s.live);
+        t = tube_as(t, s.live);
         if (t.grip_from_tip > t.length) {
             tube->refuse("grip_from_tip_mm", fmt::format("{:.0f}", t.grip_from_tip / millimetre),
                          fmt::format("at most the tube's length, {:.0f}", t.length / millimetre));

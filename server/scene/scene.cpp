@@ -42,7 +42,8 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
       shell_(patient),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
       blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),
-      tube_(tube, scope, start.tube_grip) {
+      made_(tube),
+      tube_(tube_as(tube, start.live), scope, start.tube_grip) {
     if (settings.self_contact) {
         std::vector<std::uint32_t> surface;
         for (const auto& ends : tissue_.surface_edges()) {
@@ -89,6 +90,7 @@ void Scene::reset(const Inputs& start) {
     if (live_.tissue_stiffness != before.tissue_stiffness) {
         tissue_.set_stiffness(live_.tissue_stiffness);
     }
+    tube_.set_material(tube_as(made_, live_));
     const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture());
     tissue_.pose(bones);
     tissue_.reset();
@@ -128,6 +130,10 @@ void Scene::follow(const LiveValues& wanted) {
     }
     if (live_.tissue_stiffness != before.tissue_stiffness) {
         tissue_.set_stiffness(live_.tissue_stiffness);
+    }
+    if (live_.tube_youngs_modulus != before.tube_youngs_modulus ||
+        live_.tube_curve_radius != before.tube_curve_radius) {
+        tube_.set_material(tube_as(made_, live_));
     }
     const bool tongue_grows = live_.tongue_scale != before.tongue_scale;
     if (tongue_grows) {

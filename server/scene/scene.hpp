@@ -121,6 +121,7 @@ class Scene {
     PosedShell shell_;
     rigid::RigidLayer rigid_;
     BladeContact blade_;
+    Tube made_;  // as the scenario has it
     TubeContact tube_;
     std::optional<Saliva> saliva_;
     std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's

@@ -333,6 +333,29 @@ TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
 }
 
 // A larger one would meet the palate, whose friction holds it a tenth of a millimetre here or there.
+// What lives of the tube is followed to where a tube made so from the start lies.
+TEST_F(SceneTest, ATubeThatBecomesSofterAndStraighterLiesWhereOneMadeSoDoes) {
+    Inputs wanted = away_;
+    wanted.tube_grip.rotation = Quatf(Eigen::AngleAxisf(90.0f * degree, Vec3f::UnitX()));
+    Inputs soft = wanted;
+    soft.live.tube_youngs_modulus = 2e6f;
+    soft.live.tube_curve_radius = 2.0f;
+    const auto tip_after = [](Scene& scene, const Inputs& inputs, int steps) {
+        for (int k = 0; k < steps; ++k) {
+            scene.step(inputs);
+        }
+        return scene.snapshot().tube_nodes.back();
+    };
+    Scene changed(test::coarse_newborn(), scope_, Tube{}, wanted, Settings{});
+    const Vec3f before = tip_after(changed, wanted, 180);
+    // By a factor of e a second: 3.5 s to straight, and two to come to rest.
+    const Vec3f after = tip_after(changed, soft, 180 * 6);
+    Scene made(test::coarse_newborn(), scope_, Tube{}, soft, Settings{});
+    const Vec3f expected = tip_after(made, soft, 180 * 2);
+    EXPECT_GT((after - before).norm(), 5e-3f);
+    EXPECT_LT((after - expected).norm(), 0.05f * (after - before).norm());
+}
+
 TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
     Scene scene = make();
     const float before = tongue_height(scene);
