@@ -72,6 +72,10 @@ constexpr ParameterField rows[] = {
      "number"},
     {"over_time_limit", "over the time limit", "", &Parameters::over_time_limit, false, 0, greatest,
      "1 when the attempt took longer than the scenario's limit (30 s unless it says otherwise)"},
+    {"time_to_first_view_s", "time to the first view of the glottis", "s", &Parameters::time_to_first_view_s,
+     false, unknown, least,
+     "From the attempt's beginning until the eye first sees a part of the glottis; does not exist where it "
+     "never does"},
     {"epiglottis_force_n.max", "force on the epiglottis, greatest", "N", &Parameters::epiglottis_force_max_n,
      false, 0, greatest, "Largest net force between the blade and the epiglottis"},
     {"tongue_force_n.max", "force on the tongue, greatest", "N", &Parameters::tongue_force_max_n, false, 0,

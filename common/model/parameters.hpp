@@ -28,6 +28,7 @@ struct Parameters {
     double main_stem_entries = 0;
     double cormack_lehane_grade = 0;
     double over_time_limit = 0;  ///< 1 when the attempt took longer than 30 s
+    double time_to_first_view_s = 0;
     double epiglottis_force_max_n = 0, tongue_force_max_n = 0;
     double blade_path_length_cm = 0;
     double blade_smoothness = 0;  ///< spectral arc length is negative; closer to zero is smoother

@@ -135,7 +135,10 @@ void Attempt::add(const Moment& moment) {
     if (seen_ && !tube_reached_glottis_) {
         view_.add(opening, moment.seconds);
     }
-    seen_ = seen_ || opening > 0.0;
+    if (!seen_ && opening > 0.0) {
+        seen_ = true;
+        parameters_.time_to_first_view_s = moment.time;
+    }
 
     if (moment.tube_in_mouth) {
         if (tube_meter_.add(moment.time, moment.tube_tip)) {

@@ -172,6 +172,7 @@ TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
     const Parameters& p = run.metrics.attempts()[0].parameters;
     EXPECT_NEAR(p.glottic_opening_max_percent, 80.0, 1e-6);
     EXPECT_NEAR(p.glottic_opening_mean_percent, (3 * 20 + 2 * 80) / 5.0, 80 * 3 * step / 5);
+    EXPECT_NEAR(p.time_to_first_view_s, 2.0, 2 * step);  // the blade is in from the first step on
     EXPECT_NEAR(p.head_elevation_deg, 12.0, 1e-4);  // at passage, not at the end
     EXPECT_EQ(p.cormack_lehane_grade, 1);
 }
@@ -290,6 +291,8 @@ TEST(Metrics, RunCombinesAttempts) {
     b.parameters.head_elevation_deg = 9;
     b.parameters.tube_speed_max_cm_per_s = 5;
     b.parameters.tube_speed_mean_cm_per_s = 3;
+    a.parameters.time_to_first_view_s = std::nan("");
+    b.parameters.time_to_first_view_s = 7;
     b.weights = {30, 4, 6};
     b.passed_glottis = true;
     const std::array<RunPart, 2> parts = {a, b};
@@ -300,6 +303,7 @@ TEST(Metrics, RunCombinesAttempts) {
     EXPECT_EQ(run.pitch_peaks, 4);
     EXPECT_EQ(run.attempts, 2);
     EXPECT_EQ(run.cormack_lehane_grade, 2);
+    EXPECT_EQ(run.time_to_first_view_s, 7) << "the only attempt with a view";
     EXPECT_EQ(run.head_elevation_deg, 9);
     EXPECT_EQ(run.tube_speed_max_cm_per_s, 5);
     EXPECT_EQ(run.tube_speed_mean_cm_per_s, 3);
