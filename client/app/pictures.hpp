@@ -32,13 +32,13 @@ class BestView {
     std::optional<view::SceneView> scene_;
 };
 
-/// Draws pictures of single views, and of all side by side if that is selected, into a folder.
+/// Draws pictures of single views, and of several side by side if that is selected, into a folder.
 class Pictures {
   public:
     explicit Pictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     /// Throws std::runtime_error when a picture cannot be written.
-    void take(Compositor& compositor, Selection selection, const view::SceneView& scene,
+    void take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
               const hud::Readout& readout, std::string_view occasion);
     [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
 

@@ -30,7 +30,8 @@ Window& window_of(GLFWwindow* window) {
 
 }  // namespace
 
-Window::Window(int width, int height, const std::string& title, Selection selection) : selection_(selection) {
+Window::Window(int width, int height, const std::string& title, const Selection& selection)
+    : selection_(&selection) {
     if (glfwInit() != GLFW_TRUE) {
         throw std::runtime_error(fmt::format(
             "no window can be opened ({}). Without a display use --offscreen DIR.", last_glfw_error()));
@@ -54,6 +55,9 @@ Window::Window(int width, int height, const std::string& title, Selection select
             window_of(w).on_key(key);
         }
     });
+    // As characters: where they lie on the keyboard differs between languages.
+    glfwSetCharCallback(window_,
+                        [](GLFWwindow* w, unsigned character) { window_of(w).on_character(character); });
     glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
         if (button == GLFW_MOUSE_BUTTON_LEFT) {
             Window& self = window_of(w);
@@ -99,24 +103,16 @@ int Window::height() const {
 }
 
 void Window::on_key(int key) {
-    switch (key) {
-        case GLFW_KEY_1:
-            selection_ = Selection::overview;
-            break;
-        case GLFW_KEY_2:
-            selection_ = Selection::section;
-            break;
-        case GLFW_KEY_3:
-            selection_ = Selection::laryngoscope;
-            break;
-        case GLFW_KEY_4:
-            selection_ = Selection::all;
-            break;
-        case GLFW_KEY_ESCAPE:
-            glfwSetWindowShouldClose(window_, GLFW_TRUE);
-            break;
-        default:
-            break;
+    if (key == GLFW_KEY_ESCAPE) {
+        glfwSetWindowShouldClose(window_, GLFW_TRUE);
+    }
+}
+
+void Window::on_character(unsigned character) {
+    const Selection* const chosen =
+        character < 128 ? selection_of_key(static_cast<char>(character)) : nullptr;
+    if (chosen != nullptr) {
+        selection_ = chosen;
     }
 }
 

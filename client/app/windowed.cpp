@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "client/app/compositor.hpp"
 #include "client/app/session_input.hpp"
 #include "client/app/window.hpp"
 #include "client/render/headless_context.hpp"
@@ -30,7 +31,7 @@ bool lost(const SessionInput& input) {
 
 int run_windowed(const Options& options, nlohmann::json& result) {
     yield_to_others(window_nice);
-    Window window(options.width, options.height, "NeoETI - " + options.bus.session, options.selection);
+    Window window(options.width, options.height, "NeoETI - " + options.bus.session, *options.selection);
     spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);
     SessionInput input(node, !options.observe, !options.observe);
@@ -49,7 +50,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
         compositor.resize(window.width(), window.height());
-        compositor.draw(window.selection(), scene, hud::readout_of(scene, was_lost), window.orbit(),
+        compositor.draw(window.selection().views, scene, hud::readout_of(scene, was_lost), window.orbit(),
                         options.json);
         compositor.target().copy_to_window();
         window.show_frame();
@@ -59,7 +60,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         std::this_thread::sleep_until(next_frame);
     }
     result = {{"session", options.bus.session},
-              {"view", std::string(name_of(window.selection()))},
+              {"view", std::string(window.selection().name)},
               {"end", stop_asked() ? "stopped" : "closed"},
               {"simulation_time_s", 1e-9 * static_cast<double>(scene.simulation_time_ns())},
               {"frames", frames},

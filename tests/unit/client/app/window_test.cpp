@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/app/compositor.hpp"
 #include "client/app/window.hpp"
 #include "client/app/windowed.hpp"
 #include "common/process/stop_signal.hpp"
@@ -23,7 +24,7 @@ TEST(Window, SaysWhatToDoWithoutADisplay) {
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
     try {
-        const client::Window window(320, 240, "test", client::Selection::all);
+        const client::Window window(320, 240, "test", client::default_selection());
         FAIL() << "a window without a display";
     } catch (const std::runtime_error& error) {
         EXPECT_NE(std::string(error.what()).find("--offscreen"), std::string::npos) << error.what();
@@ -33,11 +34,11 @@ TEST(Window, SaysWhatToDoWithoutADisplay) {
 TEST(Window, ShowsTheSceneThatWasDrawn) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::Window window(320, 240, "test", client::Selection::all);
+    client::Window window(320, 240, "test", client::default_selection());
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     client::Compositor compositor(window.width(), window.height(), 1);
-    compositor.draw(window.selection(), scene, hud::readout_of(scene, false), window.orbit(), false);
+    compositor.draw(window.selection().views, scene, hud::readout_of(scene, false), window.orbit(), false);
     compositor.target().copy_to_window();
     // What the window is about to show, read from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);
