@@ -27,6 +27,10 @@ Camera from_the_left(const view::SceneView& scene, const Orbit&) {
     return section_camera(scene.landmarks());
 }
 
+Camera from_the_eye(const view::SceneView& scene, const Orbit&) {
+    return eye_camera(scene.landmarks());
+}
+
 const std::array table{
     View{.name = "laryngoscope",
          .key = '3',
@@ -50,6 +54,13 @@ const std::array table{
          .lighting = section_lighting,
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .cut = true},
+    View{.name = "eye",
+         .key = '5',
+         .help = "what the trainee's own eye sees",
+         .camera = from_the_eye,
+         .lighting = laryngoscope_lighting,
+         .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .skin = Skin::lips_aside},
 };
 
 }  // namespace
