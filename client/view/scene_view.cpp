@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/view/text.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
 
@@ -59,6 +60,9 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     auto keys = bus::SessionKeys::of(message, why);
     if (!keys) {
         return refuse("eti/session_description", why);
+    }
+    if (!printable(message.scenario().to_string()) || !printable(message.description().to_string())) {
+        return refuse("eti/session_description", "a name or description with control characters");
     }
     keys_ = std::move(keys);
     description_ = message;
@@ -150,6 +154,8 @@ void SceneView::note_time(std::uint64_t time_ns) {
         tube_time_ns_ = 0;
         liquid_time_ns_ = 0;
         liquid_chunks_.clear();
+        attempt_report_.reset();
+        run_report_.reset();
         simulation_time_ns_ = time_ns;
     }
     simulation_time_ns_ = std::max(simulation_time_ns_, time_ns);
@@ -251,6 +257,9 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!std::ranges::all_of(message.live(), [](float value) { return std::isfinite(value); })) {
         return refuse("eti/live_metrics", "a value that lives is not finite");
     }
+    if (!printable(message.message().to_string())) {
+        return refuse("eti/live_metrics", "a message with control characters");
+    }
     note_time(message.header().simulation_time_ns());
     landmarks_ = *points;
     live_landmarks_ = true;
@@ -264,6 +273,25 @@ bool SceneView::apply(const msg::SessionStatus& message) {
         return refuse("eti/session_status", "load or delay is not finite");
     }
     status_ = message;
+    return true;
+}
+
+bool SceneView::apply(const msg::AttemptSummary& message) {
+    if (!keys_) {
+        return false;
+    }
+    std::string why;
+    auto report = decode(message, *keys_, why);
+    if (!report) {
+        return refuse("eti/attempt_summary", fmt::format("attempt {}: {}", message.attempt(), why));
+    }
+    // The bus keeps one of each attempt, and who joins late gets them all. Their time is of no use here: it
+    // lies in the past.
+    if (report->attempt == 0) {
+        run_report_ = std::move(report);
+    } else if (!attempt_report_ || report->attempt >= attempt_report_->attempt) {
+        attempt_report_ = std::move(report);
+    }
     return true;
 }
 

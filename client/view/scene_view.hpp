@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/view/attempt_report.hpp"
 #include "client/view/drop_log.hpp"
 #include "client/view/scene_object.hpp"
 #include "client/view/skinned_surface.hpp"
@@ -33,6 +34,7 @@ class SceneView {
     bool apply(const msg::ProxyState& message);
     bool apply(const msg::LiveMetrics& message);
     bool apply(const msg::SessionStatus& message);
+    bool apply(const msg::AttemptSummary& message);
 
     /// Brings surfaces and tube up to date with the frames and nodes that arrived.
     void update();
@@ -65,6 +67,10 @@ class SceneView {
     /// What commands change, as the server last said, NaN for what it does not say; the defaults before.
     [[nodiscard]] const LiveValues& live() const { return live_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
+    /// How the newest attempt of this run ended.
+    [[nodiscard]] const std::optional<AttemptReport>& attempt_report() const { return attempt_report_; }
+    /// How the whole run ended, once it has.
+    [[nodiscard]] const std::optional<AttemptReport>& run_report() const { return run_report_; }
     /// Newest simulation time [ns] seen on any topic of the scene's state.
     [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
     /// Changes whenever an object of the scene was added or replaced.
@@ -119,6 +125,8 @@ class SceneView {
     std::optional<msg::LiveMetrics> metrics_;
     LiveValues live_;
     std::optional<msg::SessionStatus> status_;
+    std::optional<AttemptReport> attempt_report_;
+    std::optional<AttemptReport> run_report_;
     std::uint64_t simulation_time_ns_ = 0;
     DropLog drops_;
 };

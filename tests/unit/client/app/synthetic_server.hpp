@@ -51,6 +51,7 @@ class SyntheticServer {
         bus::Publisher<msg::ProxyState> proxy(node, bus::topics::proxy);
         bus::Publisher<msg::LiveMetrics> live(node, bus::topics::live_metrics);
         bus::Publisher<msg::SessionStatus> status(node, bus::topics::session_status);
+        bus::Publisher<msg::AttemptSummary> summaries(node, bus::topics::attempt_summary);
         bus::Subscriber<msg::EyePose> eye(node, bus::topics::eye_pose);
         description.publish(scene.description);
         for (const auto& object : scene.objects) {
@@ -68,6 +69,11 @@ class SyntheticServer {
             // The view opens within a second and stays.
             live.publish(metrics(scene, time_ns, static_cast<float>(80.0 * std::min(1.0, time_s_.load()))));
             const bool finished = time_s_ > finish_after_s_ && eyes_ >= finish_after_eyes_;
+            if (finished && !summed_up_) {
+                summaries.publish(summary(1, true, time_ns));
+                summaries.publish(summary(0, true, time_ns));
+                summed_up_ = true;
+            }
             status.publish(synthetic::status(finished ? msg::PHASE_FINISHED : msg::PHASE_RUNNING));
             status.assert_liveliness();
             msg::EyePose pose;
@@ -82,6 +88,7 @@ class SyntheticServer {
 
     double finish_after_s_;
     int finish_after_eyes_;
+    bool summed_up_ = false;
     std::atomic<bool> stopping_{false};
     std::atomic<int> eyes_{0};
     std::atomic<double> time_s_{0.0};

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "common/bus/fluid_state.hpp"
@@ -220,6 +221,9 @@ TEST_F(SceneViewTest, HostileSceneIsDroppedAndCounted) {
     description = scene_.description;
     description.laryngoscope().pop_back();
     expect_refused(view_.apply(description));
+    description = scene_.description;
+    description.scenario("term\x1b[2J");
+    expect_refused(view_.apply(description));
     EXPECT_TRUE(view_.complete()) << "what was there stays";
 }
 
@@ -253,6 +257,39 @@ TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
     auto status = synthetic::status(msg::PHASE_RUNNING);
     status.load(not_a_number);
     expect_refused(view_.apply(status));
+    live = synthetic::metrics(scene_, 5, 10.0f);
+    live.message("two\nlines");
+    expect_refused(view_.apply(live));
+}
+
+TEST_F(SceneViewTest, KeepsHowTheNewestAttemptAndTheRunEnded) {
+    EXPECT_FALSE(view_.attempt_report());
+    ASSERT_TRUE(view_.apply(synthetic::summary(2, true, 30'000'000'000)));
+    // One who joins late gets all of them, in any order.
+    ASSERT_TRUE(view_.apply(synthetic::summary(1, false, 10'000'000'000)));
+    ASSERT_TRUE(view_.apply(synthetic::summary(0, true, 31'000'000'000)));
+    ASSERT_TRUE(view_.attempt_report());
+    EXPECT_EQ(view_.attempt_report()->attempt, 2u);
+    EXPECT_TRUE(view_.attempt_report()->outcome.success);
+    EXPECT_EQ(view_.attempt_report()->outcome.reason, "the tube lies in the trachea");
+    EXPECT_EQ(view_.attempt_report()->parameters.gum_force_mean_n, 1.0);
+    EXPECT_TRUE(std::isnan(view_.attempt_report()->parameters.tube_speed_max_cm_per_s));
+    ASSERT_TRUE(view_.run_report());
+    // A run that begins anew has none.
+    view_.apply(synthetic::deformation(scene_, 60'000'000'000, 0.0f, 0.0f));
+    view_.apply(synthetic::deformation(scene_, 10'000'000, 0.0f, 0.0f));
+    EXPECT_FALSE(view_.attempt_report());
+    EXPECT_FALSE(view_.run_report());
+}
+
+TEST_F(SceneViewTest, HostileSummariesAreDropped) {
+    auto summary = synthetic::summary(1, true, 5);
+    summary.parameters()[3] = std::numeric_limits<double>::infinity();
+    expect_refused(view_.apply(summary));
+    summary = synthetic::summary(1, true, 5);
+    summary.reason("\x07");
+    expect_refused(view_.apply(summary));
+    EXPECT_FALSE(view_.attempt_report());
 }
 
 TEST_F(SceneViewTest, ASceneOfAnotherSizeReplacesTheOld) {
