@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "client/app/controls.hpp"
+
 namespace eti::client {
 namespace {
 
@@ -40,10 +42,16 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string view(options.selection->name);
     std::string size = "960x540";
     bool no_video = false;
+    std::string keys = "Keys in the window:";
+    for (const auto& [key, help] : keys_help(true)) {
+        keys += fmt::format("\n  {:<6} {}", key, help);
+    }
+    app.footer(keys + "\nWith --observe no commands are given.");
     app.set_version_flag("--version", ETI_VERSION);
     app.add_option("--view", view, of_views)->capture_default_str()->check(CLI::IsMember(names));
     app.add_flag("--observe", options.observe,
-                 "Watch only; without it the trainee's line of sight is published");
+                 "Watch only: publishes nothing and gives no commands; without it the trainee's "
+                 "line of sight is published");
     auto* const offscreen = app.add_option("--offscreen", options.offscreen,
                                            "Draw without a display; pictures go into this folder");
     auto* const video =

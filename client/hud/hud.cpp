@@ -84,6 +84,7 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     if (readout.verdict) {
         draw_verdict(list, *readout.verdict, width, height);
     }
+    draw_keys(list, readout, width, height);
     draw_notice(list, readout, width, height);
     ImGui::Render();
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -142,6 +143,26 @@ void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int 
                ImVec2(0.5f * (static_cast<float>(width) - wide),
                       std::max(4.0f, static_cast<float>(height) - 66.0f - high)),
                wide);
+}
+
+// Help in the middle; a notice at the top.
+void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const {
+    const PanelFonts fonts{small_, large_};
+    const float wide = std::min(panel_width, static_cast<float>(width) - 8.0f);
+    const float left = 0.5f * (static_cast<float>(width) - wide);
+    std::vector<PanelLine> lines;
+    for (const auto& [key, help] : readout.keys) {
+        lines.push_back({.text = fmt::format("{:<6} {}", key, help), .value = {}});
+    }
+    if (!lines.empty()) {
+        const float high = panel_height(fonts, lines, wide);
+        draw_panel(list, fonts, lines,
+                   ImVec2(left, std::max(4.0f, 0.5f * (static_cast<float>(height) - high))), wide);
+    }
+    if (!readout.notice.empty()) {
+        const PanelLine line{.text = readout.notice, .value = {}, .colour = amber};
+        draw_panel(list, fonts, {&line, 1}, ImVec2(left, 4.0f), wide);
+    }
 }
 
 void Hud::draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const {

@@ -37,7 +37,9 @@ struct Readout {
     float server_load = 0.0f;          ///< step time over step budget
     float behind_s = 0.0f;             ///< wall clock minus simulation time
     std::string scenario;
-    std::string message;             ///< the server's newest
+    std::string message;  ///< the server's newest
+    std::string notice;   ///< what this client has to say, e.g. of a refused command
+    std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for
     std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };
 

@@ -34,7 +34,7 @@ Camera from_the_eye(const view::SceneView& scene, const Orbit&) {
 const std::array table{
     View{.name = "laryngoscope",
          .key = '3',
-         .help = "under the blade onto the glottis",
+         .help = "under the blade",
          .camera = under_the_blade,
          .lighting = laryngoscope_lighting,
          .background = Vec3f::Zero(),

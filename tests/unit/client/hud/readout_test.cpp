@@ -98,6 +98,33 @@ TEST(Hud, DrawsTheVerdictGreenOrRed) {
     EXPECT_EQ(pixels(picture(verdict), 1), 0);
 }
 
+TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
+    render::HeadlessContext context;
+    render::RenderTarget target(640, 360, 1);
+    hud::Hud overlay;
+    const auto lit_pixels = [&](const hud::Readout& readout) {
+        target.bind_scene();
+        glClearColor(0, 0, 0, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        overlay.draw(readout, {}, 640, 360);
+        const render::Image image = target.read();
+        int lit = 0;
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+            lit += image.rgba[i] > 120 ? 1 : 0;
+        }
+        return lit;
+    };
+    hud::Readout readout;
+    readout.link = hud::Link::running;
+    EXPECT_EQ(lit_pixels(readout), 0);
+    readout.notice = "refused: nothing has moved yet";
+    const int noticed = lit_pixels(readout);
+    // A letter of this font has some 15 lit pixels.
+    EXPECT_GT(noticed, 10 * 26);
+    readout.keys = {{"h ?", "this list"}, {"r", "tissue and tube back to rest"}};
+    EXPECT_GT(lit_pixels(readout), noticed + 10 * 30);
+}
+
 TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
     render::HeadlessContext context;
     render::RenderTarget target(320, 240, 1);
