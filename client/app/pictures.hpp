@@ -22,7 +22,8 @@ void prepare_folder(const std::filesystem::path& folder);
 /// Keeps the scene as it was when the glottis was seen best.
 class BestView {
   public:
-    /// Copies the scene (about a millisecond) when more is seen than ever before by half a per cent.
+    /// Copies the scene (without its rest shapes, which are shared) when more is seen than ever before by
+    /// half a per cent.
     void consider(const view::SceneView& scene);
     [[nodiscard]] const std::optional<view::SceneView>& scene() const { return scene_; }
     [[nodiscard]] float percent() const { return percent_; }

@@ -103,7 +103,10 @@ SceneRenderer::SceneRenderer()
 
 void SceneRenderer::sync(const view::SceneView& scene) {
     meshes_.sync(scene);
-    liquid_.upload(scene.liquid(), scene.liquid_spacing());
+    if (liquid_.revision != scene.liquid_revision()) {
+        liquid_.upload(scene.liquid(), scene.liquid_spacing());
+        liquid_.revision = scene.liquid_revision();
+    }
 }
 
 void SceneRenderer::draw(const View& view, const view::SceneView& scene, const Viewport& viewport,

@@ -53,6 +53,8 @@ class SceneView {
     /// Liquid particles [m] as of the last update(), none while there are no secretions.
     [[nodiscard]] std::span<const Vec3f> liquid() const { return liquid_; }
     [[nodiscard]] float liquid_spacing() const { return liquid_spacing_; }  ///< [m], of particles at rest
+    /// Another whenever liquid() is.
+    [[nodiscard]] std::uint64_t liquid_revision() const { return liquid_revision_; }
     /// Newest landmarks; those of the rest posture until live ones come.
     [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
 
@@ -73,7 +75,7 @@ class SceneView {
     [[nodiscard]] const std::optional<AttemptReport>& run_report() const { return run_report_; }
     /// Newest simulation time [ns] seen on any topic of the scene's state.
     [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
-    /// Changes whenever an object of the scene was added or replaced.
+    /// Another whenever an object of the scene was added or replaced.
     [[nodiscard]] std::uint64_t scene_revision() const { return scene_revision_; }
     [[nodiscard]] std::uint64_t dropped() const { return drops_.count(); }
     [[nodiscard]] std::span<const FramePose> frames() const { return frames_; }
@@ -100,6 +102,7 @@ class SceneView {
 
     std::vector<Vec3f> rest_centres_;
     std::vector<FramePose> frames_;
+    std::vector<FramePose> decoded_;  ///< of the message at hand; empty in between
     std::vector<FrameMap> maps_;
     std::vector<std::uint8_t> moved_;           ///< since the last update()
     std::vector<std::uint64_t> frame_time_ns_;  ///< of the newest update of each frame
@@ -117,6 +120,7 @@ class SceneView {
     std::vector<Vec3f> arriving_;
     std::vector<Vec3f> liquid_;
     float liquid_spacing_ = 0.0f;
+    std::uint64_t liquid_revision_ = 0;
     bool liquid_moved_ = false;
     Landmarks landmarks_ = unseen_landmarks();
     Landmarks rest_landmarks_ = unseen_landmarks();

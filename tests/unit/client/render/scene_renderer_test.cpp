@@ -180,6 +180,24 @@ TEST_F(SceneRendererTest, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
               picture(named("section"), wet, Shading::object_id).rgba);
 }
 
+// As a client does that keeps the scene of the best view: both go on from the same shape, one update each.
+TEST_F(SceneRendererTest, ACopyThatWentItsOwnWayIsDrawnAsItIs) {
+    const View& section = named("section");
+    view::SceneView kept = scene_;
+    kept.apply(synthetic::deformation(source_, 2'000'000, 0.0f, 0.0f));
+    scene_.apply(synthetic::deformation(source_, 2'000'000, 0.006f, 0.02f));
+    kept.update();
+    scene_.update();
+    (void)picture(section, scene_, Shading::lit);
+    const render::Image after_another = picture(section, kept, Shading::lit);
+    render::SceneRenderer fresh;
+    target_.bind_scene();
+    fresh.sync(kept);
+    fresh.draw(section, kept, {0, 0, width, height});
+    target_.resolve();
+    EXPECT_EQ(after_another.rgba, target_.read().rgba);
+}
+
 TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {
     const render::Image plain = picture(named("section"), scene_, Shading::lit);
     render::RenderTarget smooth(width, height, 4);

@@ -72,6 +72,21 @@ TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
     EXPECT_EQ(view_.surfaces().at("spine").revision(), before) << "its frame did not move";
 }
 
+TEST_F(SceneViewTest, ARepeatedStateReshapesNothing) {
+    view_.apply(synthetic::deformation(scene_, 2'000'000, 0.004f, 0.01f));
+    view_.update();
+    const std::uint64_t tongue = view_.surfaces().at("tongue").revision(), tube = view_.tube()->revision();
+    ASSERT_TRUE(view_.apply(synthetic::deformation(scene_, 3'000'000, 0.004f, 0.01f)));
+    view_.update();
+    EXPECT_EQ(view_.surfaces().at("tongue").revision(), tongue);
+    EXPECT_EQ(view_.tube()->revision(), tube);
+    // A late one of another shape is still refused its place.
+    view_.apply(synthetic::deformation(scene_, 2'500'000, 0.001f, 0.02f));
+    view_.update();
+    EXPECT_EQ(view_.surfaces().at("tongue").revision(), tongue);
+    EXPECT_EQ(view_.tube()->revision(), tube);
+}
+
 TEST_F(SceneViewTest, AnOlderChunkDoesNotUndoANewerOne) {
     view_.apply(synthetic::deformation(scene_, 900'000'000, 0.005f, 0.0f));
     EXPECT_TRUE(view_.apply(synthetic::deformation(scene_, 890'000'000, 0.001f, 0.0f)));
