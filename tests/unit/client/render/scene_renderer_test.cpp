@@ -88,6 +88,7 @@ TEST_F(SceneRendererTest, OverviewShowsHeadBladeAndTube) {
 TEST_F(SceneRendererTest, SectionFillsWhatThePlaneCuts) {
     // No tools, nothing lifted: what is cut are ellipses of known area.
     view::SceneView bare;
+    bare.apply(source_.description);
     for (const auto& object : source_.objects) {
         bare.apply(object);
     }

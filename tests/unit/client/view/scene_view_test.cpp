@@ -36,6 +36,8 @@ TEST_F(SceneViewTest, IsCompleteOnlyWithAllObjects) {
         EXPECT_FALSE(view.complete()) << i << " objects";
         EXPECT_TRUE(view.apply(scene_.objects[i]));
     }
+    EXPECT_FALSE(view.complete()) << "the session has not described itself";
+    EXPECT_TRUE(view.apply(scene_.description));
     EXPECT_TRUE(view.complete());
     EXPECT_EQ(view.surfaces().size(), 5u);
     EXPECT_TRUE(view.laryngoscope().has_value());
@@ -47,6 +49,7 @@ TEST_F(SceneViewTest, SceneMayArriveInAnyOrder) {
     for (auto object = scene_.objects.rbegin(); object != scene_.objects.rend(); ++object) {
         EXPECT_TRUE(view.apply(*object));
     }
+    EXPECT_TRUE(view.apply(scene_.description));
     EXPECT_TRUE(view.complete());
     EXPECT_TRUE(view.apply(synthetic::deformation(scene_, 5, 0.004f, 0.0f)));
     view.update();
