@@ -9,27 +9,24 @@
 
 namespace eti::client {
 
-std::string_view name_of(Selection selection) {
-    return selection == Selection::all ? std::string_view("all")
-                                       : render::view_names[static_cast<std::size_t>(selection)];
-}
-
-std::vector<PlacedView> layout(Selection selection, int width, int height) {
-    using render::View;
-    const auto whole = [&](View view) { return PlacedView{view, {name_of(view), 0, 0, width, height}}; };
-    if (selection != Selection::all) {
-        return {whole(static_cast<View>(selection))};
+std::vector<PlacedView> layout(const Views& views, int width, int height) {
+    std::vector<PlacedView> out;
+    const int beside = static_cast<int>(views.size()) - 1;
+    const int left = beside > 0 ? width * 56 / 100 : width;
+    for (int i = 0; i <= beside; ++i) {
+        const render::View* const view = views[static_cast<std::size_t>(i)];
+        if (i == 0) {
+            out.push_back({view, {view->name, 0, 0, left, height}});
+        } else {
+            const int top = height * (i - 1) / beside, bottom = height * i / beside;
+            out.push_back({view, {view->name, left, top, width - left, bottom - top}});
+        }
     }
-    // What the operator sees takes the larger part.
-    const int left = width * 56 / 100;
-    const int top = height / 2;
-    return {{View::laryngoscope, {name_of(View::laryngoscope), 0, 0, left, height}},
-            {View::overview, {name_of(View::overview), left, 0, width - left, top}},
-            {View::section, {name_of(View::section), left, top, width - left, height - top}}};
+    return out;
 }
 
 Compositor::Compositor(int width, int height, int samples)
-    : samples_(samples), target_(width, height, samples) {}
+    : samples_(samples), target_(width, height, samples), times_(render::views().size()) {}
 
 void Compositor::resize(int width, int height) {
     if (width != target_.width() || height != target_.height()) {
@@ -37,22 +34,21 @@ void Compositor::resize(int width, int height) {
     }
 }
 
-void Compositor::draw(Selection selection, const view::SceneView& scene, const hud::Readout& readout,
+void Compositor::draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
                       const render::Orbit& orbit, bool measured) {
-    const auto views = layout(selection, target_.width(), target_.height());
     std::vector<hud::Tile> tiles;
     target_.bind_scene();
     renderer_.sync(scene);
-    for (const PlacedView& placed : views) {
+    for (const PlacedView& placed : layout(views, target_.width(), target_.height())) {
         const auto begin = std::chrono::steady_clock::now();
         const hud::Tile& tile = placed.tile;
         // OpenGL counts rows from below.
-        renderer_.draw(placed.view, scene,
+        renderer_.draw(*placed.view, scene,
                        {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, orbit);
         tiles.push_back(tile);
         if (measured) {
             glFinish();
-            DrawTime& time = times_[static_cast<std::size_t>(placed.view)];
+            DrawTime& time = times_[static_cast<std::size_t>(placed.view - render::views().data())];
             time.sum_ms +=
                 std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
             ++time.frames;

@@ -2,10 +2,10 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "client/app/selection.hpp"
 #include "client/hud/hud.hpp"
 #include "client/hud/readout.hpp"
 #include "client/render/render_target.hpp"
@@ -14,15 +14,13 @@
 
 namespace eti::client {
 
-enum class Selection : std::uint8_t { overview, section, laryngoscope, all };
-[[nodiscard]] std::string_view name_of(Selection selection);
-
-/// The views a selection consists of and where each lies in a picture; pixels from the upper left.
+/// Where a view lies in a picture; pixels from the upper left.
 struct PlacedView {
-    render::View view;
+    const render::View* view;
     hud::Tile tile;
 };
-[[nodiscard]] std::vector<PlacedView> layout(Selection selection, int width, int height);
+/// The first view takes the larger part, the others stand beside it one above the other.
+[[nodiscard]] std::vector<PlacedView> layout(const Views& views, int width, int height);
 
 /// Milliseconds spent drawing a view, waiting for the driver included.
 struct DrawTime {
@@ -36,20 +34,20 @@ class Compositor {
     Compositor(int width, int height, int samples);
 
     /// The picture is then in target(). `measured`: waits after each view to time it.
-    void draw(Selection selection, const view::SceneView& scene, const hud::Readout& readout,
+    void draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
               const render::Orbit& orbit, bool measured);
 
     [[nodiscard]] const render::RenderTarget& target() const { return target_; }
     void resize(int width, int height);
-    /// Indexed by render::View.
-    [[nodiscard]] const std::array<DrawTime, 3>& times() const { return times_; }
+    /// In the order of render::views().
+    [[nodiscard]] const std::vector<DrawTime>& times() const { return times_; }
 
   private:
     int samples_;
     render::RenderTarget target_;
     render::SceneRenderer renderer_;
     hud::Hud hud_;
-    std::array<DrawTime, 3> times_{};
+    std::vector<DrawTime> times_;
 };
 
 /// Samples a pixel that this driver can afford: 1 for software, 4 else.

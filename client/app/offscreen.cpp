@@ -112,7 +112,7 @@ class Offscreen {
             scene_.update();
             take_pictures(scene_, "final");
             if (video_) {
-                compositor_.draw(options_.selection, scene_, readout(), {}, false);
+                compositor_.draw(options_.selection->views, scene_, readout(), {}, false);
                 video_->add(compositor_.target().read(),
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
@@ -136,11 +136,11 @@ class Offscreen {
         for (std::size_t v = 0; v < compositor_.times().size(); ++v) {
             const DrawTime& time = compositor_.times()[v];
             if (time.frames > 0) {
-                times[std::string(render::view_names[v])] = time.sum_ms / static_cast<double>(time.frames);
+                times[std::string(render::views()[v].name)] = time.sum_ms / static_cast<double>(time.frames);
             }
         }
         nlohmann::json report{{"session", options_.bus.session},
-                              {"view", std::string(client::name_of(options_.selection))},
+                              {"view", std::string(options_.selection->name)},
                               {"end", name_of(end_)},
                               {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
                               {"frames", frames_},
@@ -204,7 +204,7 @@ class Offscreen {
             next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         if (video_) {
-            compositor_.draw(options_.selection, scene_, readout(), {}, true);
+            compositor_.draw(options_.selection->views, scene_, readout(), {}, true);
             add_to_video(tick);
             ++drawn_;
         }
@@ -229,7 +229,7 @@ class Offscreen {
 
     void take_pictures(const view::SceneView& scene, std::string_view occasion) {
         const bool live = &scene == &scene_;
-        pictures_.take(compositor_, options_.selection, scene,
+        pictures_.take(compositor_, *options_.selection, scene,
                        live ? readout() : hud::readout_of(scene, false), occasion);
     }
 

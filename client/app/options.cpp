@@ -5,7 +5,11 @@
 #include <CLI/CLI.hpp>
 
 #include <charconv>
-#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "client/app/controls.hpp"
 
 namespace eti::client {
 namespace {
@@ -29,19 +33,25 @@ bool read_size(const std::string& text, int& width, int& height) {
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
     CLI::App app("Shows a running session: the trainee's sight, or with --observe anybody's.", "eti-client");
-    const std::map<std::string, Selection> selections{{"overview", Selection::overview},
-                                                      {"section", Selection::section},
-                                                      {"laryngoscope", Selection::laryngoscope},
-                                                      {"all", Selection::all}};
-    std::string view = "all";
+    std::vector<std::string> names;
+    std::string of_views;
+    for (const Selection& one : selections()) {
+        names.emplace_back(one.name);
+        of_views += fmt::format("{}{}: {}", of_views.empty() ? "" : "; ", one.name, one.help);
+    }
+    std::string view(options.selection->name);
     std::string size = "960x540";
     bool no_video = false;
+    std::string keys = "Keys in the window:";
+    for (const auto& [key, help] : keys_help(true)) {
+        keys += fmt::format("\n  {:<6} {}", key, help);
+    }
+    app.footer(keys + "\nWith --observe no commands are given.");
     app.set_version_flag("--version", ETI_VERSION);
-    app.add_option("--view", view, "overview, section, laryngoscope, or all three side by side")
-        ->capture_default_str()
-        ->check(CLI::IsMember(selections));
+    app.add_option("--view", view, of_views)->capture_default_str()->check(CLI::IsMember(names));
     app.add_flag("--observe", options.observe,
-                 "Watch only; without it the trainee's line of sight is published");
+                 "Watch only: publishes nothing and gives no commands; without it the trainee's "
+                 "line of sight is published");
     auto* const offscreen = app.add_option("--offscreen", options.offscreen,
                                            "Draw without a display; pictures go into this folder");
     auto* const video =
@@ -90,7 +100,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    options.selection = selections.at(view);
+    options.selection = selection_named(view);
     (void)read_size(size, options.width, options.height);
     if (!no_video && options.video.empty() && !options.offscreen.empty() && !options.observe) {
         options.video = options.offscreen / "session.mp4";

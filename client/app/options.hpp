@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "client/app/compositor.hpp"
+#include "client/app/selection.hpp"
 #include "common/bus/bus.hpp"
 
 namespace eti::client {
@@ -15,7 +15,7 @@ namespace eti::client {
 struct Options {
     bus::Options bus{.session = "default", .domain = 0, .name = "eti-client", .profile = {}};
     bool observe = false;  ///< watch only: publishes nothing
-    Selection selection = Selection::all;
+    const Selection* selection = &default_selection();
     std::filesystem::path offscreen;  ///< folder for pictures; empty: a window
     std::filesystem::path video;      ///< empty: none
     double every_s = 5.0;             ///< of simulation time between pictures; 0: only best and last

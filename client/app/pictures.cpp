@@ -54,17 +54,19 @@ void BestView::consider(const view::SceneView& scene) {
     }
 }
 
-void Pictures::take(Compositor& compositor, Selection selection, const view::SceneView& scene,
+void Pictures::take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
                     const hud::Readout& readout, std::string_view occasion) {
-    std::vector<Selection> wanted{selection};
-    if (selection == Selection::all) {
-        wanted = {Selection::overview, Selection::section, Selection::laryngoscope, Selection::all};
-    }
-    for (const Selection one : wanted) {
-        compositor.draw(one, scene, readout, {}, false);
-        const auto file = folder_ / picture_name(name_of(one), occasion, readout.time_s);
+    const auto draw = [&](std::string_view name, const Views& views) {
+        compositor.draw(views, scene, readout, {}, false);
+        const auto file = folder_ / picture_name(name, occasion, readout.time_s);
         render::write_png(compositor.target().read(), file);
         files_.push_back(file);
+    };
+    for (const render::View* view : selection.views) {
+        draw(view->name, {view});
+    }
+    if (selection.views.size() > 1) {
+        draw(selection.name, selection.views);
     }
 }
 

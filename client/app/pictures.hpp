@@ -22,7 +22,8 @@ void prepare_folder(const std::filesystem::path& folder);
 /// Keeps the scene as it was when the glottis was seen best.
 class BestView {
   public:
-    /// Copies the scene (about a millisecond) when more is seen than ever before by half a per cent.
+    /// Copies the scene (without its rest shapes, which are shared) when more is seen than ever before by
+    /// half a per cent.
     void consider(const view::SceneView& scene);
     [[nodiscard]] const std::optional<view::SceneView>& scene() const { return scene_; }
     [[nodiscard]] float percent() const { return percent_; }
@@ -32,13 +33,13 @@ class BestView {
     std::optional<view::SceneView> scene_;
 };
 
-/// Draws pictures of single views, and of all side by side if that is selected, into a folder.
+/// Draws pictures of single views, and of several side by side if that is selected, into a folder.
 class Pictures {
   public:
     explicit Pictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     /// Throws std::runtime_error when a picture cannot be written.
-    void take(Compositor& compositor, Selection selection, const view::SceneView& scene,
+    void take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
               const hud::Readout& readout, std::string_view occasion);
     [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
 

@@ -13,7 +13,8 @@ SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
       fluid_(node, bus::topics::fluid),
       proxy_(node, bus::topics::proxy),
       metrics_(node, bus::topics::live_metrics),
-      status_(node, bus::topics::session_status) {
+      status_(node, bus::topics::session_status),
+      summary_(node, bus::topics::attempt_summary) {
     if (publish_eye) {
         eye_.emplace(node, bus::topics::eye_pose);
     }
@@ -21,33 +22,29 @@ SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
 
 bool SessionInput::take_into(view::SceneView& scene) {
     bool any = false;
-    while (description_.take(description_message_)) {
-        scene.apply(description_message_);
-        any = true;
-    }
-    while (scene_.take(scene_message_)) {
-        scene.apply(scene_message_);
-        any = true;
-    }
-    while (status_.take(status_message_)) {
-        scene.apply(status_message_);
-        any = true;
-    }
-    while (deformation_.take(deformation_message_)) {
-        scene.apply(deformation_message_);
-        any = true;
-    }
-    while (fluid_.take(fluid_message_)) {
-        scene.apply(fluid_message_);
-        any = true;
-    }
-    if (proxy_.take_latest(proxy_message_)) {
-        scene.apply(proxy_message_);
-        any = true;
-    }
-    if (metrics_.take_latest(metrics_message_)) {
-        scene.apply(metrics_message_);
-        any = true;
+    const auto take_all = [&](auto& topic, auto& message) {
+        while (topic.take(message)) {
+            scene.apply(message);
+            any = true;
+        }
+    };
+    const auto take_newest = [&](auto& topic, auto& message) {
+        if (topic.take_latest(message)) {
+            scene.apply(message);
+            any = true;
+        }
+    };
+    take_all(description_, description_message_);
+    take_all(scene_, scene_message_);
+    take_all(status_, status_message_);
+    take_all(deformation_, deformation_message_);
+    take_all(fluid_, fluid_message_);
+    take_newest(proxy_, proxy_message_);
+    take_newest(metrics_, metrics_message_);
+    // After what tells the time: a run that begins anew forgets how the one before ended. Until the session
+    // has described itself they wait, for they come once.
+    if (scene.keys()) {
+        take_all(summary_, summary_message_);
     }
     update_presence();
     return any;

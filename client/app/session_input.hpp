@@ -49,6 +49,7 @@ class SessionInput {
     bus::Subscriber<msg::ProxyState> proxy_;
     bus::Subscriber<msg::LiveMetrics> metrics_;
     bus::Subscriber<msg::SessionStatus> status_;
+    bus::Subscriber<msg::AttemptSummary> summary_;
     std::optional<bus::Publisher<msg::EyePose>> eye_;
     std::uint32_t eye_number_ = 0;
 
@@ -60,6 +61,7 @@ class SessionInput {
     msg::ProxyState proxy_message_;
     msg::LiveMetrics metrics_message_;
     msg::SessionStatus status_message_;
+    msg::AttemptSummary summary_message_;
 
     Presence presence_ = Presence::none;
     std::chrono::steady_clock::time_point presence_since_ = std::chrono::steady_clock::now();

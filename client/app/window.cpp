@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "client/app/command_keys.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::client {
@@ -24,13 +26,17 @@ std::string last_glfw_error() {
     return text != nullptr ? text : "unknown";
 }
 
+char32_t lower(char32_t character) {
+    return character >= U'A' && character <= U'Z' ? character + (U'a' - U'A') : character;
+}
+
 Window& window_of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
 }  // namespace
 
-Window::Window(int width, int height, const std::string& title, Selection selection) : selection_(selection) {
+Window::Window(int width, int height, const std::string& title) {
     if (glfwInit() != GLFW_TRUE) {
         throw std::runtime_error(fmt::format(
             "no window can be opened ({}). Without a display use --offscreen DIR.", last_glfw_error()));
@@ -49,11 +55,12 @@ Window::Window(int width, int height, const std::string& title, Selection select
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     glfwSetWindowUserPointer(window_, this);
-    glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
-        if (action == GLFW_PRESS) {
-            window_of(w).on_key(key);
-        }
+    glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int) {
+        window_of(w).on_key(key, scancode, action);
     });
+    // As characters: where they lie on the keyboard differs between languages.
+    glfwSetCharCallback(window_,
+                        [](GLFWwindow* w, unsigned character) { window_of(w).on_character(character); });
     glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
         if (button == GLFW_MOUSE_BUTTON_LEFT) {
             Window& self = window_of(w);
@@ -98,26 +105,27 @@ int Window::height() const {
     return std::max(height, 64);
 }
 
-void Window::on_key(int key) {
-    switch (key) {
-        case GLFW_KEY_1:
-            selection_ = Selection::overview;
-            break;
-        case GLFW_KEY_2:
-            selection_ = Selection::section;
-            break;
-        case GLFW_KEY_3:
-            selection_ = Selection::laryngoscope;
-            break;
-        case GLFW_KEY_4:
-            selection_ = Selection::all;
-            break;
-        case GLFW_KEY_ESCAPE:
-            glfwSetWindowShouldClose(window_, GLFW_TRUE);
-            break;
-        default:
-            break;
+void Window::on_key(int key, int scancode, int action) {
+    repeating_ = action == GLFW_REPEAT;
+    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) {
+        glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
+    for (const auto& [code, arrow] :
+         {std::pair{GLFW_KEY_LEFT, key_left}, std::pair{GLFW_KEY_UP, key_up},
+          std::pair{GLFW_KEY_RIGHT, key_right}, std::pair{GLFW_KEY_DOWN, key_down}}) {
+        if (key == code) {
+            keys_.push_back({arrow, action != GLFW_RELEASE, repeating_});
+        }
+    }
+    // Characters go down in on_character(), but come up here alone.
+    const char* const name = action == GLFW_RELEASE ? glfwGetKeyName(key, scancode) : nullptr;
+    if (name != nullptr && name[0] > 0 && name[1] == 0) {
+        keys_.push_back({lower(static_cast<unsigned char>(name[0])), false, false});
+    }
+}
+
+void Window::on_character(unsigned character) {
+    keys_.push_back({lower(character), true, repeating_});
 }
 
 void Window::on_drag(double x, double y) {

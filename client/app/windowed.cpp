@@ -5,8 +5,11 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <optional>
 #include <thread>
 
+#include "client/app/compositor.hpp"
+#include "client/app/controls.hpp"
 #include "client/app/session_input.hpp"
 #include "client/app/window.hpp"
 #include "client/render/headless_context.hpp"
@@ -30,27 +33,39 @@ bool lost(const SessionInput& input) {
 
 int run_windowed(const Options& options, nlohmann::json& result) {
     yield_to_others(window_nice);
-    Window window(options.width, options.height, "NeoETI - " + options.bus.session, options.selection);
+    Window window(options.width, options.height, "NeoETI - " + options.bus.session);
     spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);
     SessionInput input(node, !options.observe, !options.observe);
+    std::optional<CommandSender> commands;
+    if (!options.observe) {
+        commands.emplace(node, options.bus.name);
+    }
+    Controls controls(*options.selection, commands ? &*commands : nullptr);
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
                           options.samples > 0 ? options.samples : affordable_samples());
     std::uint64_t frames = 0;
     bool was_lost = false;
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
-        const auto next_frame = std::chrono::steady_clock::now() + shortest_frame;
+        const auto now = std::chrono::steady_clock::now();
+        const auto next_frame = now + shortest_frame;
         window.poll_events();
         input.take_into(scene);
+        for (const KeyEvent& event : window.take_keys()) {
+            event.down ? controls.press(event.key, event.repeated, scene, now)
+                       : controls.release(event.key, now);
+        }
+        controls.tend(now);
         scene.update();
         if (lost(input) != was_lost) {
             was_lost = !was_lost;
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
         compositor.resize(window.width(), window.height());
-        compositor.draw(window.selection(), scene, hud::readout_of(scene, was_lost), window.orbit(),
-                        options.json);
+        hud::Readout readout = hud::readout_of(scene, was_lost);
+        controls.put_into(readout, now);
+        compositor.draw(controls.selection().views, scene, readout, window.orbit(), options.json);
         compositor.target().copy_to_window();
         window.show_frame();
         input.publish_eye(scene);
@@ -58,12 +73,18 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         // A display without vertical sync would have every core drawing the same picture.
         std::this_thread::sleep_until(next_frame);
     }
+    controls.let_go(std::chrono::steady_clock::now());
     result = {{"session", options.bus.session},
-              {"view", std::string(name_of(window.selection()))},
+              {"view", std::string(controls.selection().name)},
               {"end", stop_asked() ? "stopped" : "closed"},
               {"simulation_time_s", 1e-9 * static_cast<double>(scene.simulation_time_ns())},
               {"frames", frames},
               {"messages_dropped", scene.dropped()}};
+    if (commands) {
+        (void)commands->hear();
+        result["commands"] = {
+            {"sent", commands->sent()}, {"accepted", commands->accepted()}, {"refused", commands->refused()}};
+    }
     return 0;
 }
 

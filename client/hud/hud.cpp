@@ -8,18 +8,16 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "client/hud/panel.hpp"
 
 namespace eti::hud {
 namespace {
 
-constexpr ImU32 white = IM_COL32(240, 244, 246, 255);
-constexpr ImU32 grey = IM_COL32(168, 178, 184, 255);
-constexpr ImU32 amber = IM_COL32(245, 178, 60, 255);
-constexpr ImU32 red = IM_COL32(240, 84, 70, 255);
-constexpr ImU32 green = IM_COL32(96, 208, 140, 255);
-constexpr ImU32 shade = IM_COL32(8, 12, 14, 150);
+constexpr float panel_width = 330.0f;
 
 // Full length of the gum force's bar; the mean maxima of Xiao et al. 2020, Table 2, are 3.1-5.3 N.
 constexpr float gum_force_scale_n = 6.0f;
@@ -83,6 +81,10 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     if (!tiles.empty()) {
         draw_numbers(list, readout, tiles.front());
     }
+    if (readout.verdict) {
+        draw_verdict(list, *readout.verdict, width, height);
+    }
+    draw_keys(list, readout, width, height);
     draw_notice(list, readout, width, height);
     ImGui::Render();
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -125,6 +127,42 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
     line(late ? fmt::format("server {:.0f} %, {:.0f} s late", 100.0f * readout.server_load, readout.behind_s)
               : fmt::format("server {:3.0f} %", 100.0f * readout.server_load),
          late ? amber : grey);
+}
+
+// Above the notice, in the middle.
+void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int height) const {
+    std::vector<PanelLine> lines{
+        {.text = verdict.title, .value = {}, .colour = verdict.success ? green : red, .large = true},
+        {.text = verdict.reason, .value = {}}};
+    for (const auto& [label, value] : verdict.numbers) {
+        lines.push_back({.text = label, .value = value, .colour = grey});
+    }
+    const float wide = std::min(panel_width, static_cast<float>(width) - 8.0f);
+    const float high = panel_height({small_, large_}, lines, wide);
+    draw_panel(list, {small_, large_}, lines,
+               ImVec2(0.5f * (static_cast<float>(width) - wide),
+                      std::max(4.0f, static_cast<float>(height) - 66.0f - high)),
+               wide);
+}
+
+// Help in the middle; a notice at the top.
+void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const {
+    const PanelFonts fonts{small_, large_};
+    const float wide = std::min(panel_width, static_cast<float>(width) - 8.0f);
+    const float left = 0.5f * (static_cast<float>(width) - wide);
+    std::vector<PanelLine> lines;
+    for (const auto& [key, help] : readout.keys) {
+        lines.push_back({.text = fmt::format("{:<6} {}", key, help), .value = {}});
+    }
+    if (!lines.empty()) {
+        const float high = panel_height(fonts, lines, wide);
+        draw_panel(list, fonts, lines,
+                   ImVec2(left, std::max(4.0f, 0.5f * (static_cast<float>(height) - high))), wide);
+    }
+    if (!readout.notice.empty()) {
+        const PanelLine line{.text = readout.notice, .value = {}, .colour = amber};
+        draw_panel(list, fonts, {&line, 1}, ImVec2(left, 4.0f), wide);
+    }
 }
 
 void Hud::draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const {

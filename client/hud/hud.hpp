@@ -32,6 +32,8 @@ class Hud {
 
   private:
     void draw_numbers(ImDrawList& list, const Readout& readout, const Tile& tile) const;
+    void draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int height) const;
+    void draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const;
     void draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const;
 
     ImFont* small_ = nullptr;

@@ -2,9 +2,53 @@
 // Copyright the NeoETI authors
 #include "client/hud/readout.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "common/math/units.hpp"
 
 namespace eti::hud {
+namespace {
+
+constexpr double verdict_for_s = 8.0;  // of simulation time
+
+// What is told of an attempt at once; eti-review has the rest.
+constexpr std::array told{&Parameters::time_s, &Parameters::gum_force_max_n,
+                          &Parameters::glottic_opening_max_percent, &Parameters::tube_depth_at_lip_cm,
+                          &Parameters::tube_depth_rule_cm};
+
+Verdict verdict_of(const view::AttemptReport& report) {
+    Verdict verdict;
+    verdict.success = report.outcome.success;
+    verdict.title =
+        fmt::format("{}: {}", report.attempt == 0 ? "session" : fmt::format("attempt {}", report.attempt),
+                    verdict.success ? "success" : "no success");
+    verdict.reason = report.outcome.reason;
+    for (double Parameters::*const one : told) {
+        const auto field = std::ranges::find(parameter_fields, one, &ParameterField::value);
+        const double value = report.parameters.*one;
+        verdict.numbers.emplace_back(field->label,
+                                     std::isnan(value) ? "-" : fmt::format("{:.1f} {}", value, field->unit));
+    }
+    return verdict;
+}
+
+std::optional<Verdict> verdict_now(const view::SceneView& scene, const Readout& readout) {
+    if (readout.link == Link::finished && scene.run_report()) {
+        return verdict_of(*scene.run_report());
+    }
+    const auto& last = scene.attempt_report();
+    if (last && (readout.link == Link::finished ||
+                 readout.time_s - 1e-9 * static_cast<double>(last->ended_ns) < verdict_for_s)) {
+        return verdict_of(*last);
+    }
+    return std::nullopt;
+}
+
+}  // namespace
 
 float blade_depth(const Landmarks& points, const Vec3f& tip) {
     const Vec3f& gum = at(points, Landmark::upper_gum);
@@ -42,6 +86,7 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
         const Vec3f tip = *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip();
         readout.blade_depth_cm = blade_depth(scene.landmarks(), tip) / centimetre;
     }
+    readout.verdict = verdict_now(scene, readout);
     return readout;
 }
 

@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/view/scene_view.hpp"
@@ -11,6 +13,15 @@ namespace eti::hud {
 
 /// Where the connection to the server stands.
 enum class Link { waiting, running, finished, lost };
+
+/// How an attempt or the run ended, in words.
+struct Verdict {
+    std::string title;  ///< "attempt 2: success"
+    bool success = false;
+    std::string reason;
+    /// Label and value with its unit.
+    std::vector<std::pair<std::string, std::string>> numbers;
+};
 
 /// The numbers an instructor watches, as shown over the picture.
 struct Readout {
@@ -27,6 +38,9 @@ struct Readout {
     float behind_s = 0.0f;             ///< wall clock minus simulation time
     std::string scenario;
     std::string message;  ///< the server's newest
+    std::string notice;   ///< what this client has to say, e.g. of a refused command
+    std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for
+    std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };
 
 [[nodiscard]] Readout readout_of(const view::SceneView& scene, bool server_lost);

@@ -91,4 +91,12 @@ Camera laryngoscope_camera(const Landmarks& now) {
     return camera;
 }
 
+Camera eye_camera(const Landmarks& now) {
+    Camera camera = laryngoscope_camera(now);
+    camera.vertical_field = 40.0f * degree;
+    // The laryngoscope's handle comes close.
+    camera.near_plane = 0.03f;
+    return camera;
+}
+
 }  // namespace eti::render

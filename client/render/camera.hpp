@@ -40,7 +40,11 @@ struct Orbit {
 /// From the patient's left onto the mid-sagittal plane, head to the right.
 [[nodiscard]] Camera section_camera(const Landmarks& rest);
 
-/// The examiner's eye: at best_eye(), looking at the glottis, the tongue's side up.
+/// The examiner's eye: at best_eye(), looking at the glottis, the tongue's side up. A close-up: the mouth
+/// fills the picture.
 [[nodiscard]] Camera laryngoscope_camera(const Landmarks& now);
+
+/// The same eye, with as much around what it looks at as a person sees clearly.
+[[nodiscard]] Camera eye_camera(const Landmarks& now);
 
 }  // namespace eti::render

@@ -47,7 +47,7 @@ Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lam
     return lighting;
 }
 
-Lighting section_lighting(const Camera& camera) {
+Lighting section_lighting(const Camera& camera, const std::optional<Light>&) {
     Lighting lighting;
     Light& key = lighting.lights[0];
     key.position = camera.eye + Vec3f(0.0f, -0.25f, 0.12f);

@@ -35,7 +35,8 @@ struct Lighting {
 [[nodiscard]] Light blade_lamp(const RigidTransform& pose, float blade_length);
 
 [[nodiscard]] Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lamp);
-[[nodiscard]] Lighting section_lighting(const Camera& camera);
+/// The cut is lit by the room alone.
+[[nodiscard]] Lighting section_lighting(const Camera& camera, const std::optional<Light>& lamp);
 [[nodiscard]] Lighting laryngoscope_lighting(const Camera& camera, const std::optional<Light>& lamp);
 
 }  // namespace eti::render

@@ -22,6 +22,7 @@ class LiquidSurface {
 
     /// What is to be drawn from now on. `spacing` [m] of particles at rest.
     void upload(std::span<const Vec3f> positions, float spacing);
+    std::uint64_t revision = 0;  ///< of the shape last uploaded
     [[nodiscard]] bool empty() const { return particles_.empty(); }
 
     /// Draws over the bound framebuffer's pixels from (x, y) on, which are not farther than the liquid; after

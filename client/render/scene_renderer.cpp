@@ -12,11 +12,10 @@
 namespace eti::render {
 namespace {
 
-constexpr float cut_plane_x = 0.0f;            // [m], mid-sagittal
-constexpr float cut_reach = 0.4f;              // [m], half of the cap's extent; hides behind the stencil
-constexpr float shadow_radius = 0.15f;         // [m]
-constexpr float glottis_below_centre = 7e-3f;  // [m], in the laryngoscope view
-constexpr float ghost_opacity = 0.22f;         // of tools behind the cut
+constexpr float cut_plane_x = 0.0f;     // [m], mid-sagittal
+constexpr float cut_reach = 0.4f;       // [m], half of the cap's extent; hides behind the stencil
+constexpr float shadow_radius = 0.15f;  // [m]
+constexpr float ghost_opacity = 0.22f;  // of tools behind the cut
 
 const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
 const Eigen::Vector4f keep_right_half(-1.0f, 0.0f, 0.0f, cut_plane_x);
@@ -75,6 +74,7 @@ std::string lit(std::string_view body) {
 }  // namespace
 
 struct SceneRenderer::Frame {
+    const View& view;
     const view::SceneView& scene;
     Camera camera;
     Eigen::Matrix4f view_projection;
@@ -103,60 +103,31 @@ SceneRenderer::SceneRenderer()
 
 void SceneRenderer::sync(const view::SceneView& scene) {
     meshes_.sync(scene);
-    liquid_.upload(scene.liquid(), scene.liquid_spacing());
-}
-
-Camera SceneRenderer::camera(View view, const view::SceneView& scene, const Orbit& orbit) {
-    switch (view) {
-        case View::overview:
-            return overview_camera(scene.landmarks(), orbit,
-                                   std::isfinite(scene.live().table_angle) ? scene.live().table_angle : 0.0f);
-        case View::section:
-            return section_camera(scene.landmarks());
-        case View::laryngoscope:
-            break;
+    if (liquid_.revision != scene.liquid_revision()) {
+        liquid_.upload(scene.liquid(), scene.liquid_spacing());
+        liquid_.revision = scene.liquid_revision();
     }
-    Camera sight = laryngoscope_camera(scene.landmarks());
-    // The gum fills the lower half of the sight line's surroundings; look a little above the glottis.
-    sight.target -= glottis_below_centre * Vec3f::UnitY();
-    return sight;
 }
 
-void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport& viewport,
+void SceneRenderer::draw(const View& view, const view::SceneView& scene, const Viewport& viewport,
                          const Orbit& orbit, Shading shading) {
-    const Camera camera = SceneRenderer::camera(view, scene, orbit);
+    const Camera camera = view.camera(scene, orbit);
     const float aspect = static_cast<float>(viewport.width) / static_cast<float>(viewport.height);
     std::optional<Light> lamp;
     if (scene.laryngoscope_pose() && scene.keys()) {
         lamp = blade_lamp(*scene.laryngoscope_pose(), scene.keys()->laryngoscope().blade_length);
     }
-    Lighting lighting;
-    Vec3f background(0.016f, 0.022f, 0.028f);
-    switch (view) {
-        case View::overview:
-            lighting = overview_lighting(camera, lamp);
-            background = Vec3f(0.035f, 0.065f, 0.075f);
-            break;
-        case View::section:
-            lighting = section_lighting(camera);
-            break;
-        case View::laryngoscope:
-            lighting = laryngoscope_lighting(camera, lamp);
-            background.setZero();
-            break;
-    }
     const bool ids = shading == Shading::object_id;
-    if (ids) {
-        background.setZero();
-    }
-    const Frame frame{scene,
+    const Vec3f background = ids ? Vec3f(Vec3f::Zero()) : view.background;
+    const Frame frame{view,
+                      scene,
                       camera,
                       camera.projection(aspect) * camera.view(),
-                      lighting,
-                      view == View::section ? keep_right_half : no_clipping,
+                      view.lighting(camera, lamp),
+                      view.cut ? keep_right_half : no_clipping,
                       viewport,
                       ids};
-    if (view == View::overview && !ids) {
+    if (view.skin == Skin::shadowed && !ids) {
         draw_shadows(frame);
     }
     if (ids) {
@@ -173,16 +144,20 @@ void SceneRenderer::draw(View view, const view::SceneView& scene, const Viewport
     glDisable(GL_BLEND);
     glClearColor(background.x(), background.y(), background.z(), 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    switch (view) {
-        case View::overview:
-            draw_overview(frame);
-            break;
-        case View::section:
-            draw_section(frame);
-            break;
-        case View::laryngoscope:
-            draw_laryngoscope(frame);
-            break;
+    if (view.cut) {
+        // The cut faces first: they hide most of what lies behind them, all of the bones among it.
+        draw_caps(frame);
+    }
+    draw_skin(frame);
+    draw_tools(frame, 1.0f);
+    draw_liquid(frame);
+    if (view.cut && !ids) {
+        glDepthFunc(GL_GREATER);
+        draw_tools(frame, ghost_opacity);
+        glDepthFunc(GL_LESS);
+    }
+    if (view.vignette && !ids) {
+        draw_vignette(frame);
     }
     glDisable(GL_CULL_FACE);
     glDisable(GL_DEPTH_TEST);
@@ -226,11 +201,35 @@ void SceneRenderer::draw_shadows(const Frame& frame) {
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
 }
 
-void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& program) {
+ShaderProgram& SceneRenderer::skin_program(const Frame& frame) {
+    if (frame.view.skin == Skin::lips_aside) {
+        return frame.ids ? flat_retracted_ : tissue_retracted_;
+    }
+    if (frame.ids) {
+        return flat_;
+    }
+    return frame.view.skin == Skin::shadowed ? tissue_shadowed_ : tissue_;
+}
+
+void SceneRenderer::draw_skin(const Frame& frame) {
+    ShaderProgram& program = skin_program(frame);
     program.use();
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     program.set("view_projection", frame.view_projection);
+    program.set("clip_plane", frame.clip_plane);
     frame.lighting.apply(program, frame.camera.eye);
+    if (frame.view.skin == Skin::lips_aside) {
+        lip_retraction(laryngoscope_camera(frame.scene.landmarks()), frame.scene.landmarks()).apply(program);
+    } else if (frame.view.skin == Skin::shadowed && !frame.ids) {
+        program.set("shadow_map", 0);
+        program.set("shadow_matrix",
+                    ShadowMap::matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
+        glActiveTexture(GL_TEXTURE0);
+        shadow_map_.bind_texture();
+    }
+    if (frame.view.cut) {
+        glEnable(GL_CLIP_DISTANCE0);
+    }
     for (SurfaceMesh& surface : meshes_.surfaces()) {
         if (!surface.bone) {
             if (frame.ids) {
@@ -240,61 +239,19 @@ void SceneRenderer::draw_skin(const Frame& frame, ShaderProgram& program) {
                 surface.blocks.visible(frame.view_projection, frame.camera.eye, frame.clip_plane));
         }
     }
-}
-
-void SceneRenderer::draw_overview(const Frame& frame) {
-    tissue_shadowed_.use();
-    tissue_shadowed_.set("clip_plane", no_clipping);
-    tissue_shadowed_.set("shadow_map", 0);
-    tissue_shadowed_.set("shadow_matrix",
-                         ShadowMap::matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
-    glActiveTexture(GL_TEXTURE0);
-    shadow_map_.bind_texture();
-    flat_.use();
-    flat_.set("clip_plane", no_clipping);
-    draw_skin(frame, frame.ids ? flat_ : tissue_shadowed_);
-    draw_tools(frame, 1.0f);
-    draw_liquid(frame);
-}
-
-void SceneRenderer::draw_laryngoscope(const Frame& frame) {
-    ShaderProgram& program = frame.ids ? flat_retracted_ : tissue_retracted_;
-    program.use();
-    program.set("clip_plane", no_clipping);
-    lip_retraction(laryngoscope_camera(frame.scene.landmarks()), frame.scene.landmarks()).apply(program);
-    draw_skin(frame, program);
-    draw_tools(frame, 1.0f);
-    draw_liquid(frame);
-    if (!frame.ids) {
-        glDisable(GL_DEPTH_TEST);
-        glEnable(GL_BLEND);
-        glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-        vignette_.use();
-        vignette_.set("aspect",
-                      static_cast<float>(frame.viewport.width) / static_cast<float>(frame.viewport.height));
-        glBindVertexArray(no_attributes_.name());
-        glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-        glDisable(GL_BLEND);
-    }
-}
-
-void SceneRenderer::draw_section(const Frame& frame) {
-    for (ShaderProgram* program : {&tissue_, &flat_}) {
-        program->use();
-        program->set("clip_plane", keep_right_half);
-    }
-    // The cut faces first: they hide most of what lies behind them, all of the bones among it.
-    draw_caps(frame);
-    glEnable(GL_CLIP_DISTANCE0);
-    draw_skin(frame, frame.ids ? flat_ : tissue_);
     glDisable(GL_CLIP_DISTANCE0);
-    draw_tools(frame, 1.0f);
-    draw_liquid(frame);
-    if (!frame.ids) {
-        glDepthFunc(GL_GREATER);
-        draw_tools(frame, ghost_opacity);
-        glDepthFunc(GL_LESS);
-    }
+}
+
+void SceneRenderer::draw_vignette(const Frame& frame) {
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+    vignette_.use();
+    vignette_.set("aspect",
+                  static_cast<float>(frame.viewport.width) / static_cast<float>(frame.viewport.height));
+    glBindVertexArray(no_attributes_.name());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    glDisable(GL_BLEND);
 }
 
 void SceneRenderer::draw_caps(const Frame& frame) {
@@ -321,6 +278,7 @@ void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
     glScissor(rim.x, rim.y, rim.width, rim.height);
     flat_.use();
     flat_.set("view_projection", frame.view_projection);
+    flat_.set("clip_plane", frame.clip_plane);
     flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     glEnable(GL_CLIP_DISTANCE0);
     glDisable(GL_CULL_FACE);

@@ -5,22 +5,15 @@
 #include <array>
 #include <cstdint>
 
-#include "client/render/camera.hpp"
-#include "client/render/lighting.hpp"
 #include "client/render/liquid_surface.hpp"
 #include "client/render/scene_meshes.hpp"
 #include "client/render/section_cut.hpp"
 #include "client/render/shader_program.hpp"
 #include "client/render/shadow_map.hpp"
+#include "client/render/view_table.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
-
-enum class View : std::uint8_t { overview, section, laryngoscope };
-inline constexpr std::array<std::string_view, 3> view_names = {"overview", "section", "laryngoscope"};
-[[nodiscard]] constexpr std::string_view name_of(View view) {
-    return view_names[static_cast<std::size_t>(view)];
-}
 
 /// Pixels from the picture's lower left corner.
 struct Viewport {
@@ -46,22 +39,19 @@ class SceneRenderer {
     void sync(const view::SceneView& scene);
 
     /// Draws one view into the bound framebuffer, which has depth and stencil.
-    void draw(View view, const view::SceneView& scene, const Viewport& viewport, const Orbit& orbit = {},
-              Shading shading = Shading::lit);
-
-    [[nodiscard]] static Camera camera(View view, const view::SceneView& scene, const Orbit& orbit);
+    void draw(const View& view, const view::SceneView& scene, const Viewport& viewport,
+              const Orbit& orbit = {}, Shading shading = Shading::lit);
 
   private:
     struct Frame;  // what one draw() needs throughout
-    void draw_overview(const Frame& frame);
-    void draw_section(const Frame& frame);
-    void draw_laryngoscope(const Frame& frame);
-    void draw_skin(const Frame& frame, ShaderProgram& program);
+    [[nodiscard]] ShaderProgram& skin_program(const Frame& frame);
+    void draw_skin(const Frame& frame);
     void draw_caps(const Frame& frame);
     void draw_cap(const Frame& frame, SurfaceMesh& surface);
     void draw_tools(const Frame& frame, float opacity);
     void draw_shadows(const Frame& frame);
     void draw_liquid(const Frame& frame);
+    void draw_vignette(const Frame& frame);
 
     SceneMeshes meshes_;
     ShaderProgram tissue_, tissue_shadowed_, tissue_retracted_, metal_, tube_, flat_, flat_retracted_,

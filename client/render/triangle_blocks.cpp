@@ -43,7 +43,20 @@ TriangleBlocks::TriangleBlocks(std::span<const Triangle> triangles, std::span<co
         triangles_.push_back(triangle);
     }
     for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
-        blocks_.push_back({Vec3f::Zero(), 0.0f, first, std::min(block_size, triangles_.size() - first)});
+        Block block;
+        block.first = first;
+        block.count = std::min(block_size, triangles_.size() - first);
+        // Neighbours share their corners: a vertex belongs to some six triangles.
+        std::vector<std::uint32_t> corners;
+        for (std::size_t t = first; t < first + block.count; ++t) {
+            corners.insert(corners.end(), triangles_[t].begin(), triangles_[t].end());
+        }
+        std::ranges::sort(corners);
+        corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+        block.first_corner = corners_.size();
+        block.corner_count = corners.size();
+        corners_.insert(corners_.end(), corners.begin(), corners.end());
+        blocks_.push_back(block);
     }
 }
 
@@ -51,11 +64,9 @@ void TriangleBlocks::update(std::span<const view::LitVertex> vertices) {
     for (Block& block : blocks_) {
         Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max());
         Vec3f high = -low;
-        for (std::size_t t = block.first; t < block.first + block.count; ++t) {
-            for (const std::uint32_t v : triangles_[t]) {
-                low = low.cwiseMin(vertices[v].position);
-                high = high.cwiseMax(vertices[v].position);
-            }
+        for (const std::uint32_t v : std::span(corners_).subspan(block.first_corner, block.corner_count)) {
+            low = low.cwiseMin(vertices[v].position);
+            high = high.cwiseMax(vertices[v].position);
         }
         block.centre = 0.5f * (low + high);
         block.radius = 0.5f * (high - low).norm();

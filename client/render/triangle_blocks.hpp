@@ -34,7 +34,8 @@ class TriangleBlocks {
     struct Block {
         Vec3f centre = Vec3f::Zero();
         float radius = 0.0f;
-        std::size_t first = 0, count = 0;  // in triangles_
+        std::size_t first = 0, count = 0;                // in triangles_
+        std::size_t first_corner = 0, corner_count = 0;  // in corners_
     };
     struct Seen {
         float distance;
@@ -42,6 +43,7 @@ class TriangleBlocks {
     };
 
     std::vector<Triangle> triangles_;
+    std::vector<std::uint32_t> corners_;  // vertices of each block, each once
     std::vector<Block> blocks_;
     std::vector<Seen> seen_;
     std::vector<Triangle> order_;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/view/text.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/fluid_state.hpp"
 
@@ -32,9 +33,19 @@ std::optional<Quatf> unit_quaternion(float w, float x, float y, float z) {
     return q.normalized();
 }
 
-std::optional<Quatf> rotation_of(const msg::FrameUpdate& update) {
+std::optional<FramePose> pose_of(const msg::FrameUpdate& update) {
     const auto part = [](std::int16_t value) { return static_cast<float>(value) / quaternion_unit; };
-    return unit_quaternion(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
+    const auto rotation =
+        unit_quaternion(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
+    const Vec3f centre(update.x(), update.y(), update.z());
+    if (!rotation || !plausible(centre)) {
+        return std::nullopt;
+    }
+    return FramePose{centre, *rotation};
+}
+
+bool same(const FramePose& a, const FramePose& b) {
+    return a.centre == b.centre && a.rotation.coeffs() == b.rotation.coeffs();
 }
 
 std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
@@ -60,6 +71,9 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     if (!keys) {
         return refuse("eti/session_description", why);
     }
+    if (!printable(message.scenario().to_string()) || !printable(message.description().to_string())) {
+        return refuse("eti/session_description", "a name or description with control characters");
+    }
     keys_ = std::move(keys);
     description_ = message;
     tube_.emplace(keys_->tube());
@@ -68,7 +82,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     if (!live_landmarks_) {
         landmarks_ = rest_landmarks_;
     }
-    ++scene_revision_;
+    scene_revision_ = next_revision();
     return true;
 }
 
@@ -94,7 +108,7 @@ bool SceneView::apply(const msg::SceneDescription& message) {
     }
     std::visit([&](auto&& part) { keep(name, std::move(part)); }, std::move(*object));
     arrived_[name] = message.kind();
-    ++scene_revision_;
+    scene_revision_ = next_revision();
     return true;
 }
 
@@ -150,6 +164,8 @@ void SceneView::note_time(std::uint64_t time_ns) {
         tube_time_ns_ = 0;
         liquid_time_ns_ = 0;
         liquid_chunks_.clear();
+        attempt_report_.reset();
+        run_report_.reset();
         simulation_time_ns_ = time_ns;
     }
     simulation_time_ns_ = std::max(simulation_time_ns_, time_ns);
@@ -161,13 +177,16 @@ bool SceneView::apply(const msg::DeformationState& message) {
     }
     // Before the frames' rest centres are known a chunk means nothing; the slow refresh repeats it.
     const bool usable = !rest_centres_.empty();
+    decoded_.clear();
     for (const msg::FrameUpdate& update : message.frames()) {
         if (usable && update.frame() >= frames_.size()) {
             return refuse("eti/deformation", fmt::format("frame {} of {}", update.frame(), frames_.size()));
         }
-        if (!rotation_of(update) || !plausible({update.x(), update.y(), update.z()})) {
+        const auto pose = pose_of(update);
+        if (!pose) {
             return refuse("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
         }
+        decoded_.push_back(*pose);
     }
     for (const msg::Vec3& node : message.tube_nodes()) {
         if (!plausible(vector_of(node))) {
@@ -181,21 +200,31 @@ bool SceneView::apply(const msg::DeformationState& message) {
     note_time(time);
     if (!message.tube_nodes().empty() && time >= tube_time_ns_) {
         tube_time_ns_ = time;
-        tube_nodes_.clear();
-        for (const msg::Vec3& node : message.tube_nodes()) {
-            tube_nodes_.push_back(vector_of(node));
+        const auto same_node = [](const Vec3f& known, const msg::Vec3& node) {
+            return known == vector_of(node);
+        };
+        // Each state repeats the nodes of a tube at rest.
+        if (!std::ranges::equal(tube_nodes_, message.tube_nodes(), same_node)) {
+            tube_nodes_.clear();
+            for (const msg::Vec3& node : message.tube_nodes()) {
+                tube_nodes_.push_back(vector_of(node));
+            }
+            tube_moved_ = true;
         }
-        tube_moved_ = true;
     }
     if (!usable) {
         return true;
     }
-    for (const msg::FrameUpdate& update : message.frames()) {
-        const std::size_t f = update.frame();
+    for (std::size_t i = 0; i < decoded_.size(); ++i) {
+        const std::size_t f = message.frames()[i].frame();
         // Datagrams may overtake each other; an older pose never replaces a newer one.
-        if (time >= frame_time_ns_[f]) {
-            frame_time_ns_[f] = time;
-            frames_[f] = {{update.x(), update.y(), update.z()}, *rotation_of(update)};
+        if (time < frame_time_ns_[f]) {
+            continue;
+        }
+        frame_time_ns_[f] = time;
+        // The slow refresh repeats what is known.
+        if (!same(frames_[f], decoded_[i])) {
+            frames_[f] = decoded_[i];
             moved_[f] = 1;
             any_moved_ = true;
         }
@@ -251,6 +280,9 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!std::ranges::all_of(message.live(), [](float value) { return std::isfinite(value); })) {
         return refuse("eti/live_metrics", "a value that lives is not finite");
     }
+    if (!printable(message.message().to_string())) {
+        return refuse("eti/live_metrics", "a message with control characters");
+    }
     note_time(message.header().simulation_time_ns());
     landmarks_ = *points;
     live_landmarks_ = true;
@@ -264,6 +296,25 @@ bool SceneView::apply(const msg::SessionStatus& message) {
         return refuse("eti/session_status", "load or delay is not finite");
     }
     status_ = message;
+    return true;
+}
+
+bool SceneView::apply(const msg::AttemptSummary& message) {
+    if (!keys_) {
+        return false;
+    }
+    std::string why;
+    auto report = decode(message, *keys_, why);
+    if (!report) {
+        return refuse("eti/attempt_summary", fmt::format("attempt {}: {}", message.attempt(), why));
+    }
+    // The bus keeps one of each attempt, and who joins late gets them all. Their time is of no use here: it
+    // lies in the past.
+    if (report->attempt == 0) {
+        run_report_ = std::move(report);
+    } else if (!attempt_report_ || report->attempt >= attempt_report_->attempt) {
+        attempt_report_ = std::move(report);
+    }
     return true;
 }
 
@@ -285,6 +336,7 @@ void SceneView::update() {
         for (const LiquidChunk& chunk : liquid_chunks_) {
             liquid_.insert(liquid_.end(), chunk.positions.begin(), chunk.positions.end());
         }
+        liquid_revision_ = next_revision();
         liquid_moved_ = false;
     }
     if (tube_moved_ && tube_) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/view/attempt_report.hpp"
 #include "client/view/drop_log.hpp"
 #include "client/view/scene_object.hpp"
 #include "client/view/skinned_surface.hpp"
@@ -33,6 +34,7 @@ class SceneView {
     bool apply(const msg::ProxyState& message);
     bool apply(const msg::LiveMetrics& message);
     bool apply(const msg::SessionStatus& message);
+    bool apply(const msg::AttemptSummary& message);
 
     /// Brings surfaces and tube up to date with the frames and nodes that arrived.
     void update();
@@ -51,6 +53,8 @@ class SceneView {
     /// Liquid particles [m] as of the last update(), none while there are no secretions.
     [[nodiscard]] std::span<const Vec3f> liquid() const { return liquid_; }
     [[nodiscard]] float liquid_spacing() const { return liquid_spacing_; }  ///< [m], of particles at rest
+    /// Another whenever liquid() is.
+    [[nodiscard]] std::uint64_t liquid_revision() const { return liquid_revision_; }
     /// Newest landmarks; those of the rest posture until live ones come.
     [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
 
@@ -65,9 +69,13 @@ class SceneView {
     /// What commands change, as the server last said, NaN for what it does not say; the defaults before.
     [[nodiscard]] const LiveValues& live() const { return live_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
+    /// How the newest attempt of this run ended.
+    [[nodiscard]] const std::optional<AttemptReport>& attempt_report() const { return attempt_report_; }
+    /// How the whole run ended, once it has.
+    [[nodiscard]] const std::optional<AttemptReport>& run_report() const { return run_report_; }
     /// Newest simulation time [ns] seen on any topic of the scene's state.
     [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
-    /// Changes whenever an object of the scene was added or replaced.
+    /// Another whenever an object of the scene was added or replaced.
     [[nodiscard]] std::uint64_t scene_revision() const { return scene_revision_; }
     [[nodiscard]] std::uint64_t dropped() const { return drops_.count(); }
     [[nodiscard]] std::span<const FramePose> frames() const { return frames_; }
@@ -94,6 +102,7 @@ class SceneView {
 
     std::vector<Vec3f> rest_centres_;
     std::vector<FramePose> frames_;
+    std::vector<FramePose> decoded_;  ///< of the message at hand; empty in between
     std::vector<FrameMap> maps_;
     std::vector<std::uint8_t> moved_;           ///< since the last update()
     std::vector<std::uint64_t> frame_time_ns_;  ///< of the newest update of each frame
@@ -111,6 +120,7 @@ class SceneView {
     std::vector<Vec3f> arriving_;
     std::vector<Vec3f> liquid_;
     float liquid_spacing_ = 0.0f;
+    std::uint64_t liquid_revision_ = 0;
     bool liquid_moved_ = false;
     Landmarks landmarks_ = unseen_landmarks();
     Landmarks rest_landmarks_ = unseen_landmarks();
@@ -119,6 +129,8 @@ class SceneView {
     std::optional<msg::LiveMetrics> metrics_;
     LiveValues live_;
     std::optional<msg::SessionStatus> status_;
+    std::optional<AttemptReport> attempt_report_;
+    std::optional<AttemptReport> run_report_;
     std::uint64_t simulation_time_ns_ = 0;
     DropLog drops_;
 };

@@ -7,12 +7,29 @@
 
 namespace eti::view {
 
-void skin_vertices(const SurfaceModel& model, std::span<const FrameMap> frames,
-                   std::span<LitVertex> vertices) {
-    for (std::size_t v = 0; v < vertices.size(); ++v) {
-        vertices[v].position = skin_point(model.mesh.vertices[v], model.skin[v], frames);
-    }
+namespace {
+
+Vec3f unit(const Vec3f& normal) {
+    const float length = normal.norm();
+    // Lengths are areas [m^2]; triangles of a tenth of a millimetre still give 1e-8.
+    return length > 1e-20f ? Vec3f(normal / length) : Vec3f::UnitZ();
 }
+
+// Entries without weight name a frame that has some, so that whoever asks whether a frame of a vertex has
+// moved need not look at weights.
+std::shared_ptr<const SurfaceModel> with_used_frames(SurfaceModel model) {
+    for (SkinWeights& skin : model.skin) {
+        const auto heaviest = std::ranges::max_element(skin.weight) - skin.weight.begin();
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (!(skin.weight[k] > 0.0f)) {
+                skin.frame[k] = skin.frame[static_cast<std::size_t>(heaviest)];
+            }
+        }
+    }
+    return std::make_shared<const SurfaceModel>(std::move(model));
+}
+
+}  // namespace
 
 void recompute_normals(std::span<const Triangle> triangles, std::span<LitVertex> vertices) {
     for (LitVertex& vertex : vertices) {
@@ -28,20 +45,19 @@ void recompute_normals(std::span<const Triangle> triangles, std::span<LitVertex>
         c.normal += doubled_area;
     }
     for (LitVertex& vertex : vertices) {
-        const float length = vertex.normal.norm();
-        // Lengths are areas [m^2]; triangles of a tenth of a millimetre still give 1e-8.
-        vertex.normal = length > 1e-20f ? Vec3f(vertex.normal / length) : Vec3f::UnitZ();
+        vertex.normal = unit(vertex.normal);
     }
 }
 
 SkinnedSurface::SkinnedSurface(SurfaceModel model)
-    : model_(std::move(model)), vertices_(model_.mesh.vertices.size()) {
-    std::vector<std::uint8_t> carries(std::size_t{model_.highest_frame} + 1, 0);
-    for (const SkinWeights& skin : model_.skin) {
-        for (std::size_t k = 0; k < 4; ++k) {
-            if (skin.weight[k] > 0.0f) {
-                carries[skin.frame[k]] = 1;
-            }
+    : model_(with_used_frames(std::move(model))),
+      vertices_(model_->mesh.vertices.size()),
+      moved_(vertices_.size()),
+      tilted_(vertices_.size()) {
+    std::vector<std::uint8_t> carries(std::size_t{model_->highest_frame} + 1, 0);
+    for (const SkinWeights& skin : model_->skin) {
+        for (const std::uint16_t frame : skin.frame) {
+            carries[frame] = 1;
         }
     }
     for (std::size_t f = 0; f < carries.size(); ++f) {
@@ -50,9 +66,9 @@ SkinnedSurface::SkinnedSurface(SurfaceModel model)
         }
     }
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
-        vertices_[v].position = model_.mesh.vertices[v];
+        vertices_[v].position = model_->mesh.vertices[v];
     }
-    recompute_normals(model_.mesh.triangles, vertices_);
+    recompute_normals(model_->mesh.triangles, vertices_);
 }
 
 bool SkinnedSurface::update(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved) {
@@ -61,10 +77,55 @@ bool SkinnedSurface::update(std::span<const FrameMap> frames, std::span<const st
     if (!stale) {
         return false;
     }
-    skin_vertices(model_, frames, vertices_);
-    recompute_normals(model_.mesh.triangles, vertices_);
-    ++revision_;
+    skin_moved(frames, moved);
+    renew_normals();
+    revision_ = next_revision();
     return true;
+}
+
+void SkinnedSurface::skin_moved(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved) {
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        const SkinWeights& skin = model_->skin[v];
+        moved_[v] = static_cast<std::uint8_t>(moved[skin.frame[0]] | moved[skin.frame[1]] |
+                                              moved[skin.frame[2]] | moved[skin.frame[3]]);
+        if (moved_[v] != 0) {
+            vertices_[v].position = skin_point(model_->mesh.vertices[v], skin, frames);
+        }
+    }
+}
+
+// Of those vertices alone that have a moved triangle; each sums over all of its triangles in their order, as
+// recompute_normals() does, so that the bits are the same.
+void SkinnedSurface::renew_normals() {
+    std::ranges::fill(tilted_, std::uint8_t{0});
+    for (const auto& [a, b, c] : model_->mesh.triangles) {
+        if ((moved_[a] | moved_[b] | moved_[c]) != 0) {
+            tilted_[a] = tilted_[b] = tilted_[c] = 1;
+        }
+    }
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        if (tilted_[v] != 0) {
+            vertices_[v].normal.setZero();
+        }
+    }
+    for (const Triangle& triangle : model_->mesh.triangles) {
+        const auto [a, b, c] = triangle;
+        if ((tilted_[a] | tilted_[b] | tilted_[c]) == 0) {
+            continue;
+        }
+        const Vec3f& origin = vertices_[a].position;
+        const Vec3f doubled_area = (vertices_[b].position - origin).cross(vertices_[c].position - origin);
+        for (const std::uint32_t v : triangle) {
+            if (tilted_[v] != 0) {
+                vertices_[v].normal += doubled_area;
+            }
+        }
+    }
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        if (tilted_[v] != 0) {
+            vertices_[v].normal = unit(vertices_[v].normal);
+        }
+    }
 }
 
 }  // namespace eti::view

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "client/view/revision.hpp"
 #include "client/view/scene_object.hpp"
 #include "common/math/transform.hpp"
 
@@ -17,10 +19,6 @@ struct LitVertex {
     Vec3f normal = Vec3f::UnitZ();
 };
 
-/// Linear blend skinning of all of a surface's vertices; `vertices` has one per rest vertex.
-void skin_vertices(const SurfaceModel& model, std::span<const FrameMap> frames,
-                   std::span<LitVertex> vertices);
-
 /// Area-weighted vertex normals from the current positions.
 void recompute_normals(std::span<const Triangle> triangles, std::span<LitVertex> vertices);
 
@@ -29,19 +27,25 @@ class SkinnedSurface {
   public:
     explicit SkinnedSurface(SurfaceModel model);
 
-    /// Reshapes the surface when a frame that carries it has moved; true when it did.
+    /// Reshapes what is carried by frames that have moved, bit for bit as if all were; true when there was
+    /// any.
     bool update(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved);
 
-    [[nodiscard]] const SurfaceModel& model() const { return model_; }
+    [[nodiscard]] const SurfaceModel& model() const { return *model_; }
     [[nodiscard]] std::span<const LitVertex> vertices() const { return vertices_; }
-    /// Counts reshapings, so that a copy elsewhere knows whether it is current.
+    /// Another after each reshaping, so that a copy elsewhere knows whether it is current.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   private:
-    SurfaceModel model_;
-    std::vector<std::uint16_t> carriers_;  ///< the frames that carry any vertex
+    void skin_moved(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved);
+    void renew_normals();
+
+    std::shared_ptr<const SurfaceModel> model_;  // which copies of the surface share
+    std::vector<std::uint16_t> carriers_;        // the frames that carry any vertex
     std::vector<LitVertex> vertices_;
-    std::uint64_t revision_ = 1;
+    std::vector<std::uint8_t> moved_;  // by vertex, in the last update
+    std::vector<std::uint8_t> tilted_;
+    std::uint64_t revision_ = next_revision();
 };
 
 }  // namespace eti::view

@@ -125,6 +125,22 @@ std::array<Ring, TubeSweep::rings> profile(const Tube& tube, float length) {
     return result;
 }
 
+/// Where a side of a ring lies.
+struct Direction {
+    float around;  // turns
+    float cosine, sine;
+};
+
+std::array<Direction, TubeSweep::sides> directions() {
+    std::array<Direction, TubeSweep::sides> out{};
+    for (int side = 0; side < TubeSweep::sides; ++side) {
+        const float around = static_cast<float>(side) / TubeSweep::sides;
+        const float angle = 2.0f * std::numbers::pi_v<float> * around;
+        out[static_cast<std::size_t>(side)] = {around, std::cos(angle), std::sin(angle)};
+    }
+    return out;
+}
+
 std::vector<Triangle> wall_triangles() {
     constexpr std::uint32_t sides = TubeSweep::sides;
     constexpr std::uint32_t rings = TubeSweep::rings;
@@ -160,19 +176,26 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
     }
     const float length = curve.back().arc;
     const auto outline = profile(tube_, length);
+    static const auto around_ring = directions();
     const float setback_zone = std::min(4.0f * tube_.outer_radius(), length);
     std::size_t index = 0;
     const auto sweep_ring = [&](const Ring& ring, float radius, float outward) {
+        const float near_tip = std::max(0.0f, 1.0f - (length - ring.arc) / setback_zone);
+        CurvePoint centre = at_arc(curve, ring.arc);
+        Vec3f left = centre.across.cross(centre.tangent);
         for (int side = 0; side < sides; ++side, ++index) {
-            const float around = static_cast<float>(side) / sides;
-            const float angle = 2.0f * std::numbers::pi_v<float> * around;
-            const float leftness = 0.5f * (1.0f + std::sin(angle));
-            const float near_tip = std::max(0.0f, 1.0f - (length - ring.arc) / setback_zone);
-            const float arc = ring.arc - near_tip * leftness * 2.0f * bevel_slope * radius;
-            const CurvePoint centre = at_arc(curve, arc);
-            const Vec3f left = centre.across.cross(centre.tangent);
-            const Vec3f radial = std::cos(angle) * centre.across + std::sin(angle) * left;
-            vertices_[index] = {centre.position + radius * radial, outward * radial, length - arc, around};
+            const Direction& direction = around_ring[static_cast<std::size_t>(side)];
+            float arc = ring.arc;
+            // The bevel sets back the left side; elsewhere a ring has one centre.
+            if (near_tip > 0.0f) {
+                const float leftness = 0.5f * (1.0f + direction.sine);
+                arc -= near_tip * leftness * 2.0f * bevel_slope * radius;
+                centre = at_arc(curve, arc);
+                left = centre.across.cross(centre.tangent);
+            }
+            const Vec3f radial = direction.cosine * centre.across + direction.sine * left;
+            vertices_[index] = {centre.position + radius * radial, outward * radial, length - arc,
+                                direction.around};
         }
     };
     for (const Ring& ring : outline) {
@@ -181,7 +204,7 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
     for (auto ring = outline.rbegin(); ring != outline.rend(); ++ring) {
         sweep_ring(*ring, tube_.inner_radius(), -1.0f);
     }
-    ++revision_;
+    revision_ = next_revision();
     return true;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "client/view/revision.hpp"
 #include "common/math/transform.hpp"
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/tools.hpp"

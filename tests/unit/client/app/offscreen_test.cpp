@@ -6,11 +6,13 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -75,9 +77,9 @@ TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
     SyntheticServer server(2.5);
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     EXPECT_EQ(result_["end"], "finished");
-    EXPECT_EQ(pictures("laryngoscope_final").size(), 1u);
-    EXPECT_EQ(pictures("overview_final").size(), 1u);
-    EXPECT_EQ(pictures("section_final").size(), 1u);
+    for (const render::View* view : options_.selection->views) {
+        EXPECT_EQ(pictures(std::string(view->name) + "_final").size(), 1u) << view->name;
+    }
     EXPECT_EQ(pictures("all_final").size(), 1u);
     ASSERT_EQ(pictures("laryngoscope_best").size(), 1u);
     // The full view stands from 1 s on; a copy is taken once half a per cent more is seen.
@@ -111,7 +113,7 @@ TEST_F(OffscreenTest, TraineePublishesTheExaminersEye) {
 TEST_F(OffscreenTest, ObserverPublishesNothing) {
     SyntheticServer server(1.5);
     options_.observe = true;
-    options_.selection = client::Selection::section;
+    options_.selection = client::selection_named("section");
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     server.stop();
     EXPECT_EQ(server.eyes(), 0);
@@ -198,15 +200,38 @@ TEST(PictureName, SortsByTimeAndSaysTheOccasion) {
 }
 
 TEST(Layout, TilesCoverThePictureWithoutOverlap) {
-    for (const auto& [width, height] : {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}}) {
-        int area = 0;
-        for (const auto& placed : client::layout(client::Selection::all, width, height)) {
-            EXPECT_GE(placed.tile.x, 0);
-            EXPECT_LE(placed.tile.x + placed.tile.width, width);
-            EXPECT_LE(placed.tile.y + placed.tile.height, height);
-            area += placed.tile.width * placed.tile.height;
+    for (const client::Selection& selection : client::selections()) {
+        for (const auto& [width, height] : {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}}) {
+            // Each pixel belongs to one tile.
+            std::vector<int> covered(static_cast<std::size_t>(width * height), 0);
+            for (const auto& [view, tile] : client::layout(selection.views, width, height)) {
+                ASSERT_GE(tile.x, 0);
+                ASSERT_GE(tile.y, 0);
+                ASSERT_LE(tile.x + tile.width, width);
+                ASSERT_LE(tile.y + tile.height, height);
+                for (int y = tile.y; y < tile.y + tile.height; ++y) {
+                    for (int x = tile.x; x < tile.x + tile.width; ++x) {
+                        ++covered[static_cast<std::size_t>(y * width + x)];
+                    }
+                }
+            }
+            EXPECT_EQ(std::ranges::count(covered, 1), width * height) << selection.name;
         }
-        EXPECT_EQ(area, width * height);
+    }
+}
+
+TEST(Selections, EachHasANameAndAKeyOfItsOwn) {
+    std::set<std::string_view> names;
+    std::set<char> keys;
+    for (const client::Selection& one : client::selections()) {
+        EXPECT_TRUE(names.insert(one.name).second) << one.name;
+        EXPECT_TRUE(keys.insert(one.key).second) << one.name << " has another's key";
+        EXPECT_FALSE(one.help.empty()) << one.name;
+        EXPECT_EQ(client::selection_named(one.name), &one);
+        EXPECT_EQ(client::selection_of_key(one.key), &one);
+    }
+    for (const render::View& view : render::views()) {
+        EXPECT_TRUE(names.contains(view.name));
     }
 }
 

@@ -22,7 +22,7 @@ TEST(Options, AnOffscreenTraineeMakesAVideoAndAnObserverDoesNot) {
     client::Options trainee;
     ASSERT_FALSE(parse({"--offscreen", "pics"}, trainee));
     EXPECT_EQ(trainee.video, "pics/session.mp4");
-    EXPECT_EQ(trainee.selection, client::Selection::all);
+    EXPECT_EQ(trainee.selection, &client::default_selection());
     client::Options observer;
     ASSERT_FALSE(parse({"--offscreen", "pics", "--observe"}, observer));
     EXPECT_TRUE(observer.video.empty());
@@ -37,7 +37,7 @@ TEST(Options, ReadsSizeAndView) {
         parse({"--size", "1280x720", "--view", "laryngoscope", "--session", "a", "--domain", "7"}, options));
     EXPECT_EQ(options.width, 1280);
     EXPECT_EQ(options.height, 720);
-    EXPECT_EQ(options.selection, client::Selection::laryngoscope);
+    EXPECT_EQ(options.selection, client::selection_named("laryngoscope"));
     EXPECT_EQ(options.bus.session, "a");
     EXPECT_EQ(options.bus.domain, 7);
 }

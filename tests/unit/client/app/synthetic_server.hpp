@@ -7,10 +7,16 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/convert.hpp"
+#include "common/model/live.hpp"
 #include "synthetic_scene.hpp"
 #include "tests/support/bus_domain.hpp"
 
@@ -39,6 +45,14 @@ class SyntheticServer {
     [[nodiscard]] double time_s() const { return time_s_; }
     [[nodiscard]] int eyes() const { return eyes_; }
     [[nodiscard]] Vec3f eye() const { return last_eye_; }
+    /// Those that came so far, as "name value".
+    [[nodiscard]] std::vector<std::string> commands() const {
+        const std::scoped_lock lock(mutex_);
+        return commands_;
+    }
+    /// It refuses this one and carries out the others at once.
+    static constexpr const char* refused = "reset";
+    static constexpr const char* reason = "nothing has moved yet";
 
   private:
     void run() {
@@ -51,6 +65,9 @@ class SyntheticServer {
         bus::Publisher<msg::ProxyState> proxy(node, bus::topics::proxy);
         bus::Publisher<msg::LiveMetrics> live(node, bus::topics::live_metrics);
         bus::Publisher<msg::SessionStatus> status(node, bus::topics::session_status);
+        bus::Publisher<msg::AttemptSummary> summaries(node, bus::topics::attempt_summary);
+        bus::Subscriber<msg::Command> commands(node, bus::topics::command);
+        bus::Publisher<msg::CommandResult> answers(node, bus::topics::command_result);
         bus::Subscriber<msg::EyePose> eye(node, bus::topics::eye_pose);
         description.publish(scene.description);
         for (const auto& object : scene.objects) {
@@ -66,8 +83,19 @@ class SyntheticServer {
             slow.publish(deformation(scene, time_ns, lift, 0.01f));
             proxy.publish(synthetic::proxy(scene, time_ns));
             // The view opens within a second and stays.
-            live.publish(metrics(scene, time_ns, static_cast<float>(80.0 * std::min(1.0, time_s_.load()))));
+            auto measured = metrics(scene, time_ns, static_cast<float>(80.0 * std::min(1.0, time_s_.load())));
+            bus::put_live(live_, measured);
+            live.publish(measured);
+            msg::Command command;
+            while (commands.take(command)) {
+                answers.publish(carry_out(command));
+            }
             const bool finished = time_s_ > finish_after_s_ && eyes_ >= finish_after_eyes_;
+            if (finished && !summed_up_) {
+                summaries.publish(summary(1, true, time_ns));
+                summaries.publish(summary(0, true, time_ns));
+                summed_up_ = true;
+            }
             status.publish(synthetic::status(finished ? msg::PHASE_FINISHED : msg::PHASE_RUNNING));
             status.assert_liveliness();
             msg::EyePose pose;
@@ -80,8 +108,29 @@ class SyntheticServer {
         }
     }
 
+    msg::CommandResult carry_out(const msg::Command& command) {
+        const std::string name = command.name().to_string();
+        {
+            const std::scoped_lock lock(mutex_);
+            commands_.push_back(fmt::format("{} {:.3f}", name, command.value()));
+        }
+        if (const LiveField* const field = live_field(name)) {
+            live_.*field->value = command.value();
+        }
+        msg::CommandResult answer;
+        answer.recipient(command.sender());
+        answer.id(command.id());
+        answer.accepted(name != refused);
+        answer.reason(name == refused ? reason : "");
+        return answer;
+    }
+
     double finish_after_s_;
     int finish_after_eyes_;
+    bool summed_up_ = false;
+    LiveValues live_;
+    mutable std::mutex mutex_;
+    std::vector<std::string> commands_;
     std::atomic<bool> stopping_{false};
     std::atomic<int> eyes_{0};
     std::atomic<double> time_s_{0.0};

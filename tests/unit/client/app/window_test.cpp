@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <epoxy/gl.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "client/app/command_keys.hpp"
+#include "client/app/compositor.hpp"
 #include "client/app/window.hpp"
 #include "client/app/windowed.hpp"
 #include "common/process/stop_signal.hpp"
@@ -23,7 +27,7 @@ TEST(Window, SaysWhatToDoWithoutADisplay) {
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
     try {
-        const client::Window window(320, 240, "test", client::Selection::all);
+        const client::Window window(320, 240, "test");
         FAIL() << "a window without a display";
     } catch (const std::runtime_error& error) {
         EXPECT_NE(std::string(error.what()).find("--offscreen"), std::string::npos) << error.what();
@@ -33,11 +37,12 @@ TEST(Window, SaysWhatToDoWithoutADisplay) {
 TEST(Window, ShowsTheSceneThatWasDrawn) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::Window window(320, 240, "test", client::Selection::all);
+    client::Window window(320, 240, "test");
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     client::Compositor compositor(window.width(), window.height(), 1);
-    compositor.draw(window.selection(), scene, hud::readout_of(scene, false), window.orbit(), false);
+    compositor.draw(client::default_selection().views, scene, hud::readout_of(scene, false), window.orbit(),
+                    false);
     compositor.target().copy_to_window();
     // What the window is about to show, read from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);
@@ -60,6 +65,32 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
     window.show_frame();
     window.poll_events();
     EXPECT_TRUE(window.open());
+}
+
+TEST(Window, KeepsKeysUntilTheyAreTaken) {
+    const test::VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::Window window(320, 240, "test");
+    // As the window system calls them.
+    GLFWwindow* const native = glfwGetCurrentContext();
+    const GLFWkeyfun on_key = glfwSetKeyCallback(native, nullptr);
+    const GLFWcharfun on_character = glfwSetCharCallback(native, nullptr);
+    on_key(native, GLFW_KEY_UP, 0, GLFW_PRESS, 0);
+    on_key(native, GLFW_KEY_UP, 0, GLFW_REPEAT, 0);
+    on_key(native, GLFW_KEY_UP, 0, GLFW_RELEASE, 0);
+    on_key(native, GLFW_KEY_S, glfwGetKeyScancode(GLFW_KEY_S), GLFW_PRESS, 0);
+    on_character(native, U'S');
+    on_key(native, GLFW_KEY_S, glfwGetKeyScancode(GLFW_KEY_S), GLFW_RELEASE, 0);
+    const std::vector<client::KeyEvent> keys = window.take_keys();
+    ASSERT_EQ(keys.size(), 5u);
+    EXPECT_TRUE(keys[0].key == client::key_up && keys[0].down && !keys[0].repeated);
+    EXPECT_TRUE(keys[1].key == client::key_up && keys[1].down && keys[1].repeated);
+    EXPECT_TRUE(keys[2].key == client::key_up && !keys[2].down);
+    EXPECT_TRUE(keys[3].key == U's' && keys[3].down && !keys[3].repeated);
+    EXPECT_TRUE(keys[4].key == U's' && !keys[4].down);
+    EXPECT_TRUE(window.take_keys().empty());
+    on_key(native, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
+    EXPECT_FALSE(window.open());
 }
 
 TEST(Window, FollowsASessionOverTheBus) {

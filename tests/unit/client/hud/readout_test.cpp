@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "client/hud/hud.hpp"
 #include "client/render/headless_context.hpp"
 #include "client/render/render_target.hpp"
@@ -37,6 +40,89 @@ TEST(Readout, SaysWhatTheMessagesSaid) {
 TEST(Readout, ABladeBeforeTheMouthHasNoDepth) {
     const synthetic::Scene source = synthetic::make_scene();
     EXPECT_EQ(hud::blade_depth(source.landmarks, Vec3f(0.0f, -0.1f, 0.1f)), 0.0f);
+}
+
+TEST(Readout, TellsAnAttemptsEndForSomeSecondsAndTheRunsForGood) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    EXPECT_FALSE(hud::readout_of(scene, false).verdict);
+    scene.apply(synthetic::summary(1, false, 2'000'000'000));
+    scene.apply(synthetic::deformation(source, 3'000'000'000, 0.0f, 0.0f));
+    const auto verdict = hud::readout_of(scene, false).verdict;
+    ASSERT_TRUE(verdict);
+    EXPECT_EQ(verdict->title, "attempt 1: no success");
+    EXPECT_EQ(verdict->reason, "the tube lies in the oesophagus");
+    ASSERT_EQ(verdict->numbers.size(), 5u);
+    // Labels and units are the table's; each value is its place there.
+    for (const auto& [label, value] : verdict->numbers) {
+        const auto field = std::ranges::find(parameter_fields, label, &ParameterField::label);
+        ASSERT_NE(field, parameter_fields.end()) << label;
+        EXPECT_EQ(value, std::to_string(field - parameter_fields.begin()) + ".0 " + std::string(field->unit));
+    }
+    scene.apply(synthetic::deformation(source, 20'000'000'000, 0.0f, 0.0f));
+    EXPECT_FALSE(hud::readout_of(scene, false).verdict) << "the attempt ended 18 s ago";
+    scene.apply(synthetic::status(msg::PHASE_FINISHED));
+    EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "attempt 1: no success");
+    scene.apply(synthetic::summary(0, true, 20'000'000'000));
+    EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "session: success");
+}
+
+TEST(Hud, DrawsTheVerdictGreenOrRed) {
+    render::HeadlessContext context;
+    render::RenderTarget target(640, 360, 1);
+    hud::Hud overlay;
+    const auto picture = [&](const std::optional<hud::Verdict>& verdict) {
+        hud::Readout readout;
+        readout.link = hud::Link::running;
+        readout.verdict = verdict;
+        target.bind_scene();
+        glClearColor(0, 0, 0, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        overlay.draw(readout, {}, 640, 360);
+        return target.read();
+    };
+    const auto pixels = [](const render::Image& image, int channel) {
+        int found = 0;
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+            const int other = channel == 0 ? 1 : 0;
+            found += image.rgba[i + channel] > image.rgba[i + other] + 60 ? 1 : 0;
+        }
+        return found;
+    };
+    EXPECT_EQ(pixels(picture({}), 0) + pixels(picture({}), 1), 0);
+    hud::Verdict verdict{"attempt 1: success", true, "the tube lies in the trachea", {{"time", "20.0 s"}}};
+    EXPECT_GT(pixels(picture(verdict), 1), 200);
+    verdict.success = false;
+    EXPECT_GT(pixels(picture(verdict), 0), 200);
+    EXPECT_EQ(pixels(picture(verdict), 1), 0);
+}
+
+TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
+    render::HeadlessContext context;
+    render::RenderTarget target(640, 360, 1);
+    hud::Hud overlay;
+    const auto lit_pixels = [&](const hud::Readout& readout) {
+        target.bind_scene();
+        glClearColor(0, 0, 0, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        overlay.draw(readout, {}, 640, 360);
+        const render::Image image = target.read();
+        int lit = 0;
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+            lit += image.rgba[i] > 120 ? 1 : 0;
+        }
+        return lit;
+    };
+    hud::Readout readout;
+    readout.link = hud::Link::running;
+    EXPECT_EQ(lit_pixels(readout), 0);
+    readout.notice = "refused: nothing has moved yet";
+    const int noticed = lit_pixels(readout);
+    // A letter of this font has some 15 lit pixels.
+    EXPECT_GT(noticed, 10 * 26);
+    readout.keys = {{"h ?", "this list"}, {"r", "tissue and tube back to rest"}};
+    EXPECT_GT(lit_pixels(readout), noticed + 10 * 30);
 }
 
 TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {

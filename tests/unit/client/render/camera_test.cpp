@@ -6,6 +6,9 @@
 
 #include <cmath>
 
+#include "client/render/view_table.hpp"
+#include "synthetic_scene.hpp"
+
 namespace eti::render {
 namespace {
 
@@ -25,6 +28,22 @@ TEST(OverviewCamera, KeepsTheWorldsVerticalOnATiltedTable) {
     EXPECT_NEAR((tilted.eye - tilted.target).dot(vertical), (level.eye - level.target).dot(level.up), 1e-6f);
     EXPECT_NEAR((tilted.eye - tilted.target).norm(), (level.eye - level.target).norm(), 1e-6f);
     EXPECT_EQ(tilted.target, level.target);
+}
+
+// What is published as the trainee's eye is the close-up's pose.
+TEST(EyeCamera, LooksFromThePublishedEyeWithANaturalField) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    const View* const eye = view_named("eye");
+    ASSERT_NE(eye, nullptr);
+    const Camera camera = eye->camera(scene, {});
+    const RigidTransform published = laryngoscope_camera(source.landmarks).pose();
+    EXPECT_LT((camera.pose().translation - published.translation).norm(), 1e-6f);
+    EXPECT_LT(camera.pose().rotation.angularDistance(published.rotation), 1e-3f);
+    // At arm's length, 0.3 m from the gum, the picture holds a head of 10 cm twice.
+    const float distance = (camera.eye - at(source.landmarks, Landmark::upper_gum)).norm();
+    EXPECT_NEAR(2.0f * distance * std::tan(0.5f * camera.vertical_field), 0.22f, 0.02f);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "common/bus/fluid_state.hpp"
@@ -35,6 +36,8 @@ TEST_F(SceneViewTest, IsCompleteOnlyWithAllObjects) {
         EXPECT_FALSE(view.complete()) << i << " objects";
         EXPECT_TRUE(view.apply(scene_.objects[i]));
     }
+    EXPECT_FALSE(view.complete()) << "the session has not described itself";
+    EXPECT_TRUE(view.apply(scene_.description));
     EXPECT_TRUE(view.complete());
     EXPECT_EQ(view.surfaces().size(), 5u);
     EXPECT_TRUE(view.laryngoscope().has_value());
@@ -46,6 +49,7 @@ TEST_F(SceneViewTest, SceneMayArriveInAnyOrder) {
     for (auto object = scene_.objects.rbegin(); object != scene_.objects.rend(); ++object) {
         EXPECT_TRUE(view.apply(*object));
     }
+    EXPECT_TRUE(view.apply(scene_.description));
     EXPECT_TRUE(view.complete());
     EXPECT_TRUE(view.apply(synthetic::deformation(scene_, 5, 0.004f, 0.0f)));
     view.update();
@@ -69,6 +73,21 @@ TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
     // A component is rounded to 1/65534; at 17 mm from the centre that moves a point by under 1 um.
     EXPECT_LT((tongue.vertices().front().position - expected).norm(), 1e-6f);
     EXPECT_EQ(view_.surfaces().at("spine").revision(), before) << "its frame did not move";
+}
+
+TEST_F(SceneViewTest, ARepeatedStateReshapesNothing) {
+    view_.apply(synthetic::deformation(scene_, 2'000'000, 0.004f, 0.01f));
+    view_.update();
+    const std::uint64_t tongue = view_.surfaces().at("tongue").revision(), tube = view_.tube()->revision();
+    ASSERT_TRUE(view_.apply(synthetic::deformation(scene_, 3'000'000, 0.004f, 0.01f)));
+    view_.update();
+    EXPECT_EQ(view_.surfaces().at("tongue").revision(), tongue);
+    EXPECT_EQ(view_.tube()->revision(), tube);
+    // A late one of another shape is still refused its place.
+    view_.apply(synthetic::deformation(scene_, 2'500'000, 0.001f, 0.02f));
+    view_.update();
+    EXPECT_EQ(view_.surfaces().at("tongue").revision(), tongue);
+    EXPECT_EQ(view_.tube()->revision(), tube);
 }
 
 TEST_F(SceneViewTest, AnOlderChunkDoesNotUndoANewerOne) {
@@ -220,6 +239,9 @@ TEST_F(SceneViewTest, HostileSceneIsDroppedAndCounted) {
     description = scene_.description;
     description.laryngoscope().pop_back();
     expect_refused(view_.apply(description));
+    description = scene_.description;
+    description.scenario("term\x1b[2J");
+    expect_refused(view_.apply(description));
     EXPECT_TRUE(view_.complete()) << "what was there stays";
 }
 
@@ -253,6 +275,39 @@ TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
     auto status = synthetic::status(msg::PHASE_RUNNING);
     status.load(not_a_number);
     expect_refused(view_.apply(status));
+    live = synthetic::metrics(scene_, 5, 10.0f);
+    live.message("two\nlines");
+    expect_refused(view_.apply(live));
+}
+
+TEST_F(SceneViewTest, KeepsHowTheNewestAttemptAndTheRunEnded) {
+    EXPECT_FALSE(view_.attempt_report());
+    ASSERT_TRUE(view_.apply(synthetic::summary(2, true, 30'000'000'000)));
+    // One who joins late gets all of them, in any order.
+    ASSERT_TRUE(view_.apply(synthetic::summary(1, false, 10'000'000'000)));
+    ASSERT_TRUE(view_.apply(synthetic::summary(0, true, 31'000'000'000)));
+    ASSERT_TRUE(view_.attempt_report());
+    EXPECT_EQ(view_.attempt_report()->attempt, 2u);
+    EXPECT_TRUE(view_.attempt_report()->outcome.success);
+    EXPECT_EQ(view_.attempt_report()->outcome.reason, "the tube lies in the trachea");
+    EXPECT_EQ(view_.attempt_report()->parameters.gum_force_mean_n, 1.0);
+    EXPECT_TRUE(std::isnan(view_.attempt_report()->parameters.tube_speed_max_cm_per_s));
+    ASSERT_TRUE(view_.run_report());
+    // A run that begins anew has none.
+    view_.apply(synthetic::deformation(scene_, 60'000'000'000, 0.0f, 0.0f));
+    view_.apply(synthetic::deformation(scene_, 10'000'000, 0.0f, 0.0f));
+    EXPECT_FALSE(view_.attempt_report());
+    EXPECT_FALSE(view_.run_report());
+}
+
+TEST_F(SceneViewTest, HostileSummariesAreDropped) {
+    auto summary = synthetic::summary(1, true, 5);
+    summary.parameters()[3] = std::numeric_limits<double>::infinity();
+    expect_refused(view_.apply(summary));
+    summary = synthetic::summary(1, true, 5);
+    summary.reason("\x07");
+    expect_refused(view_.apply(summary));
+    EXPECT_FALSE(view_.attempt_report());
 }
 
 TEST_F(SceneViewTest, ASceneOfAnotherSizeReplacesTheOld) {

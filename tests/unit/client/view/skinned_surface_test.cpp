@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "common/math/random.hpp"
@@ -63,12 +64,58 @@ TEST(Skinning, AgreesWithTheSharedDefinition) {
     for (SkinWeights& skin : model.skin) {
         skin = {{0, 1, 2, 3}, {0.4f, 0.3f, 0.2f, 0.1f}};
     }
-    std::vector<view::LitVertex> vertices(3);
-    view::skin_vertices(model, maps, vertices);
+    view::SkinnedSurface surface(model);
+    ASSERT_TRUE(surface.update(maps, std::array<std::uint8_t, 4>{1, 1, 1, 1}));
     for (std::size_t v = 0; v < 3; ++v) {
         const Vec3f expected = skin_point(model.mesh.vertices[v], model.skin[v], centres, poses);
         // Values near 0.2 m, some ten roundings of 1.5e-8 each.
-        EXPECT_LT((vertices[v].position - expected).norm(), 2e-7f);
+        EXPECT_LT((surface.vertices()[v].position - expected).norm(), 2e-7f);
+    }
+}
+
+// A strip of triangles along which the weight goes from frame to frame.
+TEST(Skinning, APartThatMovesGivesTheBitsOfTheWhole) {
+    constexpr std::uint32_t columns = 60, rows = 4, frame_count = 6;
+    Random random(11);
+    view::SurfaceModel model;
+    for (std::uint32_t column = 0; column < columns; ++column) {
+        for (std::uint32_t row = 0; row < rows; ++row) {
+            model.mesh.vertices.emplace_back(1e-3f * static_cast<float>(column),
+                                             1e-3f * static_cast<float>(row),
+                                             1e-3f * static_cast<float>(random.normal()));
+            const float place = static_cast<float>(column) * (frame_count - 1) / columns;
+            const auto left = static_cast<std::uint16_t>(place);
+            const float share = place - static_cast<float>(left);
+            model.skin.push_back(
+                {{left, static_cast<std::uint16_t>(left + 1), 0, 0}, {1.0f - share, share, 0, 0}});
+            if (column > 0 && row > 0) {
+                const std::uint32_t here = column * rows + row;
+                model.mesh.triangles.push_back({here, here - rows, here - 1});
+                model.mesh.triangles.push_back({here - 1, here - rows, here - rows - 1});
+            }
+        }
+    }
+    model.highest_frame = frame_count - 1;
+    view::SkinnedSurface surface(model);
+    std::array<FrameMap, frame_count> maps{};
+    std::array<std::uint8_t, frame_count> all;
+    all.fill(1);
+    ASSERT_TRUE(surface.update(maps, all));
+    for (std::size_t f = 0; f < frame_count; ++f) {
+        maps[f] =
+            frame_map({1e-3f * Vec3f(random.normal(), random.normal(), random.normal()), Quatf::Identity()},
+                      Vec3f::Zero());
+        std::array<std::uint8_t, frame_count> moved{};
+        moved[f] = 1;
+        const std::uint64_t before = surface.revision();
+        ASSERT_TRUE(surface.update(maps, moved));
+        EXPECT_NE(surface.revision(), before);
+        view::SkinnedSurface whole(model);
+        ASSERT_TRUE(whole.update(maps, all));
+        ASSERT_EQ(
+            std::memcmp(surface.vertices().data(), whole.vertices().data(), surface.vertices().size_bytes()),
+            0)
+            << "frame " << f;
     }
 }
 

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "common/mesh/distance_grid.hpp"
 #include "common/mesh/isosurface.hpp"
+#include "common/model/parameters.hpp"
 
 namespace eti::synthetic {
 namespace {
@@ -251,6 +253,20 @@ msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glotti
         live.landmarks().push_back(vec3(p));
     }
     return live;
+}
+
+msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t time_ns) {
+    msg::AttemptSummary out;
+    out.header().simulation_time_ns(time_ns);
+    out.attempt(attempt);
+    out.success(success);
+    out.reason(success ? "the tube lies in the trachea" : "the tube lies in the oesophagus");
+    for (const ParameterField& field : parameter_fields) {
+        out.parameters().push_back(field.value == &Parameters::tube_speed_max_cm_per_s
+                                       ? std::numeric_limits<double>::quiet_NaN()
+                                       : static_cast<double>(out.parameters().size()));
+    }
+    return out;
 }
 
 msg::SessionStatus status(msg::SessionPhase phase) {

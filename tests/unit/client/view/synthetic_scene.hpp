@@ -37,6 +37,8 @@ struct Scene {
 [[nodiscard]] msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns);
 [[nodiscard]] msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns,
                                        float glottic_opening_percent);
+/// Every parameter is its place in the table, but the tube's speed is NaN: it never entered.
+[[nodiscard]] msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t time_ns);
 [[nodiscard]] msg::SessionStatus status(msg::SessionPhase phase);
 
 /// A SceneView to which all of the above was applied.

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/command_sender.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "common/bus/convert.hpp"
+
+namespace eti::client {
+namespace {
+
+// As many as the topic keeps: what is older was never answered.
+constexpr std::size_t most_unanswered = 64;
+
+}  // namespace
+
+CommandSender::CommandSender(bus::Node& node, std::string_view program)
+    : sender_(fmt::format("{}:{}", program, ::getpid())),
+      commands_(node, bus::topics::command),
+      answers_(node, bus::topics::command_result) {}
+
+bool CommandSender::send(std::string_view name, float value) {
+    if (!served()) {
+        return false;
+    }
+    msg::Command message;
+    message.header(bus::make_header(0, sent_ + 1));
+    message.sender(sender_);
+    message.id(sent_ + 1);
+    message.name(std::string(name));
+    message.value(value);
+    if (!commands_.publish(message)) {
+        return false;
+    }
+    unanswered_[++sent_] = name;
+    if (unanswered_.size() > most_unanswered) {
+        unanswered_.erase(unanswered_.begin());
+    }
+    return true;
+}
+
+std::vector<Refusal> CommandSender::hear() {
+    std::vector<Refusal> refusals;
+    msg::CommandResult answer;
+    while (answers_.take(answer)) {
+        const auto asked = unanswered_.find(answer.id());
+        if (answer.recipient().to_string() != sender_ || asked == unanswered_.end()) {
+            continue;
+        }
+        ++(answer.accepted() ? accepted_ : refused_);
+        if (!answer.accepted()) {
+            refusals.push_back({asked->second, answer.reason().to_string()});
+            spdlog::warn("{} refused: {}", refusals.back().name, refusals.back().reason);
+        }
+        unanswered_.erase(asked);
+    }
+    return refusals;
+}
+
+}  // namespace eti::client

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "client/app/command_keys.hpp"
+#include "client/app/command_sender.hpp"
+#include "client/app/selection.hpp"
+#include "client/hud/readout.hpp"
+#include "client/view/scene_view.hpp"
+
+namespace eti::client {
+
+/// Key and what it does, for help on the screen and on the command line; without the commands for one who
+/// only watches.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> keys_help(bool commands);
+
+/// What keys do in a window: choose what is shown, show help, give commands.
+class Controls {
+  public:
+    using Time = CommandTyping::Time;
+
+    /// `commands`: null for an observer, who gives none.
+    Controls(const Selection& selection, CommandSender* commands)
+        : selection_(&selection), commands_(commands) {}
+
+    /// A character in lower case, or an arrow. `repeated`: the key is held.
+    void press(char32_t key, bool repeated, const view::SceneView& scene, Time now);
+    void release(char32_t key, Time now);
+    /// Hears the server's answers.
+    void tend(Time now);
+    /// Lets go of every key, as when the window closes: nothing stays on that was on while held.
+    void let_go(Time now);
+
+    [[nodiscard]] const Selection& selection() const { return *selection_; }
+    /// Adds help and notices to what is shown.
+    void put_into(hud::Readout& readout, Time now) const;
+
+  private:
+    void send(const std::optional<WantedCommand>& command, Time now);
+    void say(std::string text, Time now);
+
+    const Selection* selection_;
+    CommandSender* commands_;
+    CommandTyping typing_;
+    bool help_ = false;
+    std::string notice_;
+    Time notice_since_;
+};
+
+}  // namespace eti::client

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/selection.hpp"
+
+#include <algorithm>
+
+namespace eti::client {
+namespace {
+
+const std::vector<Selection>& table() {
+    static const std::vector<Selection> rows = [] {
+        std::vector<Selection> out;
+        Selection all{.name = "all", .key = '4', .help = "every view, side by side", .views = {}};
+        for (const render::View& view : render::views()) {
+            out.push_back({view.name, view.key, view.help, {&view}});
+            all.views.push_back(&view);
+        }
+        out.push_back(all);
+        return out;
+    }();
+    return rows;
+}
+
+template <class Value>
+const Selection* row_with(Value Selection::*member, Value value) {
+    const auto found = std::ranges::find(table(), value, member);
+    return found == table().end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::span<const Selection> selections() {
+    return table();
+}
+
+const Selection& default_selection() {
+    return table().back();
+}
+
+const Selection* selection_named(std::string_view name) {
+    return row_with(&Selection::name, name);
+}
+
+const Selection* selection_of_key(char key) {
+    return row_with(&Selection::key, key);
+}
+
+}  // namespace eti::client

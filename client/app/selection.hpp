@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "client/render/view_table.hpp"
+
+namespace eti::client {
+
+using Views = std::vector<const render::View*>;
+
+/// What --view names and a key shows: one view, or several side by side.
+struct Selection {
+    std::string_view name;
+    char key;
+    std::string_view help;
+    Views views;  ///< the first is the largest
+};
+
+/// Each view of the table, then those side by side.
+[[nodiscard]] std::span<const Selection> selections();
+
+/// What is shown where nothing was asked for.
+[[nodiscard]] const Selection& default_selection();
+
+/// The row of a name or of a key, or nullptr.
+[[nodiscard]] const Selection* selection_named(std::string_view name);
+[[nodiscard]] const Selection* selection_of_key(char key);
+
+}  // namespace eti::client

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/hud/panel.hpp"
+
+namespace eti::hud {
+namespace {
+
+constexpr float margin = 10.0f;
+constexpr float gap = 3.0f;
+
+struct Font {
+    ImFont* font;
+    float size;
+};
+
+Font font_of(const PanelFonts& fonts, const PanelLine& line) {
+    return line.large ? Font{fonts.large, fonts.large->FontSize} : Font{fonts.small, fonts.small->FontSize};
+}
+
+// Wrapped at the panel's inner width.
+ImVec2 extent(const Font& font, const PanelLine& line, float inner) {
+    return font.font->CalcTextSizeA(font.size, inner, inner, line.text.c_str());
+}
+
+}  // namespace
+
+float panel_height(const PanelFonts& fonts, std::span<const PanelLine> lines, float width) {
+    float height = 2.0f * margin - gap;
+    for (const PanelLine& line : lines) {
+        height += extent(font_of(fonts, line), line, width - 2.0f * margin).y + gap;
+    }
+    return height;
+}
+
+void draw_panel(ImDrawList& list, const PanelFonts& fonts, std::span<const PanelLine> lines, ImVec2 corner,
+                float width) {
+    const float inner = width - 2.0f * margin;
+    list.AddRectFilled(corner, ImVec2(corner.x + width, corner.y + panel_height(fonts, lines, width)),
+                       IM_COL32(8, 12, 14, 200), 4.0f);
+    ImVec2 at(corner.x + margin, corner.y + margin);
+    for (const PanelLine& line : lines) {
+        const Font font = font_of(fonts, line);
+        list.AddText(font.font, font.size, at, line.colour, line.text.c_str(), nullptr, inner);
+        if (!line.value.empty()) {
+            const float length = font.font->CalcTextSizeA(font.size, inner, 0.0f, line.value.c_str()).x;
+            list.AddText(font.font, font.size, ImVec2(at.x + inner - length, at.y), line.colour,
+                         line.value.c_str());
+        }
+        at.y += extent(font, line, inner).y + gap;
+    }
+}
+
+}  // namespace eti::hud

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/attempt_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/view/text.hpp"
+
+namespace eti::view {
+
+std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bus::SessionKeys& keys,
+                                    std::string& why) {
+    // NaN stands for what an attempt does not have.
+    if (std::ranges::any_of(message.parameters(), [](double value) { return std::isinf(value); })) {
+        why = "an infinite parameter";
+        return std::nullopt;
+    }
+    AttemptReport report{message.attempt(),
+                         message.header().simulation_time_ns(),
+                         {message.success(), ""},
+                         keys.parameters(message.parameters())};
+    report.outcome.reason = message.reason().to_string();
+    if (!printable(report.outcome.reason)) {
+        why = "a reason with control characters";
+        return std::nullopt;
+    }
+    return report;
+}
+
+}  // namespace eti::view

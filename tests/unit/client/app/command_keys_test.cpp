@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/command_keys.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "client/app/selection.hpp"
+#include "common/math/units.hpp"
+
+namespace eti {
+namespace {
+
+using namespace std::chrono_literals;
+using client::command_key;
+
+class CommandKeys : public ::testing::Test {
+  protected:
+    // The value that a key sends, NaN if it sends nothing.
+    float press(char32_t key, client::CommandTyping::Time::duration when, bool repeated = false) {
+        const auto command =
+            typing_.press(*command_key(key), repeated, patient_, client::CommandTyping::Time(when));
+        return command ? command->value : std::numeric_limits<float>::quiet_NaN();
+    }
+
+    client::CommandTyping typing_;
+    LiveValues patient_{.head_elevation = 10.0f * degree};
+};
+
+TEST_F(CommandKeys, EachIsFreeAndNamesACommandThatThereIs) {
+    std::set<char32_t> taken{U'h', U'?'};
+    for (const client::Selection& one : client::selections()) {
+        taken.insert(static_cast<char32_t>(one.key));
+    }
+    for (const client::CommandKey& key : client::command_keys()) {
+        EXPECT_TRUE(taken.insert(key.key).second) << key.caption;
+        EXPECT_TRUE(key.stroke == client::Stroke::once || live_field(key.command) != nullptr) << key.command;
+        EXPECT_FALSE(key.help.empty()) << key.caption;
+    }
+    EXPECT_EQ(command_key(U'q'), nullptr);
+}
+
+TEST_F(CommandKeys, StepsGoOnFromWhatWasAskedForAndLaterFromThePatient) {
+    EXPECT_FLOAT_EQ(press(client::key_up, 10s), 11.0f * degree);
+    // The patient has not followed yet.
+    EXPECT_FLOAT_EQ(press(client::key_up, 10'200ms), 12.0f * degree);
+    EXPECT_FLOAT_EQ(press(client::key_down, 10'400ms), 11.0f * degree);
+    // Meanwhile the assistant has moved it.
+    patient_.head_elevation = 20.0f * degree;
+    EXPECT_FLOAT_EQ(press(client::key_up, 12s), 21.0f * degree);
+}
+
+TEST_F(CommandKeys, AHeldKeyStepsAtTheRateOfANursesHands) {
+    int steps = 0;
+    (void)press(U']', 10s);
+    for (int i = 1; i <= 60; ++i) {
+        steps += std::isnan(press(U']', 10s + i * 33ms, true)) ? 0 : 1;
+    }
+    // Every fourth of the repeats, 33 ms apart, is the first after 100 ms.
+    EXPECT_EQ(steps, 15);
+}
+
+TEST_F(CommandKeys, NothingIsSentBeyondTheRangeOrFromNowhere) {
+    EXPECT_TRUE(std::isnan(press(client::key_left, 10s))) << "the jaw is closed";
+    const LiveField& jaw = *live_field("jaw_opening");
+    patient_.jaw_opening = jaw.high * jaw.per_unit - 0.5f * degree;
+    EXPECT_FLOAT_EQ(press(client::key_right, 20s), jaw.high * jaw.per_unit);
+    patient_.table_angle = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_TRUE(std::isnan(press(U'[', 10s)));
+}
+
+TEST_F(CommandKeys, SuctionIsOnWhileHeld) {
+    EXPECT_FALSE(typing_.release(*command_key(U's')));
+    EXPECT_EQ(press(U's', 10s), 1.0f);
+    EXPECT_TRUE(std::isnan(press(U's', 10'500ms, true)));
+    EXPECT_EQ(typing_.release(*command_key(U's'))->value, 0.0f);
+    EXPECT_FALSE(typing_.release(*command_key(U's')));
+    EXPECT_FALSE(typing_.release(*command_key(U'r')));
+}
+
+}  // namespace
+}  // namespace eti

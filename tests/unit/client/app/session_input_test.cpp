@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/session_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_server.hpp"
+
+namespace eti {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Takes what comes until `enough` or for 10 s.
+template <class Enough>
+void follow(client::SessionInput& input, view::SceneView& scene, Enough enough) {
+    const auto limit = std::chrono::steady_clock::now() + 10s;
+    while (!enough() && std::chrono::steady_clock::now() < limit) {
+        input.take_into(scene);
+        input.wait(10ms);
+    }
+}
+
+TEST(SessionInput, AnObserverHearsHowTheRunEndedHoweverLate) {
+    synthetic::SyntheticServer server(0.1);
+    bus::Node node(synthetic::bus_options("eti-client"));
+    view::SceneView early_scene, late_scene;
+    client::SessionInput early(node, false, false);
+    follow(early, early_scene, [&] { return early_scene.run_report().has_value(); });
+    ASSERT_TRUE(early_scene.run_report());
+    client::SessionInput late(node, false, false);
+    follow(late, late_scene, [&] { return late_scene.run_report() && late_scene.attempt_report(); });
+    ASSERT_TRUE(late_scene.run_report());
+    ASSERT_TRUE(late_scene.attempt_report());
+    EXPECT_EQ(late_scene.attempt_report()->attempt, 1u);
+    EXPECT_TRUE(late_scene.run_report()->outcome.success);
+}
+
+}  // namespace
+}  // namespace eti
