@@ -13,6 +13,9 @@ namespace eti::pbd {
 // hand has, with the same bits (no fused operations): a kernel is inlined into one function for the baseline
 // and one for AVX2, and has_avx2() says which to call.
 
+// A store of lanes may change anything, also where a vector's numbers lie, as far as the compiler knows.
+// Loops that store therefore keep pointers of their own.
+
 using Four = float __attribute__((vector_size(16)));
 using Lanes = float __attribute__((vector_size(32)));
 inline constexpr std::size_t lane_count = 8;

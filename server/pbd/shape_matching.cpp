@@ -279,27 +279,32 @@ void ShapeMatching::update_shares(float dt) {
 }
 
 [[gnu::always_inline]] inline void ShapeMatching::move_particles(Particles& particles, Indices which) const {
+    const std::uint32_t* const first_of = first_of_.data();
+    const std::uint32_t* const cluster_of = cluster_of_.data();
+    const Frame* const frames = frame_.data();
+    const float* const wide_rest = wide_rest_.front().data();
+    const float* const wide = wide_.front().data();
+    const float* const inverse_count = inverse_count_.data();
+    float* const predicted = particles.predicted.front().data();
     for (const std::uint32_t i : which) {
         Lanes low{};
         Lanes high{};
-        for (std::uint32_t k = first_of_[i]; k < first_of_[i + 1]; ++k) {
-            const float* frame = frame_[cluster_of_[k]].packed;
+        for (std::uint32_t k = first_of[i]; k < first_of[i + 1]; ++k) {
+            const float* frame = frames[cluster_of[k]].packed;
             Lanes part;
             load(frame, part);
             low += part;
             load(frame + 8, part);
             high += part;
         }
-        Four rest;
-        Four x;
-        std::memcpy(&rest, wide_rest_[i].data(), sizeof rest);
-        std::memcpy(&x, wide_[i].data(), sizeof x);
+        const Four rest = four(wide_rest + 4 * std::size_t{i});
+        Four x = four(wide + 4 * std::size_t{i});
         const Lanes goals = low * __builtin_shufflevector(rest, rest, 0, 0, 0, 0, 1, 1, 1, 1) +
                             high * __builtin_shufflevector(rest, rest, 2, 2, 2, 2, 3, 3, 3, 3);
         const Four goal = __builtin_shufflevector(goals, goals, 0, 1, 2, 3) +
                           __builtin_shufflevector(goals, goals, 4, 5, 6, 7);
-        x += inverse_count_[i] * (goal - high[7] * x);
-        std::memcpy(particles.predicted[i].data(), &x, sizeof(Vec3f));
+        x += inverse_count[i] * (goal - high[7] * x);
+        std::memcpy(predicted + 3 * std::size_t{i}, &x, sizeof(Vec3f));
     }
 }
 
@@ -337,16 +342,19 @@ void ShapeMatching::select(std::span<const std::uint8_t> block_asleep, const Par
 }
 
 void ShapeMatching::read(const std::vector<Vec3f>& positions, std::size_t first, std::size_t last) {
+    if (first == last) {
+        return;
+    }
     parallel::for_ranges(last - first, 8 * particle_grain, [&](std::size_t from, std::size_t to) {
         const std::size_t begin = first + from;
         const std::size_t end = first + to;
+        const float* const position = positions.front().data();
+        float* const wide = wide_.front().data();
         // Whole loads, of which the last number is the next one's; no kernel reads it.
         for (std::size_t i = begin; i + 1 < end; ++i) {
-            std::memcpy(wide_[i].data(), positions[i].data(), sizeof(Four));
+            put(four(position + 3 * i), wide + 4 * i);
         }
-        if (begin < end) {
-            wide_[end - 1].head<3>() = positions[end - 1];
-        }
+        wide_[end - 1].head<3>() = positions[end - 1];
     });
 }
 
@@ -358,6 +366,9 @@ void ShapeMatching::fit(Indices blocks) {
 }
 
 void ShapeMatching::move(Particles& particles, Indices which) const {
+    if (which.empty()) {
+        return;
+    }
     parallel::for_ranges(which.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
         const Indices part = which.subspan(begin, end - begin);
         avx2_ ? move_particles_avx2(particles, part) : move_particles(particles, part);

@@ -20,6 +20,9 @@ template <class Body>
 void for_awake_ranges(const Particles& particles, const Body& body) {
     for (const auto& run : particles.awake) {
         const std::size_t first = run[0];
+        if (first == run[1]) {
+            continue;  // no particles at all
+        }
         parallel::for_ranges(run[1] - first, grain,
                              [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
     }
@@ -60,23 +63,25 @@ void SoftBody::predict(float dt, float fraction) {
         });
     }
     for_awake_ranges(p, [&](std::size_t begin, std::size_t end) {
+        const float* const inverse_mass = p.inverse_mass.data();
+        const float* const position = p.position.front().data();
+        const float* const velocity = p.velocity.front().data();
+        const float* const rest = p.rest.front().data();
+        float* const predicted = p.predicted.front().data();
         std::size_t i = begin;
         // Four particles fill three registers.
         for (; i + 4 <= end; i += 4) {
-            const Four mass = four(&p.inverse_mass[i]);
+            const Four mass = four(inverse_mass + i);
             const Four of[3] = {__builtin_shufflevector(mass, mass, 0, 0, 0, 1),
                                 __builtin_shufflevector(mass, mass, 1, 1, 2, 2),
                                 __builtin_shufflevector(mass, mass, 2, 3, 3, 3)};
-            const float* const position = p.position[i].data();
-            const float* const velocity = p.velocity[i].data();
-            const float* const rest = p.rest[i].data();
-            float* const predicted = p.predicted[i].data();
             for (std::size_t k = 0; k < 3; ++k) {
-                const Four x = four(position + 4 * k);
-                const Four free = dt * four(velocity + 4 * k);
-                const Four held = fraction * (four(rest + 4 * k) - x);
+                const std::size_t at = 3 * i + 4 * k;
+                const Four x = four(position + at);
+                const Four free = dt * four(velocity + at);
+                const Four held = fraction * (four(rest + at) - x);
                 const Four to = x + (of[k] > 0.0f ? free : held);
-                put(to, predicted + 4 * k);
+                put(to, predicted + at);
             }
         }
         for (; i < end; ++i) {
@@ -105,9 +110,6 @@ void SoftBody::project(float dt) {
 void SoftBody::finish(float dt) {
     Particles& p = particles;
     const float keep = std::exp(-settings.damping * dt) / dt;
-    if (p.size() == 0) {
-        return;
-    }
     for_awake_ranges(p, [&](std::size_t begin, std::size_t end) {
         const float* __restrict predicted = p.predicted.front().data();
         float* __restrict position = p.position.front().data();
