@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "common/operator/hand.hpp"
+#include "common/device/coupling.hpp"
 
 namespace eti::devices {
 

@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "common/operator/hand.hpp"
+#include "common/device/coupling.hpp"
 
 namespace eti::devices {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <type_traits>
 
+#include "common/device/coupling.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools.hpp"
-#include "common/operator/hand.hpp"
 #include "common/operator/operator.hpp"
 #include "idl/eti_wire.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "common/device/hand.hpp"
 #include "common/operator/track_player.hpp"
 #include "devices/sensor/drivers.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "common/operator/hand.hpp"
+#include "common/device/coupling.hpp"
 #include "common/operator/operator.hpp"
 
 namespace eti::devices {

@@ -4,8 +4,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <utility>
-
 namespace eti::app {
 
 Judge::Judge(Assessor& assessor, Recorder* recorder, BusOutput* output, bool beside)
@@ -23,22 +21,18 @@ Judge::~Judge() {
     }
 }
 
-void Judge::note(session::CommandRecord command) {
-    commands_.push_back(std::move(command));
-}
-
 void Judge::take(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye) {
     if (!thread_.joinable()) {
-        judge(snapshot, eye, commands_);
-        commands_.clear();
+        judge(snapshot, eye, inputs_);
+        inputs_.clear();
         return;
     }
     free_.acquire();
     Step& step = steps_[put_++ % most_waiting];
     step.snapshot = snapshot;
     step.eye = eye;
-    step.commands.swap(commands_);
-    commands_.clear();
+    std::swap(step.inputs, inputs_);
+    inputs_.clear();
     filled_.release();
 }
 
@@ -50,13 +44,13 @@ void Judge::run() {
             return;
         }
         const Step& step = steps_[taken_++ % most_waiting];
-        judge(step.snapshot, step.eye, step.commands);
+        judge(step.snapshot, step.eye, step.inputs);
         free_.release();
     }
 }
 
 void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye,
-                  const std::vector<session::CommandRecord>& commands) {
+                  const StepInputs& inputs) {
     assessor_.observe(snapshot, eye ? std::optional(eye->translation) : std::nullopt);
     const metrics::Metrics& metrics = assessor_.metrics();
     if (assessor_.looked() && (recorder_ != nullptr || output_ != nullptr)) {
@@ -64,8 +58,11 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
         parameters_ = metrics.live_parameters();
     }
     if (recorder_ != nullptr) {
-        for (const session::CommandRecord& c : commands) {
+        for (const session::CommandRecord& c : inputs.commands) {
             recorder_->command(c.time_ns, c.step, c.kind, c.value, c.sender, c.id);
+        }
+        for (const session::EventRecord& e : inputs.events) {
+            recorder_->event(e.time_ns, e.kind, e.text);
         }
         recorder_->record(snapshot, metrics.live(), parameters_, eye);
         note_events();

@@ -9,6 +9,7 @@
 #include <optional>
 #include <semaphore>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/session/record.hpp"
@@ -32,8 +33,9 @@ class Judge {
     Judge(const Judge&) = delete;
     Judge& operator=(const Judge&) = delete;
 
-    /// A command that acts from the next step on.
-    void note(session::CommandRecord command);
+    /// A command that acts from the next step on, or an event that comes with it: into the record.
+    void note(session::CommandRecord command) { inputs_.commands.push_back(std::move(command)); }
+    void note(session::EventRecord event) { inputs_.events.push_back(std::move(event)); }
     /// Takes in the next step. Beside: copies it, and waits only while `most_waiting` others do, for none may
     /// be left out.
     void take(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
@@ -45,15 +47,24 @@ class Judge {
     [[nodiscard]] double ended_at() const { return ended_at_.load(std::memory_order_relaxed); }
 
   private:
+    /// What came in before a step.
+    struct StepInputs {
+        std::vector<session::CommandRecord> commands;
+        std::vector<session::EventRecord> events;
+        void clear() {
+            commands.clear();
+            events.clear();
+        }
+    };
     struct Step {
         scene::Snapshot snapshot;
         std::optional<RigidTransform> eye;
-        std::vector<session::CommandRecord> commands;
+        StepInputs inputs;
     };
 
     void run();
     void judge(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye,
-               const std::vector<session::CommandRecord>& commands);
+               const StepInputs& inputs);
     void tell(const scene::Snapshot& snapshot);
     void note_events();
     void post_summaries();
@@ -61,7 +72,7 @@ class Judge {
     Assessor& assessor_;
     Recorder* recorder_;
     BusOutput* output_;
-    std::vector<session::CommandRecord> commands_;  // of the step to come
+    StepInputs inputs_;  // of the step to come
 
     Parameters parameters_;          // newest live values, for the record
     std::size_t noted_ = 0;          // events already in the record

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "common/operator/hand.hpp"
+#include "common/device/hand.hpp"
 #include "common/operator/operator.hpp"
 #include "common/operator/track_player.hpp"
 #include "server/scene/scene.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/bus/convert.hpp"
-#include "common/operator/hand.hpp"
+#include "common/device/hand.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "tests/bench/devices/relay.hpp"
 #include "tests/bench/devices/server_process.hpp"

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/device/hand.hpp"
 #include "tests/bench/devices/gaps.hpp"
 #include "tests/bench/devices/grid.hpp"
 #include "tests/bench/devices/live.hpp"

@@ -17,7 +17,7 @@ NOT_SOURCE = {"build", "out", ".git", "__pycache__"}
 # Folders that the files of a folder may include, besides their own. The longest matching folder
 # decides. Inside the server, only app knows the bus; pbd and rigid do not know each other.
 WITHOUT_BUS = tuple(f"common/{room}" for room in
-                    ("hdf5", "math", "mesh", "model", "operator", "process", "scenario", "session"))
+                    ("device", "hdf5", "math", "mesh", "model", "operator", "process", "scenario", "session"))
 MAY_INCLUDE = {
     "idl": (),
     "common": ("idl",),

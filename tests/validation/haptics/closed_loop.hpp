@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/operator/hand.hpp"
+#include "common/device/hand.hpp"
 #include "devices/haptics/force_renderer.hpp"
 
 namespace eti::validation {

@@ -8,6 +8,7 @@
 #include <deque>
 #include <limits>
 
+#include "common/device/hand.hpp"
 #include "common/math/random.hpp"
 
 namespace eti::devices {

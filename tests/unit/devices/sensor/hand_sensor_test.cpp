@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "common/device/hand.hpp"
 #include "devices/sensor/sensor_watch.hpp"
 
 namespace eti::devices {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <thread>
 
-#include "common/operator/hand.hpp"
+#include "common/device/hand.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/operator/hand.hpp"
+#include "common/device/hand.hpp"
 
 #include <gtest/gtest.h>
 
@@ -201,32 +201,6 @@ TEST(Hand, OneBadSampleDoesNotStay) {
     hand.step(at(0.001f), {}, 0.0f);
     settle(hand, at(0.01f), {});
     EXPECT_NEAR(hand.motion().pose.translation.x(), 0.01f, 1e-4f);
-}
-
-TEST(Coupling, IsASpringAndADamperFromDeviceToProxy) {
-    const CouplingSettings s;
-    Motion device, proxy;
-    proxy.pose = at(0.002f, 0.1f);
-    proxy.velocity = Vec3f(0, 0.05f, 0);
-    proxy.angular_velocity = Vec3f(1, 0, 0);
-    const Wrench wrench = coupling_wrench(device, proxy, s);
-    EXPECT_TRUE(wrench.force.isApprox(Vec3f(0.002f * s.stiffness, 0.05f * s.damping, 0), 1e-6f));
-    EXPECT_TRUE(wrench.torque.isApprox(Vec3f(s.rotational_damping, 0, 0.1f * s.rotational_stiffness), 1e-5f));
-    // A wrench on the device that pulls it to the proxy: the other way round it is the opposite.
-    EXPECT_TRUE(coupling_wrench(proxy, device, s).force.isApprox(-wrench.force, 1e-6f));
-}
-
-TEST(Coupling, IsShortenedToTheDevicesRangeWithoutTurning) {
-    const CouplingSettings s;
-    const Wrench big{Vec3f(30, 40, 0), Vec3f(0, 0, -9)};
-    const Wrench wrench = limited(big, s);
-    EXPECT_TRUE(wrench.force.isApprox(s.force_limit * Vec3f(0.6f, 0.8f, 0), 1e-6f));
-    EXPECT_TRUE(wrench.torque.isApprox(Vec3f(0, 0, -s.torque_limit), 1e-6f));
-    const Wrench small{Vec3f(1, 2, 3), Vec3f(0.1f, 0, 0)};
-    EXPECT_EQ(limited(small, s).force, small.force);
-    const Wrench bad{Vec3f(1, std::numeric_limits<float>::infinity(), 3), Vec3f(0.1f, 0, 0)};
-    EXPECT_EQ(limited(bad, s).force, Vec3f::Zero());
-    EXPECT_EQ(limited(bad, s).torque, Vec3f::Zero());
 }
 
 }  // namespace

@@ -2,44 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <span>
-
-#include "common/math/transform.hpp"
-#include "common/model/tissue.hpp"
+#include "common/device/coupling.hpp"
 
 namespace eti {
-
-/// Force [N] and torque [N m] about the tool's origin.
-struct Wrench {
-    Vec3f force = Vec3f::Zero();
-    Vec3f torque = Vec3f::Zero();
-};
-
-/// Pose with linear [m/s] and angular [rad/s] velocity of the tool's origin.
-struct Motion {
-    RigidTransform pose;
-    Vec3f velocity = Vec3f::Zero();
-    Vec3f angular_velocity = Vec3f::Zero();
-};
-
-/// The spring-damper between device and proxy, and the limits of the device.
-struct CouplingSettings {
-    float stiffness = 800.0f;           ///< [N/m]
-    float damping = 2.0f;               ///< [N s/m]
-    float rotational_stiffness = 1.5f;  ///< [N m/rad]
-    float rotational_damping = 4e-3f;   ///< [N m s/rad]
-    float tissue_gain = 1.0f;           ///< share of the tissue's force that reaches the hand
-    float force_limit = 7.9f;           ///< [N], device range (Touch X: 7.9 N)
-    float torque_limit = 0.3f;          ///< [N m]
-    float force_rate_limit = 600.0f;    ///< [N/s]
-};
-
-/// Wrench on the device from the proxy that the shell holds back (virtual coupling, Colgate 1995).
-[[nodiscard]] Wrench coupling_wrench(const Motion& device, const Motion& proxy,
-                                     const CouplingSettings& settings);
-
-/// Shortens force and torque to the device's limits; a wrench that is not finite becomes zero.
-[[nodiscard]] Wrench limited(const Wrench& wrench, const CouplingSettings& settings);
 
 /// The moving part of a haptic device and the hand that holds it.
 struct HandSettings {

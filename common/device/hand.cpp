@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/operator/hand.hpp"
+#include "common/device/hand.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace eti {
 
 namespace {
-
-Vec3f shortened(const Vec3f& v, float most) {
-    const float length = v.norm();
-    return length > most ? Vec3f(v * (most / length)) : v;
-}
 
 /// Velocity after `dt` of a mass on a spring-damper to a moving goal by backward Euler: spring, damping
 /// and Coulomb friction are all taken at the end of the step, so no stiffness makes it unstable, energy
@@ -31,21 +25,6 @@ Vec3f implicit_velocity(const Vec3f& velocity, const Vec3f& towards_goal, const 
 }
 
 }  // namespace
-
-Wrench coupling_wrench(const Motion& device, const Motion& proxy, const CouplingSettings& settings) {
-    const Vec3f turn = rotation_vector(proxy.pose.rotation * device.pose.rotation.conjugate());
-    return {settings.stiffness * (proxy.pose.translation - device.pose.translation) +
-                settings.damping * (proxy.velocity - device.velocity),
-            settings.rotational_stiffness * turn +
-                settings.rotational_damping * (proxy.angular_velocity - device.angular_velocity)};
-}
-
-Wrench limited(const Wrench& wrench, const CouplingSettings& settings) {
-    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) {
-        return {};
-    }
-    return {shortened(wrench.force, settings.force_limit), shortened(wrench.torque, settings.torque_limit)};
-}
 
 HandDevice::HandDevice(const HandSettings& settings, const RigidTransform& start)
     : settings_(settings), motion_{start, Vec3f::Zero(), Vec3f::Zero()}, last_wanted_(start) {}
