@@ -359,6 +359,9 @@ void ShapeMatching::read(const std::vector<Vec3f>& positions, std::size_t first,
 }
 
 void ShapeMatching::fit(Indices blocks) {
+    if (blocks.empty()) {
+        return;
+    }
     parallel::for_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end) {
         const Indices part = blocks.subspan(begin, end - begin);
         avx2_ ? fit_blocks_avx2(part) : fit_blocks(part);

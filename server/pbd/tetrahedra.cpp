@@ -231,6 +231,9 @@ void Tetrahedra::set_youngs_modulus(std::span<const float> moduli) {
 }
 
 void Tetrahedra::project(Particles& particles, float dt) {
+    if (size() == 0) {
+        return;
+    }
     parallel::for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k != end; ++k) {
             const Vec3f& x = particles.predicted[used_[k]];
