@@ -24,6 +24,7 @@ constexpr std::array keys{
     CommandKey{key_left, "left", "jaw_opening", Stroke::step, -1.0f, "jaw closed"},
     CommandKey{U']', "]", "table_angle", Stroke::step, 1.0f, "table head-up"},
     CommandKey{U'[', "[", "table_angle", Stroke::step, -1.0f, "table head-down"},
+    CommandKey{U'e', "e", "view_enhanced", Stroke::flip, 0.0f, "enhanced view on or off"},
     CommandKey{U's', "s", "suction", Stroke::hold, 0.0f, "suction while held"},
     CommandKey{U'r', "r", "reset", Stroke::once, 0.0f, "tissue and tube back to rest"},
 };

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string>
 
+#include "client/app/aids.hpp"
 #include "client/render/headless_context.hpp"
 
 namespace eti::client {
@@ -41,7 +42,10 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
     renderer_.sync(scene);
     for (const PlacedView& placed : layout(views, target_.width(), target_.height())) {
         const auto begin = std::chrono::steady_clock::now();
-        const hud::Tile& tile = placed.tile;
+        hud::Tile tile = placed.tile;
+        if (scene.enhanced()) {
+            tile.marks = aids_of(*placed.view, scene, orbit, tile);
+        }
         // OpenGL counts rows from below.
         renderer_.draw(*placed.view, scene,
                        {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, orbit);

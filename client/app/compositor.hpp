@@ -33,7 +33,8 @@ class Compositor {
   public:
     Compositor(int width, int height, int samples);
 
-    /// The picture is then in target(). `measured`: waits after each view to time it.
+    /// The picture is then in target(), with what helps a learner where the session asks for the enhanced
+    /// view. `measured`: waits after each view to time it.
     void draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
               const render::Orbit& orbit, bool measured);
 

@@ -112,7 +112,7 @@ class Offscreen {
             scene_.update();
             take_pictures(scene_, "final");
             if (video_) {
-                compositor_.draw(options_.selection->views, scene_, readout(), {}, false);
+                compositor_.draw(options_.selection->views(scene_), scene_, readout(), {}, false);
                 video_->add(compositor_.target().read(),
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
@@ -204,7 +204,7 @@ class Offscreen {
             next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         if (video_) {
-            compositor_.draw(options_.selection->views, scene_, readout(), {}, true);
+            compositor_.draw(options_.selection->views(scene_), scene_, readout(), {}, true);
             add_to_video(tick);
             ++drawn_;
         }

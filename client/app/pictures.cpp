@@ -62,11 +62,12 @@ void Pictures::take(Compositor& compositor, const Selection& selection, const vi
         render::write_png(compositor.target().read(), file);
         files_.push_back(file);
     };
-    for (const render::View* view : selection.views) {
+    const Views& views = selection.views(scene);
+    for (const render::View* view : views) {
         draw(view->name, {view});
     }
-    if (selection.views.size() > 1) {
-        draw(selection.name, selection.views);
+    if (views.size() > 1) {
+        draw(selection.name, views);
     }
 }
 

@@ -10,12 +10,26 @@ namespace {
 const std::vector<Selection>& table() {
     static const std::vector<Selection> rows = [] {
         std::vector<Selection> out;
-        Selection all{.name = "all", .key = '4', .help = "every view, side by side", .views = {}};
+        Selection all{
+            .name = "all", .key = '4', .help = "every view, side by side", .plain = {}, .enhanced = {}};
+        Selection automatic{.name = "auto",
+                            .key = '0',
+                            .help = "what the scenario asks for; enhanced, with the section",
+                            .plain = {},
+                            .enhanced = {}};
         for (const render::View& view : render::views()) {
-            out.push_back({view.name, view.key, view.help, {&view}});
-            all.views.push_back(&view);
+            out.push_back({view.name, view.key, view.help, {&view}, {&view}});
+            all.plain.push_back(&view);
+            if (view.automatic == render::Automatic::always) {
+                automatic.plain.push_back(&view);
+            }
+            if (view.automatic != render::Automatic::never) {
+                automatic.enhanced.push_back(&view);
+            }
         }
+        all.enhanced = all.plain;
         out.push_back(all);
+        out.push_back(automatic);
         return out;
     }();
     return rows;

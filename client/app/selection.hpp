@@ -17,10 +17,15 @@ struct Selection {
     std::string_view name;
     char key;
     std::string_view help;
-    Views views;  ///< the first is the largest
+    Views plain;     ///< the first is the largest
+    Views enhanced;  ///< while the session asks for the enhanced view
+
+    [[nodiscard]] const Views& views(const view::SceneView& scene) const {
+        return scene.enhanced() ? enhanced : plain;
+    }
 };
 
-/// Each view of the table, then those side by side.
+/// Each view of the table, then those side by side: all, and what is shown by itself.
 [[nodiscard]] std::span<const Selection> selections();
 
 /// What is shown where nothing was asked for.

@@ -65,7 +65,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         compositor.resize(window.width(), window.height());
         hud::Readout readout = hud::readout_of(scene, was_lost);
         controls.put_into(readout, now);
-        compositor.draw(controls.selection().views, scene, readout, window.orbit(), options.json);
+        compositor.draw(controls.selection().views(scene), scene, readout, window.orbit(), options.json);
         compositor.target().copy_to_window();
         window.show_frame();
         input.publish_eye(scene);

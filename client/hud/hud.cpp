@@ -19,10 +19,28 @@ namespace {
 
 constexpr float panel_width = 330.0f;
 
-// Full length of the gum force's bar; the mean maxima of Xiao et al. 2020, Table 2, are 3.1-5.3 N.
-constexpr float gum_force_scale_n = 6.0f;
-constexpr float gum_force_amber_n = 2.0f;
-constexpr float gum_force_red_n = 4.0f;
+constexpr float gum_force_scale_n = 6.0f;  // full length of its bar
+
+ImU32 colour_of(Level level) {
+    return level == Level::bad ? red : level == Level::warning ? amber : green;
+}
+
+void draw_mark(ImDrawList& list, const Mark& mark) {
+    const ImVec2 from(mark.from.x(), mark.from.y()), to(mark.to.x(), mark.to.y());
+    if (mark.from == mark.to) {
+        list.AddCircleFilled(from, 5.0f, colour_of(mark.level));
+        list.AddCircle(from, 6.0f, IM_COL32(8, 12, 14, 255), 0, 1.5f);
+    } else {
+        list.AddLine(from, to, colour_of(mark.level), 2.0f);
+    }
+    if (!mark.text.empty()) {
+        const ImVec2 size = ImGui::CalcTextSize(mark.text.c_str());
+        const ImVec2 at(to.x + 10.0f, to.y - 0.5f * size.y);
+        list.AddRectFilled(ImVec2(at.x - 3.0f, at.y - 1.0f),
+                           ImVec2(at.x + size.x + 3.0f, at.y + size.y + 1.0f), shade, 3.0f);
+        list.AddText(at, colour_of(mark.level), mark.text.c_str());
+    }
+}
 
 void bar(ImDrawList& list, ImVec2 at, float width, float share, ImU32 colour) {
     const float filled = width * std::clamp(share, 0.0f, 1.0f);
@@ -70,6 +88,11 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
         const ImVec2 corner(static_cast<float>(tile.x), static_cast<float>(tile.y));
         const ImVec2 end(corner.x + static_cast<float>(tile.width),
                          corner.y + static_cast<float>(tile.height));
+        list.PushClipRect(corner, end);
+        for (const Mark& mark : tile.marks) {
+            draw_mark(list, mark);
+        }
+        list.PopClipRect();
         if (tiles.size() > 1) {
             list.AddRect(corner, end, IM_COL32(20, 24, 26, 255), 0.0f, 0, 2.0f);
         }
@@ -108,9 +131,7 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
     };
     line(fmt::format("gum force   {:5.1f} N", readout.gum_force_n), white);
     bar(list, ImVec2(left, y), column, readout.gum_force_n / gum_force_scale_n,
-        readout.gum_force_n > gum_force_red_n     ? red
-        : readout.gum_force_n > gum_force_amber_n ? amber
-                                                  : green);
+        colour_of(gum_force_level(readout.gum_force_n)));
     y += 13.0f;
     line(fmt::format("glottis seen {:4.0f} %", readout.glottic_opening_percent), white);
     bar(list, ImVec2(left, y), column, readout.glottic_opening_percent / 100.0f, green);
@@ -145,7 +166,7 @@ void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int 
                wide);
 }
 
-// Help in the middle; a notice at the top.
+// Help in the middle; the scenario and a notice at the top.
 void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const {
     const PanelFonts fonts{small_, large_};
     const float wide = std::min(panel_width, static_cast<float>(width) - 8.0f);
@@ -159,9 +180,16 @@ void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int hei
         draw_panel(list, fonts, lines,
                    ImVec2(left, std::max(4.0f, 0.5f * (static_cast<float>(height) - high))), wide);
     }
+    std::vector<PanelLine> top;
+    if (!readout.description.empty()) {
+        top.push_back({.text = readout.scenario, .value = {}});
+        top.push_back({.text = readout.description, .value = {}, .colour = grey});
+    }
     if (!readout.notice.empty()) {
-        const PanelLine line{.text = readout.notice, .value = {}, .colour = amber};
-        draw_panel(list, fonts, {&line, 1}, ImVec2(left, 4.0f), wide);
+        top.push_back({.text = readout.notice, .value = {}, .colour = amber});
+    }
+    if (!top.empty()) {
+        draw_panel(list, fonts, top, ImVec2(left, 4.0f), wide);
     }
 }
 

@@ -2,8 +2,12 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <Eigen/Core>
+
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "client/hud/readout.hpp"
 
@@ -12,10 +16,18 @@ struct ImFont;
 
 namespace eti::hud {
 
+/// A line, or where both ends are one a dot, with its text beside it; pixels from the picture's upper left.
+struct Mark {
+    Eigen::Vector2f from, to;
+    Level level = Level::good;
+    std::string text;
+};
+
 /// A part of the picture with a title in its corner; pixels from the upper left.
 struct Tile {
     std::string_view title;
     int x = 0, y = 0, width = 0, height = 0;
+    std::vector<Mark> marks{};  ///< what lies outside is cut off
 };
 
 /// Draws the readout over a finished picture. One at a time, for the OpenGL context current when it

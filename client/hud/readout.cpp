@@ -13,7 +13,12 @@
 namespace eti::hud {
 namespace {
 
-constexpr double verdict_for_s = 8.0;  // of simulation time
+constexpr double verdict_for_s = 8.0;       // of simulation time
+constexpr double description_for_s = 10.0;  // likewise
+
+// The mean maxima of Xiao et al. 2020, Table 2, are 3.1-5.3 N.
+constexpr float gum_force_warning_n = 2.0f;
+constexpr float gum_force_bad_n = 4.0f;
 
 // What is told of an attempt at once; eti-review has the rest.
 constexpr std::array told{&Parameters::time_s, &Parameters::gum_force_max_n,
@@ -50,6 +55,10 @@ std::optional<Verdict> verdict_now(const view::SceneView& scene, const Readout& 
 
 }  // namespace
 
+Level gum_force_level(float force) {
+    return force > gum_force_bad_n ? Level::bad : force > gum_force_warning_n ? Level::warning : Level::good;
+}
+
 float blade_depth(const Landmarks& points, const Vec3f& tip) {
     const Vec3f& gum = at(points, Landmark::upper_gum);
     const Vec3f past = tip - gum;
@@ -85,6 +94,9 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
     if (scene.keys() && scene.laryngoscope_pose()) {
         const Vec3f tip = *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip();
         readout.blade_depth_cm = blade_depth(scene.landmarks(), tip) / centimetre;
+    }
+    if (scene.description() && (readout.link == Link::waiting || readout.time_s < description_for_s)) {
+        readout.description = scene.description()->description().to_string();
     }
     readout.verdict = verdict_now(scene, readout);
     return readout;

@@ -14,6 +14,12 @@ namespace eti::hud {
 /// Where the connection to the server stands.
 enum class Link { waiting, running, finished, lost };
 
+/// As traffic lights have it.
+enum class Level { good, warning, bad };
+
+/// Of the force [N] on the upper gum.
+[[nodiscard]] Level gum_force_level(float force);
+
 /// How an attempt or the run ended, in words.
 struct Verdict {
     std::string title;  ///< "attempt 2: success"
@@ -36,9 +42,10 @@ struct Readout {
     float tube_force_n = 0.0f;         ///< on the hand that holds the tube
     float server_load = 0.0f;          ///< step time over step budget
     float behind_s = 0.0f;             ///< wall clock minus simulation time
-    std::string scenario;
-    std::string message;  ///< the server's newest
-    std::string notice;   ///< what this client has to say, e.g. of a refused command
+    std::string scenario;              ///< its name
+    std::string description;  ///< of the scenario, in the first seconds and while waiting; else empty
+    std::string message;      ///< the server's newest
+    std::string notice;       ///< what this client has to say, e.g. of a refused command
     std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for
     std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };

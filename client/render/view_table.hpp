@@ -20,6 +20,13 @@ enum class Skin : std::uint8_t {
     lips_aside,  ///< fingers hold the lips aside, see LipRetraction
 };
 
+/// Whether a view is shown where nothing was asked for.
+enum class Automatic : std::uint8_t {
+    never,
+    always,
+    enhanced,  ///< while the session asks for the enhanced view
+};
+
 /// One row of the table of views. Options, keys, layout, pictures, timing and the renderer all walk it, so
 /// that a view is added in one place.
 struct View {
@@ -30,6 +37,7 @@ struct View {
     /// `lamp`: the laryngoscope's, where there is one.
     Lighting (*lighting)(const Camera& camera, const std::optional<Light>& lamp);
     Vec3f background;  ///< linear
+    Automatic automatic = Automatic::never;
     Skin skin = Skin::plain;
     bool cut = false;       ///< opened along the mid-sagittal plane, with the faces of the cut
     bool vignette = false;  ///< darker towards the edges, as through a mouth

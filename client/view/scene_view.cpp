@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "client/view/text.hpp"
 #include "common/bus/convert.hpp"
@@ -73,6 +74,9 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     }
     if (!printable(message.scenario().to_string()) || !printable(message.description().to_string())) {
         return refuse("eti/session_description", "a name or description with control characters");
+    }
+    if (!keys->unlike().empty()) {
+        spdlog::warn("{}", keys->unlike());
     }
     keys_ = std::move(keys);
     description_ = message;

@@ -68,6 +68,8 @@ class SceneView {
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
     /// What commands change, as the server last said, NaN for what it does not say; the defaults before.
     [[nodiscard]] const LiveValues& live() const { return live_; }
+    /// The session asks for the enhanced view.
+    [[nodiscard]] bool enhanced() const { return live_.view_enhanced > 0.5f; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
     /// How the newest attempt of this run ended.
     [[nodiscard]] const std::optional<AttemptReport>& attempt_report() const { return attempt_report_; }

@@ -72,6 +72,16 @@ TEST_F(CommandKeys, NothingIsSentBeyondTheRangeOrFromNowhere) {
     EXPECT_TRUE(std::isnan(press(U'[', 10s)));
 }
 
+TEST_F(CommandKeys, AFlipTurnsOnAndOff) {
+    EXPECT_EQ(press(U'e', 10s), 1.0f);
+    EXPECT_EQ(press(U'e', 10'100ms), 0.0f) << "before the server has said so";
+    EXPECT_TRUE(std::isnan(press(U'e', 10'200ms, true))) << "held";
+    patient_.view_enhanced = 1.0f;
+    EXPECT_EQ(press(U'e', 20s), 0.0f);
+    patient_.view_enhanced = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_TRUE(std::isnan(press(U'e', 30s))) << "an older server";
+}
+
 TEST_F(CommandKeys, SuctionIsOnWhileHeld) {
     EXPECT_FALSE(typing_.release(*command_key(U's')));
     EXPECT_EQ(press(U's', 10s), 1.0f);

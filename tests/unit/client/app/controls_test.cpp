@@ -65,6 +65,19 @@ TEST_F(ControlsTest, TheTraineesKeysReachTheServerAndRefusalsTheScreen) {
     EXPECT_EQ(notice(controls_), "");
 }
 
+TEST_F(ControlsTest, TheEnhancedViewGoesOnAndOffForAllWhoListen) {
+    synthetic::SyntheticServer server(1e9);
+    follow([&] { return scene_.metrics() && sender_.served(); });
+    EXPECT_EQ(controls_.selection().views(scene_).size(), 2u);
+    press(U'e');
+    follow([&] { return scene_.enhanced(); });
+    ASSERT_EQ(controls_.selection().views(scene_).size(), 3u);
+    EXPECT_EQ(controls_.selection().views(scene_).back()->name, "section");
+    press(U'e');
+    follow([&] { return !scene_.enhanced(); });
+    EXPECT_EQ(controls_.selection().views(scene_).size(), 2u);
+}
+
 TEST_F(ControlsTest, AnotherSendersAnswersAreNotTaken) {
     synthetic::SyntheticServer server(1e9);
     client::CommandSender other(node_, "another");

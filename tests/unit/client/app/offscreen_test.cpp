@@ -77,10 +77,10 @@ TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
     SyntheticServer server(2.5);
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     EXPECT_EQ(result_["end"], "finished");
-    for (const render::View* view : options_.selection->views) {
-        EXPECT_EQ(pictures(std::string(view->name) + "_final").size(), 1u) << view->name;
+    for (const char* name : {"laryngoscope", "overview", "auto"}) {
+        EXPECT_EQ(pictures(std::string(name) + "_final").size(), 1u) << name;
     }
-    EXPECT_EQ(pictures("all_final").size(), 1u);
+    EXPECT_TRUE(pictures("section").empty()) << "nobody asked for the enhanced view";
     ASSERT_EQ(pictures("laryngoscope_best").size(), 1u);
     // The full view stands from 1 s on; a copy is taken once half a per cent more is seen.
     EXPECT_GE(pictures("laryngoscope_best").front(), "laryngoscope_best_000.990s.png");
@@ -94,7 +94,7 @@ TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
     EXPECT_GT(seconds, 2.5);
     EXPECT_GE(frames, 15 + result_["frames"].get<int>());
     EXPECT_LE(frames, 15 + static_cast<int>(15 * seconds) + 1);
-    const cv::Mat last = cv::imread((options_.offscreen / pictures("section_final").front()).string());
+    const cv::Mat last = cv::imread((options_.offscreen / pictures("auto_final").front()).string());
     EXPECT_EQ(last.cols, 320);
     EXPECT_EQ(last.rows, 240);
 }
@@ -132,7 +132,7 @@ TEST_F(OffscreenTest, DrawsNothingThatNobodyKeeps) {
     EXPECT_EQ(result_["frames_drawn"], 0);
     EXPECT_TRUE(result_["draw_ms"].empty());
     // The pictures at the end show the newest shapes all the same.
-    EXPECT_EQ(pictures("section_final").size(), 1u);
+    EXPECT_EQ(pictures("overview_final").size(), 1u);
 }
 
 TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
@@ -147,7 +147,7 @@ TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
     killer.join();
     EXPECT_EQ(status, 0);
     EXPECT_EQ(result_["end"], "server lost");
-    EXPECT_EQ(pictures("all_final").size(), 1u);
+    EXPECT_EQ(pictures("auto_final").size(), 1u);
     EXPECT_GT(video_frames(), 15);
 }
 
@@ -204,7 +204,7 @@ TEST(Layout, TilesCoverThePictureWithoutOverlap) {
         for (const auto& [width, height] : {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}}) {
             // Each pixel belongs to one tile.
             std::vector<int> covered(static_cast<std::size_t>(width * height), 0);
-            for (const auto& [view, tile] : client::layout(selection.views, width, height)) {
+            for (const auto& [view, tile] : client::layout(selection.enhanced, width, height)) {
                 ASSERT_GE(tile.x, 0);
                 ASSERT_GE(tile.y, 0);
                 ASSERT_LE(tile.x + tile.width, width);

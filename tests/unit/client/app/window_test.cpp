@@ -41,8 +41,8 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     client::Compositor compositor(window.width(), window.height(), 1);
-    compositor.draw(client::default_selection().views, scene, hud::readout_of(scene, false), window.orbit(),
-                    false);
+    compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false),
+                    window.orbit(), false);
     compositor.target().copy_to_window();
     // What the window is about to show, read from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);

@@ -68,6 +68,21 @@ TEST(Readout, TellsAnAttemptsEndForSomeSecondsAndTheRunsForGood) {
     EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "session: success");
 }
 
+TEST(Readout, TellsTheScenarioWhileWaitingAndInTheFirstSeconds) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    EXPECT_EQ(hud::readout_of(scene, false).description, "");
+    scene.apply(source.description);
+    EXPECT_EQ(hud::readout_of(scene, false).link, hud::Link::waiting);
+    EXPECT_EQ(hud::readout_of(scene, false).scenario, "synthetic");
+    EXPECT_EQ(hud::readout_of(scene, false).description, "made by a test");
+    synthetic::fill(scene, source);
+    scene.apply(synthetic::deformation(source, 9'000'000'000, 0.0f, 0.0f));
+    EXPECT_EQ(hud::readout_of(scene, false).description, "made by a test");
+    scene.apply(synthetic::deformation(source, 11'000'000'000, 0.0f, 0.0f));
+    EXPECT_EQ(hud::readout_of(scene, false).description, "");
+}
+
 TEST(Hud, DrawsTheVerdictGreenOrRed) {
     render::HeadlessContext context;
     render::RenderTarget target(640, 360, 1);

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/aids.hpp"
+
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "client/view/line_of_sight.hpp"
+
+namespace eti::client {
+namespace {
+
+/// Where points of the scene lie in a picture.
+class Projection {
+  public:
+    Projection(const render::Camera& camera, const hud::Tile& tile)
+        : matrix_(camera.projection(static_cast<float>(tile.width) / static_cast<float>(tile.height)) *
+                  camera.view()),
+          corner_(static_cast<float>(tile.x), static_cast<float>(tile.y)),
+          half_(0.5f * static_cast<float>(tile.width), 0.5f * static_cast<float>(tile.height)) {}
+
+    /// Pixels from the picture's upper left; nothing for what lies behind the camera.
+    [[nodiscard]] std::optional<Eigen::Vector2f> pixel(const Vec3f& point) const {
+        const Eigen::Vector4f clip = matrix_ * point.homogeneous();
+        if (clip.w() <= 0.0f) {
+            return std::nullopt;
+        }
+        const Eigen::Vector2f place(1.0f + clip.x() / clip.w(), 1.0f - clip.y() / clip.w());
+        return corner_ + place.cwiseProduct(half_);
+    }
+
+  private:
+    Eigen::Matrix4f matrix_;
+    Eigen::Vector2f corner_, half_;
+};
+
+void add(std::vector<hud::Mark>& marks, const Projection& projection, const Vec3f& from, const Vec3f& to,
+         hud::Level level, std::string text = {}) {
+    const auto a = projection.pixel(from), b = projection.pixel(to);
+    if (a && b) {
+        marks.push_back({*a, *b, level, std::move(text)});
+    }
+}
+
+void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene) {
+    const view::Sight sight = view::sight_of(scene.landmarks());
+    const auto met = view::obstacle(scene, sight);
+    add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
+    if (met) {
+        add(marks, projection, met->where, sight.to, hud::Level::bad);
+        add(marks, projection, met->where, met->where, hud::Level::bad, std::string(met->name));
+    } else {
+        add(marks, projection, sight.to, sight.to, hud::Level::good, "glottis in sight");
+    }
+}
+
+}  // namespace
+
+std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
+                               const render::Orbit& orbit, const hud::Tile& tile) {
+    std::vector<hud::Mark> marks;
+    if (!scene.metrics()) {
+        return marks;
+    }
+    const Projection projection(view.camera(scene, orbit), tile);
+    const Vec3f& gum = at(scene.landmarks(), Landmark::upper_gum);
+    const float force = scene.metrics()->gum_force_n();
+    add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force));
+    if (view.cut) {
+        add_sight(marks, projection, scene);
+    }
+    return marks;
+}
+
+}  // namespace eti::client

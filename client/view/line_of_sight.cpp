@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/line_of_sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti::view {
+namespace {
+
+// The glottis is an opening of some 3 mm; its rim, just before its centre, hides nothing.
+constexpr float short_of_glottis = 1.5e-3f;  // [m]
+
+/// A segment that is cut shorter by each triangle it meets.
+class Ray {
+  public:
+    Ray(const Vec3f& from, const Vec3f& to) : from_(from), way_(to - from) { set_reach(1.0f); }
+
+    /// Whether the triangle is met, before any other so far (Moeller & Trumbore 1997).
+    bool meets(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (std::max({a[axis], b[axis], c[axis]}) < low_[axis] ||
+                std::min({a[axis], b[axis], c[axis]}) > high_[axis]) {
+                return false;
+            }
+        }
+        const Vec3f ab = b - a, ac = c - a, p = way_.cross(ac);
+        const float determinant = ab.dot(p);
+        if (determinant == 0.0f) {
+            return false;
+        }
+        const Vec3f s = from_ - a, q = s.cross(ab);
+        const float u = s.dot(p) / determinant, v = way_.dot(q) / determinant;
+        const float reach = ac.dot(q) / determinant;
+        if (!(u >= 0.0f && v >= 0.0f && u + v <= 1.0f && reach >= 0.0f && reach < reach_)) {
+            return false;
+        }
+        set_reach(reach);
+        return true;
+    }
+
+    [[nodiscard]] Vec3f end() const { return from_ + reach_ * way_; }
+
+  private:
+    void set_reach(float reach) {
+        reach_ = reach;
+        low_ = from_.cwiseMin(end());
+        high_ = from_.cwiseMax(end());
+    }
+
+    Vec3f from_, way_;
+    float reach_ = 1.0f;  // share of the way
+    Vec3f low_, high_;
+};
+
+std::string_view said(Tissue tissue) {
+    return tissue == Tissue::soft ? std::string_view("soft tissue") : name_of(tissue);
+}
+
+}  // namespace
+
+Sight sight_of(const Landmarks& now) {
+    return {best_eye(now), at(now, Landmark::glottis)};
+}
+
+std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
+    const Vec3f onward = (sight.to - sight.from).normalized();
+    const float gum = onward.dot(at(scene.landmarks(), Landmark::upper_gum) - sight.from);
+    const Vec3f begin = sight.from + std::max(0.0f, gum) * onward;
+    const Vec3f end = sight.to - short_of_glottis * onward;
+    Ray ray(begin, end);
+    std::string_view name;
+    for (const auto& [surface_name, surface] : scene.surfaces()) {
+        const SurfaceModel& model = surface.model();
+        if (is_bone(model.tissue)) {  // inside the body, hidden anyway
+            continue;
+        }
+        const auto vertices = surface.vertices();
+        for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
+            const auto& [a, b, c] = model.mesh.triangles[t];
+            if (ray.meets(vertices[a].position, vertices[b].position, vertices[c].position)) {
+                name = said(model.triangle_tissue[t]);
+            }
+        }
+    }
+    Vec3f where = ray.end();
+    if (scene.laryngoscope() && scene.laryngoscope_pose()) {
+        const RigidTransform into_tool = scene.laryngoscope_pose()->inverse();
+        const TriangleMesh& mesh = scene.laryngoscope()->mesh;
+        Ray held(into_tool * begin, into_tool * where);
+        for (const auto& [a, b, c] : mesh.triangles) {
+            if (held.meets(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
+                name = "blade";
+            }
+        }
+        where = *scene.laryngoscope_pose() * held.end();
+    }
+    if (name.empty()) {
+        return std::nullopt;
+    }
+    return Obstacle{where, name};
+}
+
+}  // namespace eti::view

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "client/app/compositor.hpp"
+#include "client/render/headless_context.hpp"
+#include "common/bus/session_keys.hpp"
+#include "synthetic_scene.hpp"
+
+namespace eti {
+namespace {
+
+constexpr int width = 640, height = 360;
+
+// What the session's enhanced view changes, in drawn pixels.
+class EnhancedView : public ::testing::Test {
+  protected:
+    void SetUp() override { synthetic::fill(scene_, source_); }
+
+    void say(bool enhanced, float gum_force) {
+        auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
+        LiveValues live;
+        live.view_enhanced = enhanced ? 1.0f : 0.0f;
+        bus::put_live(live, metrics);
+        metrics.gum_force_n(gum_force);
+        ASSERT_TRUE(scene_.apply(metrics));
+    }
+    [[nodiscard]] render::Image picture(std::string_view selection) {
+        hud::Readout nothing_said;
+        nothing_said.link = hud::Link::running;
+        compositor_.draw(client::selection_named(selection)->views(scene_), scene_, nothing_said, {}, false);
+        return compositor_.target().read();
+    }
+    static bool differs(const render::Image& a, const render::Image& b, int x, int y) {
+        return std::memcmp(a.pixel(x, y), b.pixel(x, y), 3) != 0;
+    }
+    // Pixels that differ, and of those the ones at least `distance` from (x, y).
+    static std::pair<int, int> changed(const render::Image& a, const render::Image& b,
+                                       const Eigen::Vector2f& about, float distance) {
+        int all = 0, far = 0;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                if (differs(a, b, x, y)) {
+                    ++all;
+                    const Eigen::Vector2f place(static_cast<float>(x), static_cast<float>(y));
+                    far += (place - about).norm() > distance ? 1 : 0;
+                }
+            }
+        }
+        return {all, far};
+    }
+    [[nodiscard]] Eigen::Vector2f gum_pixel(std::string_view view) const {
+        const render::Camera camera = render::view_named(view)->camera(scene_, {});
+        const Eigen::Vector4f clip = camera.projection(static_cast<float>(width) / height) * camera.view() *
+                                     at(scene_.landmarks(), Landmark::upper_gum).homogeneous();
+        return {0.5f * width * (1.0f + clip.x() / clip.w()), 0.5f * height * (1.0f - clip.y() / clip.w())};
+    }
+
+    synthetic::Scene source_ = synthetic::make_scene();
+    view::SceneView scene_;
+    render::HeadlessContext context_;
+    client::Compositor compositor_{width, height, 1};
+};
+
+TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
+    say(false, 1.0f);
+    const render::Image plain = picture("auto");
+    say(true, 1.0f);
+    const render::Image enhanced = picture("auto");
+    const auto tiles = client::layout(client::selection_named("auto")->views(scene_), width, height);
+    ASSERT_EQ(tiles.size(), 3u);
+    EXPECT_EQ(tiles[2].view->name, "section");
+    // Most of the section's tile was another view's background.
+    int inside = 0;
+    for (int y = tiles[2].tile.y; y < height; ++y) {
+        for (int x = tiles[2].tile.x; x < width; ++x) {
+            inside += differs(plain, enhanced, x, y) ? 1 : 0;
+        }
+    }
+    EXPECT_GT(inside, tiles[2].tile.width * tiles[2].tile.height / 2);
+    say(false, 1.0f);
+    EXPECT_EQ(picture("auto").rgba, plain.rgba) << "off again";
+}
+
+TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
+    for (const render::View& view : render::views()) {
+        say(false, 1.0f);
+        const render::Image plain = picture(view.name);
+        const Eigen::Vector2f gum = gum_pixel(view.name);
+        const int x = static_cast<int>(std::lround(gum.x())), y = static_cast<int>(std::lround(gum.y()));
+        ASSERT_TRUE(x > 0 && x < width && y > 0 && y < height) << view.name;
+        for (const auto& [force, red] : {std::pair{1.0f, false}, std::pair{5.0f, true}}) {
+            say(true, force);
+            const render::Image marked = picture(view.name);
+            const std::uint8_t* const at_gum = marked.pixel(x, y);
+            EXPECT_EQ(at_gum[0] > at_gum[1], red) << view.name << " at " << force << " N";
+            const auto [all, far] = changed(plain, marked, gum, 60.0f);
+            EXPECT_GT(all, 60) << view.name;
+            // A disc of 6 pixels and a number beside it; the section has more.
+            if (!view.cut) {
+                EXPECT_EQ(far, 0) << view.name;
+            }
+        }
+    }
+}
+
+TEST_F(EnhancedView, DrawsTheLineOfSightInTheSection) {
+    say(false, 1.0f);
+    const render::Image plain = picture("section");
+    say(true, 1.0f);
+    const render::Image sighted = picture("section");
+    const render::Camera camera = render::view_named("section")->camera(scene_, {});
+    const Eigen::Matrix4f matrix = camera.projection(static_cast<float>(width) / height) * camera.view();
+    const Vec3f eye = best_eye(scene_.landmarks()), glottis = at(scene_.landmarks(), Landmark::glottis);
+    int along = 0, drawn = 0;
+    for (int i = 0; i <= 400; ++i) {
+        const Vec3f point = eye + static_cast<float>(i) / 400.0f * (glottis - eye);
+        const Eigen::Vector4f clip = matrix * point.homogeneous();
+        const int x = static_cast<int>(0.5f * width * (1.0f + clip.x() / clip.w()));
+        const int y = static_cast<int>(0.5f * height * (1.0f - clip.y() / clip.w()));
+        if (x >= 2 && x < width - 2 && y >= 2 && y < height - 2) {
+            ++along;
+            const std::uint8_t* const p = sighted.pixel(x, y);
+            const bool coloured = std::abs(p[0] - p[1]) > 60;
+            drawn += coloured && differs(plain, sighted, x, y) ? 1 : 0;
+        }
+    }
+    ASSERT_GT(along, 50);
+    // Dots and what is written beside them cover some of it.
+    EXPECT_GT(drawn, along * 3 / 4);
+}
+
+TEST_F(EnhancedView, WhoAsksForAViewKeepsIt) {
+    for (const client::Selection& one : client::selections()) {
+        say(false, 1.0f);
+        const client::Views plain = one.views(scene_);
+        say(true, 1.0f);
+        EXPECT_EQ(one.views(scene_) == plain, one.name != "auto") << one.name;
+    }
+}
+
+}  // namespace
+}  // namespace eti

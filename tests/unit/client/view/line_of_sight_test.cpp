@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/line_of_sight.hpp"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_scene.hpp"
+
+namespace eti {
+namespace {
+
+class LineOfSight : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        bare_.apply(source_.description);
+        for (const auto& object : source_.objects) {
+            bare_.apply(object);
+        }
+        bare_.update();
+        synthetic::fill(held_, source_);
+    }
+
+    synthetic::Scene source_ = synthetic::make_scene();
+    view::SceneView bare_;  // nothing lifted, no tools
+    view::SceneView held_;  // with blade
+    // Level with the gum's crest, in the mouth's cavity.
+    Vec3f mouth_ = at(source_.landmarks, Landmark::upper_gum) + Vec3f(0.0f, 0.004f, -0.004f);
+};
+
+TEST_F(LineOfSight, GoesFromTheEyeToTheGlottis) {
+    const view::Sight sight = view::sight_of(source_.landmarks);
+    EXPECT_EQ(sight.from, best_eye(source_.landmarks));
+    EXPECT_EQ(sight.to, at(source_.landmarks, Landmark::glottis));
+}
+
+TEST_F(LineOfSight, NamesWhatItMeetsFirstAndWhere) {
+    // Along z through the tongue's middle: an ellipsoid about (0, 0.016, -0.002) whose half axis is 7 mm.
+    const Vec3f centre(0.0f, 0.016f, -0.002f);
+    const auto met =
+        view::obstacle(bare_, {centre + Vec3f(0.0f, 0.0f, 0.015f), centre - Vec3f(0.0f, 0.0f, 0.015f)});
+    ASSERT_TRUE(met);
+    EXPECT_EQ(met->name, "tongue");
+    // Facets of 1 mm on a radius of curvature of 11 mm lie at most 0.05 mm inside.
+    EXPECT_NEAR(met->where.z(), 0.005f, 1e-4f);
+    EXPECT_NEAR(met->where.y(), centre.y(), 1e-6f);
+}
+
+TEST_F(LineOfSight, FreeAirHidesNothing) {
+    EXPECT_FALSE(view::obstacle(bare_, {Vec3f(0.2f, 0.0f, 0.0f), Vec3f(0.2f, 0.1f, 0.1f)}));
+}
+
+TEST_F(LineOfSight, ABladeInTheWayIsNamed) {
+    // Across the blade, 3 cm short of its tip, in the throat's cavity.
+    const RigidTransform& pose = *held_.laryngoscope_pose();
+    const Vec3f middle = pose * Vec3f(0.0f, 0.0f, 0.05f);
+    const Vec3f across = pose.rotation * Vec3f(0.006f, 0.0f, 0.0f);
+    const auto met = view::obstacle(held_, {middle + across, middle - across});
+    ASSERT_TRUE(met);
+    EXPECT_EQ(met->name, "blade");
+    // Its radius is 3 mm, in cells of 2 mm.
+    EXPECT_NEAR((met->where - middle).norm(), 0.003f, 5e-4f);
+}
+
+TEST_F(LineOfSight, WhatLiesBeforeTheGumDoesNotCount) {
+    // From above the head through all of it, seen from an eye far out: only what comes after the gum.
+    const view::Sight sight = view::sight_of(source_.landmarks);
+    const auto met = view::obstacle(bare_, sight);
+    if (met) {
+        const Vec3f onward = (sight.to - sight.from).normalized();
+        EXPECT_GE(onward.dot(met->where - at(source_.landmarks, Landmark::upper_gum)), -1e-6f);
+    }
+    // The same look that ends at the gum meets nothing.
+    EXPECT_FALSE(view::obstacle(bare_, {sight.from, mouth_ - Vec3f(0.0f, 0.004f, -0.004f)}));
+}
+
+}  // namespace
+}  // namespace eti
