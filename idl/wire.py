@@ -40,9 +40,11 @@ class Writer:
         self.messages = [name for name, members in structs.items() if ("Header", "header") in members]
 
     def bound(self, kind):
-        """Elements of a sequence or enumerators of an enum; else, and without a bound, no_bound."""
+        """Elements of a sequence, letters of a string, enumerators of an enum; else no_bound."""
         if sequence := SEQUENCE.match(kind):
             return sequence[2] or "no_bound"
+        if string := STRING.match(kind):
+            return string[1] or "no_bound"
         return str(len(self.enums[kind])) if kind in self.enums else "no_bound"
 
     def walk(self, kind):
@@ -51,8 +53,8 @@ class Writer:
             if sequence[1] in SIZES:
                 return f"in.numbers({self.bound(kind)}, {SIZES[sequence[1]]})"
             return f"in.each({self.bound(kind)}, [&] {{ return {self.walk(sequence[1])}; }})"
-        if string := STRING.match(kind):
-            return f"in.text({string[1] or 'no_bound'})"
+        if STRING.match(kind):
+            return f"in.text({self.bound(kind)})"
         if kind in self.enums:
             return f"in.choice({self.bound(kind)})"
         return f"whole_{kind}(in)" if kind in self.structs else f"in.number({SIZES[kind]})"
@@ -74,13 +76,13 @@ class Writer:
                "/// X(name) of every message: of every struct with a header.", "#define ETI_MESSAGES(X) \\",
                " \\\n".join(f"    X({name})" for name in self.messages), "", "namespace eti::msg {", "",
                "inline constexpr std::size_t no_bound = SIZE_MAX;", "",
-               "/// How many elements a sequence may have: struct and member.", "namespace bound {"]
+               "/// How many elements a sequence may have, or letters a string: struct and member.", "namespace bound {"]
         out += [f"inline constexpr std::size_t {name}_{member} = {self.bound(kind)};"
                 for name, members in self.structs.items() for kind, member in members
-                if SEQUENCE.match(kind) and self.bound(kind) != "no_bound"]
+                if kind not in self.enums and self.bound(kind) != "no_bound"]
         out += ["}  // namespace bound", "",
-                "// for_members: visit(name, member, bound) of each member in its order; the bound is that of a sequence,",
-                "// or the count of an enum's values. whole: whether a payload holds the struct within its bounds."]
+                "// for_members: visit(name, member, bound) of each member in its order; the bound is that of a sequence or",
+                "// string, or the count of an enum's values. whole: whether a payload holds the struct within its bounds."]
         for name in self.structs:
             out += self.struct(name)
         for name in self.messages:

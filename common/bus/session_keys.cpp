@@ -22,7 +22,7 @@ constexpr float longest_tool = 1.0f;  // [m]; more is damage on the way
 /// A name as it fits the wire; names of this program's tables do, a test says.
 template <std::size_t size>
 void put(std::string_view text, eprosima::fastrtps::fixed_string<size>& to) {
-    to = std::string(text.substr(0, size)).c_str();
+    to = std::string(text);
 }
 
 /// Finds the names of one table in a message, and collects what only one side has.

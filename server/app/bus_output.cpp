@@ -3,7 +3,6 @@
 #include "server/app/bus_output.hpp"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -91,11 +90,11 @@ BusOutput::~BusOutput() {
 void BusOutput::publish_description(const Scenario& scenario, const anatomy::Patient& patient,
                                     const Laryngoscope& scope, const LiveValues& start) {
     msg::SessionDescription message;
-    message.session(session_.substr(0, 47));
+    message.session(session_);
     message.header(make_header(0, 0));
     message.version(ETI_VERSION);
-    message.scenario(scenario.name.substr(0, 63));
-    message.description(scenario.description.substr(0, 499));
+    message.scenario(scenario.name);
+    message.description(scenario.description);
     message.scenario_text(scenario.text);
     message.steps_per_second(steps_per_second);
     message.time_limit_s(scenario.time_limit);
@@ -190,7 +189,7 @@ void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveMeasures& l
         message.landmarks().push_back(to_msg(p));
     }
     message.parameters(bus::to_msg(live.parameters));
-    message.message(live.message.substr(0, 199));
+    message.message(live.message);
     {
         const std::scoped_lock lock(mutex_);
         waiting_live_ = std::move(message);
@@ -279,7 +278,7 @@ void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deq
         message.header(make_header(current_.snapshot.time_ns, ++number_));
         message.attempt(s.attempt);
         message.success(s.outcome.success);
-        message.reason(s.outcome.reason.substr(0, 199));
+        message.reason(s.outcome.reason);
         message.parameters(bus::to_msg(s.parameters));
         summary_.publish(message);
     }
@@ -360,13 +359,11 @@ void BusOutput::publish_fluid(const scene::Snapshot& snapshot) {
 }
 
 void BusOutput::publish_status(const Work& work) {
-    char host[64] = "";
-    gethostname(host, sizeof host - 1);
     msg::SessionStatus message;
-    message.session(session_.substr(0, 47));
+    message.session(session_);
     message.header(make_header(work.snapshot.time_ns, static_cast<std::uint32_t>(work.snapshot.step)));
     message.phase(work.status.phase);
-    message.server((std::string(host) + ":" + std::to_string(getpid())).substr(0, 63));
+    message.server(bus::process_name());
     message.load(work.status.load);
     message.behind_s(work.status.behind);
     status_.publish(message);

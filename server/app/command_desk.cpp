@@ -31,10 +31,10 @@ std::string outside(const LiveField& field, float typed, float low, float high) 
 
 void CommandDesk::handle(const ReceivedCommand& command) {
     const std::string refusal = carry_out(command);
-    answer_.recipient(command.sender.substr(0, 47));
+    answer_.recipient(command.sender);
     answer_.id(command.id);
     answer_.accepted(refusal.empty());
-    answer_.reason(refusal.substr(0, 199));
+    answer_.reason(refusal);
     if (!refusal.empty()) {
         spdlog::warn("command {} of '{}' refused: {}", command.id, command.sender, refusal);
     }
