@@ -6,10 +6,10 @@
 #include <string>
 
 #include "client/app/command_keys.hpp"
-#include "client/app/command_sender.hpp"
 #include "client/app/selection.hpp"
 #include "client/hud/readout.hpp"
 #include "client/view/scene_view.hpp"
+#include "common/bus/command_sender.hpp"
 
 namespace eti::client {
 
@@ -23,7 +23,7 @@ class Controls {
     using Time = CommandTyping::Time;
 
     /// `commands`: null for an observer, who gives none.
-    Controls(const Selection& selection, CommandSender* commands)
+    Controls(const Selection& selection, bus::CommandSender* commands)
         : selection_(&selection), commands_(commands) {}
 
     /// A character in lower case, or an arrow. `repeated`: the key is held.
@@ -43,7 +43,7 @@ class Controls {
     void say(std::string text, Time now);
 
     const Selection* selection_;
-    CommandSender* commands_;
+    bus::CommandSender* commands_;
     CommandTyping typing_;
     bool help_ = false;
     std::string notice_;

@@ -37,7 +37,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);
     SessionInput input(node, !options.observe, !options.observe);
-    std::optional<CommandSender> commands;
+    std::optional<bus::CommandSender> commands;
     if (!options.observe) {
         commands.emplace(node, options.bus.name);
     }

@@ -42,35 +42,19 @@ PadCommand command_from(const std::string& typed) {
 
 CommandLink::CommandLink(const bus::Options& options)
     : node_(options),
-      commands_(node_, bus::topics::command),
-      answers_(node_, bus::topics::command_result),
+      commands_(node_, "eti-controller"),
       status_(node_, bus::topics::session_status),
       description_topic_(node_, bus::topics::session_description),
       live_(node_, bus::topics::live_metrics) {}
 
 void CommandLink::send(const PadCommand& command) {
-    msg::Command message;
-    message.header(bus::make_header(0, ++sent_));
-    message.sender(sender_);
-    message.id(sent_);
-    message.name(std::string(command.name));
-    message.value(command.value);
-    if (!commands_.publish(message)) {
+    if (!commands_.send(command.name, command.value)) {
         spdlog::warn("a command could not be sent: no server takes it");
     }
 }
 
 void CommandLink::hear() {
-    msg::CommandResult answer;
-    while (answers_.take(answer)) {
-        if (answer.recipient().to_string() != sender_) {
-            continue;
-        }
-        ++(answer.accepted() ? accepted_ : refused_);
-        if (!answer.accepted()) {
-            spdlog::warn("refused: {}", answer.reason().to_string());
-        }
-    }
+    (void)commands_.hear();
     msg::SessionStatus status;
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
@@ -94,11 +78,12 @@ void CommandLink::hear() {
 
 bool CommandLink::hear_all(std::chrono::milliseconds patience) {
     const auto limit = std::chrono::steady_clock::now() + patience;
-    while (accepted_ + refused_ < sent_ && std::chrono::steady_clock::now() < limit) {
-        (void)answers_.wait(std::chrono::milliseconds(50));
+    const auto answered = [this] { return accepted() + refused() == sent(); };
+    while (!answered() && std::chrono::steady_clock::now() < limit) {
+        (void)commands_.wait(std::chrono::milliseconds(50));
         hear();
     }
-    return accepted_ + refused_ == sent_;
+    return answered();
 }
 
 }  // namespace eti::devices

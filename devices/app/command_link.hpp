@@ -2,14 +2,13 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/command_sender.hpp"
 #include "common/bus/session_keys.hpp"
 #include "devices/app/command_pad.hpp"
 
@@ -27,16 +26,16 @@ class CommandLink {
   public:
     explicit CommandLink(const bus::Options& options);
 
-    [[nodiscard]] bool served() const { return commands_.matched() > 0; }
+    [[nodiscard]] bool served() const { return commands_.served(); }
     void send(const PadCommand& command);
     /// Reads what has come, and logs refusals.
     void hear();
     /// Waits for all answers, at most `patience`; true if they have come.
     [[nodiscard]] bool hear_all(std::chrono::milliseconds patience);
 
-    [[nodiscard]] std::uint32_t sent() const { return sent_; }
-    [[nodiscard]] std::uint32_t accepted() const { return accepted_; }
-    [[nodiscard]] std::uint32_t refused() const { return refused_; }
+    [[nodiscard]] std::uint32_t sent() const { return commands_.sent(); }
+    [[nodiscard]] std::uint32_t accepted() const { return commands_.accepted(); }
+    [[nodiscard]] std::uint32_t refused() const { return commands_.refused(); }
     [[nodiscard]] bool session_finished() const { return session_finished_; }
     /// What the session says of itself, once it has.
     [[nodiscard]] const std::optional<msg::SessionDescription>& description() const { return description_; }
@@ -46,10 +45,8 @@ class CommandLink {
     [[nodiscard]] const std::optional<LiveValues>& patient() const { return patient_; }
 
   private:
-    std::string sender_ = "eti-controller:" + std::to_string(::getpid());
     bus::Node node_;
-    bus::Publisher<msg::Command> commands_;
-    bus::Subscriber<msg::CommandResult> answers_;
+    bus::CommandSender commands_;
     bus::Subscriber<msg::SessionStatus> status_;
     bus::Subscriber<msg::SessionDescription> description_topic_;
     bus::Subscriber<msg::LiveMetrics> live_;
@@ -57,7 +54,6 @@ class CommandLink {
     std::optional<msg::SessionDescription> description_;
     std::vector<float> now_;  // in its order
     std::optional<LiveValues> patient_;
-    std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
     bool session_finished_ = false;
 };
 

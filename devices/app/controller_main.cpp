@@ -146,7 +146,10 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
 int run(const ProgramOptions& options, const std::vector<std::string>& typed, bool list) {
     if (list) {
         const nlohmann::ordered_json session = list_once(options);
-        std::cout << (options.json ? session.dump(2) + "\n" : session_text(session)) << std::flush;
+        std::cout << (options.json
+                          ? session.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"
+                          : session_text(session))
+                  << std::flush;
         return 0;
     }
     if (options.device.empty() && typed.empty()) {

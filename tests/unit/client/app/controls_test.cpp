@@ -37,7 +37,7 @@ class ControlsTest : public ::testing::Test {
 
     bus::Node node_{synthetic::bus_options("eti-client")};
     client::SessionInput input_{node_, false, false};
-    client::CommandSender sender_{node_, "eti-client"};
+    bus::CommandSender sender_{node_, "eti-client"};
     client::Controls controls_{client::default_selection(), &sender_};
     view::SceneView scene_;
     client::Controls::Time now_ = client::Controls::Time(100s);
@@ -80,7 +80,7 @@ TEST_F(ControlsTest, TheEnhancedViewGoesOnAndOffForAllWhoListen) {
 
 TEST_F(ControlsTest, AnotherSendersAnswersAreNotTaken) {
     synthetic::SyntheticServer server(1e9);
-    client::CommandSender other(node_, "another");
+    bus::CommandSender other(node_, "another");
     follow([&] { return scene_.metrics() && sender_.served() && other.served(); });
     ASSERT_TRUE(other.send(server.refused, 1.0f));
     press(U'[');

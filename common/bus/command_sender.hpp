@@ -11,7 +11,7 @@
 
 #include "common/bus/bus.hpp"
 
-namespace eti::client {
+namespace eti::bus {
 
 /// A command that the server did not carry out, and why.
 struct Refusal {
@@ -23,10 +23,12 @@ struct Refusal {
 class CommandSender {
   public:
     /// `program`: who sends, as the server logs it; the process's number is added.
-    CommandSender(bus::Node& node, std::string_view program);
+    CommandSender(Node& node, std::string_view program);
 
     /// `value`: SI. False: no server takes commands now.
     bool send(std::string_view name, float value);
+    /// Waits until there is an answer to read.
+    [[nodiscard]] bool wait(std::chrono::milliseconds timeout) { return answers_.wait(timeout); }
     /// Reads what has come: the refusals since the last call, which are also logged.
     [[nodiscard]] std::vector<Refusal> hear();
 
@@ -43,10 +45,10 @@ class CommandSender {
 
   private:
     std::string sender_;
-    bus::Publisher<msg::Command> commands_;
-    bus::Subscriber<msg::CommandResult> answers_;
+    Publisher<msg::Command> commands_;
+    Subscriber<msg::CommandResult> answers_;
     std::map<std::uint32_t, std::string> unanswered_;  // names by number
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
 };
 
-}  // namespace eti::client
+}  // namespace eti::bus

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/command_sender.hpp"
+#include "common/bus/command_sender.hpp"
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "common/bus/convert.hpp"
 
-namespace eti::client {
+namespace eti::bus {
 namespace {
 
 // As many as the topic keeps: what is older was never answered.
@@ -15,17 +15,17 @@ constexpr std::size_t most_unanswered = 64;
 
 }  // namespace
 
-CommandSender::CommandSender(bus::Node& node, std::string_view program)
+CommandSender::CommandSender(Node& node, std::string_view program)
     : sender_(fmt::format("{}:{}", program, ::getpid())),
-      commands_(node, bus::topics::command),
-      answers_(node, bus::topics::command_result) {}
+      commands_(node, topics::command),
+      answers_(node, topics::command_result) {}
 
 bool CommandSender::send(std::string_view name, float value) {
     if (!served()) {
         return false;
     }
     msg::Command message;
-    message.header(bus::make_header(0, sent_ + 1));
+    message.header(make_header(0, sent_ + 1));
     message.sender(sender_);
     message.id(sent_ + 1);
     message.name(std::string(name));
@@ -58,4 +58,4 @@ std::vector<Refusal> CommandSender::hear() {
     return refusals;
 }
 
-}  // namespace eti::client
+}  // namespace eti::bus
