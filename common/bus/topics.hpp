@@ -45,6 +45,7 @@ struct Topic {
     X(fluid, FluidState, .depth = 128)                                                    \
     X(command, Command, .reliable = true, .depth = 64)                                    \
     X(command_result, CommandResult, .reliable = true, .depth = 64)                       \
+    X(annotation, Annotation, .reliable = true, .depth = 64)                              \
     X(live_metrics, LiveMetrics)                                                          \
     X(attempt_summary, AttemptSummary, .reliable = true, .transient_local = true)         \
     X(session_status, SessionStatus, .reliable = true, .transient_local = true, .manual_liveliness = true)

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/bus/convert.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/command_link.hpp"
@@ -127,6 +128,20 @@ nlohmann::ordered_json list_once(const ProgramOptions& options) {
     return session_list(*link.description(), link.now());
 }
 
+/// Leaves a remark in the session's record.
+nlohmann::ordered_json note_once(const ProgramOptions& options, const std::string& text) {
+    bus::Node node(options.bus);
+    bus::Publisher<msg::Annotation> notes(node, bus::topics::annotation);
+    wait_for_server(options, [&] { return notes.matched() > 0; });
+    msg::Annotation note;
+    note.header(bus::make_header(0, 1));
+    note.sender(bus::process_name().substr(0, msg::bound::Annotation_sender));
+    note.text(text);
+    const bool received = notes.publish(note) && notes.wait_until_received(last_patience);
+    return {{"session", options.bus.session},
+            {"ended", received ? "noted" : "the server did not take the note"}};
+}
+
 /// Sends what was typed and waits for the answers.
 nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector<PadCommand>& wanted) {
     using namespace std::chrono_literals;
@@ -143,7 +158,8 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
             {"refused", link.refused()}};
 }
 
-int run(const ProgramOptions& options, const std::vector<std::string>& typed, bool list) {
+int run(const ProgramOptions& options, const std::vector<std::string>& typed, const std::string& remark,
+        bool list) {
     if (list) {
         const nlohmann::ordered_json session = list_once(options);
         std::cout << (options.json
@@ -152,8 +168,13 @@ int run(const ProgramOptions& options, const std::vector<std::string>& typed, bo
                   << std::flush;
         return 0;
     }
+    if (!remark.empty()) {
+        const nlohmann::ordered_json noted = note_once(options, remark);
+        options.json ? std::cout << noted.dump(2) << std::endl : std::cout;
+        return noted["ended"] == "noted" ? 0 : 1;
+    }
     if (options.device.empty() && typed.empty()) {
-        throw InputError("neither --device, --set nor --list is given; see --help");
+        throw InputError("neither --device, --set, --note nor --list is given; see --help");
     }
     nlohmann::ordered_json result;
     bool well = true;
@@ -202,6 +223,15 @@ int main(int argc, char** argv) {
     app.add_flag("--list", list,
                  "Print what the session says of itself, with every value that lives, and end")
         ->excludes(device);
+    std::string remark;
+    app.add_option("--note", remark,
+                   "Leave this remark, of at most 200 letters, in the session's record, and end")
+        ->excludes(device)
+        ->check([](const std::string& text) {
+            return !text.empty() && text.size() <= msg::bound::Annotation_text
+                       ? std::string()
+                       : "a remark has 1 to 200 letters";
+        });
     add_bus_options(app, options);
-    return run_program(app, argc, argv, [&] { return run(options, typed, list); });
+    return run_program(app, argc, argv, [&] { return run(options, typed, remark, list); });
 }

@@ -148,6 +148,7 @@ class Session {
     void start_threads() {
         if (bus_) {
             input_.emplace(*bus_);
+            annotations_.emplace(*bus_, bus::topics::annotation);
             {
                 const RealTimeThreads real_time(priority::bus, live_);
                 felt_.emplace(*bus_);
@@ -197,6 +198,11 @@ class Session {
                 judge_->note({s.time_ns, s.step + 1, command.name, static_cast<double>(command.value),
                               command.sender, command.id});
             }
+        }
+        for (msg::Annotation note; annotations_->take(note);) {
+            const std::string text = note.sender().to_string() + ": " + note.text().to_string();
+            spdlog::info("note of {}", text);
+            judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "note", text});
         }
         // Whoever asks for more: the hand's button, or a command.
         inputs_.live = desk_.wanted();
@@ -309,6 +315,7 @@ class Session {
     std::optional<LocalOperator> operator_;
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
+    std::optional<bus::Subscriber<msg::Annotation>> annotations_;
     std::optional<FeltOutput> felt_;
     std::optional<BusOutput> output_;
     std::optional<Recorder> recorder_;
