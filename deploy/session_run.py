@@ -138,7 +138,7 @@ class Session:
                         "--calibration", self.folder / "scripted.yaml"],
             "controller": ["eti-controller", "--device", "gamepad", "--source", self.folder / "pad", "--json"],
             "trainee": ["eti-client", "--offscreen", self.folder / "trainee"],
-            "observer": ["eti-client", "--observe", "--offscreen", self.folder / "observer"],
+            "observer": ["eti-client", "--observe", "--view", "all", "--offscreen", self.folder / "observer"],
         }
         self.programs = {
             role: Program(role, [self.bin / command[0], *command[1:], *bus, *(extra or {}).get(role, [])], self.folder)

@@ -64,7 +64,7 @@ void Controls::let_go(Time now) {
 
 void Controls::tend(Time now) {
     if (commands_ != nullptr) {
-        for (const bus::Refusal& refusal : commands_->hear()) {
+        for (const bus::Refusal& refusal : commands_->take_answers()) {
             say(fmt::format("refused: {}", refusal.reason), now);
         }
     }

@@ -29,7 +29,7 @@ class Controls {
     /// A character in lower case, or an arrow. `repeated`: the key is held.
     void press(char32_t key, bool repeated, const view::SceneView& scene, Time now);
     void release(char32_t key, Time now);
-    /// Hears the server's answers.
+    /// Takes the server's answers.
     void tend(Time now);
     /// Lets go of every key, as when the window closes: nothing stays on that was on while held.
     void let_go(Time now);

@@ -139,17 +139,20 @@ class Offscreen {
                 times[std::string(render::views()[v].name)] = time.sum_ms / static_cast<double>(time.frames);
             }
         }
-        nlohmann::json report{{"session", options_.bus.session},
-                              {"view", std::string(options_.selection->name)},
-                              {"end", name_of(end_)},
-                              {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
-                              {"frames", frames_},
-                              {"frames_drawn", drawn_},
-                              {"frames_held", held_},
-                              {"draw_ms", times},
-                              {"best_glottic_opening_percent", best_.percent()},
-                              {"messages_dropped", scene_.dropped()},
-                              {"pictures", pictures}};
+        nlohmann::json report{
+            {"session", options_.bus.session},
+            {"view", std::string(options_.selection->name)},
+            {"end", name_of(end_)},
+            {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
+            {"frames", frames_},
+            {"frames_drawn", drawn_},
+            {"frames_held", held_},
+            {"draw_ms", times},
+            {"best_glottic_opening_percent", best_.percent()},
+            {"messages_dropped", scene_.dropped()},
+            {"states_missed", input_.arrival().missed()},
+            {"state_age_ms", {{"mean", input_.arrival().mean_ms()}, {"max", input_.arrival().most_ms()}}},
+            {"pictures", pictures}};
         if (video_) {
             report["video"] = {{"file", video_->file().string()},
                                {"frames", video_->frames()},

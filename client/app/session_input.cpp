@@ -3,11 +3,13 @@
 #include "client/app/session_input.hpp"
 
 #include "common/bus/convert.hpp"
+#include "common/model/pace.hpp"
 
 namespace eti::client {
 
 SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
-    : description_(node, bus::topics::session_description),
+    : arrival_(every_state ? steps_per_second / 90 : steps_per_second / 30),
+      description_(node, bus::topics::session_description),
       scene_(node, bus::topics::scene),
       deformation_(node, every_state ? bus::topics::deformation : bus::topics::deformation_slow),
       fluid_(node, bus::topics::fluid),
@@ -37,7 +39,11 @@ bool SessionInput::take_into(view::SceneView& scene) {
     take_all(description_, description_message_);
     take_all(scene_, scene_message_);
     take_all(status_, status_message_);
-    take_all(deformation_, deformation_message_);
+    while (deformation_.take(deformation_message_)) {
+        arrival_.note(deformation_message_.header(), bus::wall_clock_ns());
+        scene.apply(deformation_message_);
+        any = true;
+    }
     take_all(fluid_, fluid_message_);
     take_newest(proxy_, proxy_message_);
     take_newest(metrics_, metrics_message_);

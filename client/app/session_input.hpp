@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "client/app/arrival.hpp"
 #include "client/render/camera.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/bus/bus.hpp"
@@ -36,12 +37,15 @@ class SessionInput {
     [[nodiscard]] Presence presence() const { return presence_; }
     /// Since when presence() is what it is [s].
     [[nodiscard]] double presence_for_s() const;
+    /// How shapes arrive.
+    [[nodiscard]] const Arrival& arrival() const { return arrival_; }
     /// A server is on the bus, though it may not have published its scene yet.
     [[nodiscard]] bool server_on_bus() const { return scene_.matched() > 0; }
 
   private:
     void update_presence();
 
+    Arrival arrival_;
     bus::Subscriber<msg::SessionDescription> description_;
     bus::Subscriber<msg::SceneDescription> scene_;
     bus::Subscriber<msg::DeformationState> deformation_;

@@ -79,9 +79,11 @@ int run_windowed(const Options& options, nlohmann::json& result) {
               {"end", stop_asked() ? "stopped" : "closed"},
               {"simulation_time_s", 1e-9 * static_cast<double>(scene.simulation_time_ns())},
               {"frames", frames},
-              {"messages_dropped", scene.dropped()}};
+              {"messages_dropped", scene.dropped()},
+              {"states_missed", input.arrival().missed()},
+              {"state_age_ms", {{"mean", input.arrival().mean_ms()}, {"max", input.arrival().most_ms()}}}};
     if (commands) {
-        (void)commands->hear();
+        (void)commands->take_answers();
         result["commands"] = {
             {"sent", commands->sent()}, {"accepted", commands->accepted()}, {"refused", commands->refused()}};
     }

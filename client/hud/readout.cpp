@@ -20,10 +20,10 @@ constexpr double description_for_s = 10.0;  // likewise
 constexpr float gum_force_warning_n = 2.0f;
 constexpr float gum_force_bad_n = 4.0f;
 
-// What is told of an attempt at once; eti-review has the rest.
-constexpr std::array told{&Parameters::time_s, &Parameters::gum_force_max_n,
-                          &Parameters::glottic_opening_max_percent, &Parameters::tube_depth_at_lip_cm,
-                          &Parameters::tube_depth_rule_cm};
+// What is shown of an attempt at once; eti-review has the rest.
+constexpr std::array shown{&Parameters::time_s, &Parameters::gum_force_max_n,
+                           &Parameters::glottic_opening_max_percent, &Parameters::tube_depth_at_lip_cm,
+                           &Parameters::tube_depth_rule_cm};
 
 Verdict verdict_of(const view::AttemptReport& report) {
     Verdict verdict;
@@ -32,7 +32,7 @@ Verdict verdict_of(const view::AttemptReport& report) {
         fmt::format("{}: {}", report.attempt == 0 ? "session" : fmt::format("attempt {}", report.attempt),
                     verdict.success ? "success" : "no success");
     verdict.reason = report.outcome.reason;
-    for (double Parameters::*const one : told) {
+    for (double Parameters::*const one : shown) {
         const auto field = std::ranges::find(parameter_fields, one, &ParameterField::value);
         const double value = report.parameters.*one;
         verdict.numbers.emplace_back(field->label,

@@ -151,7 +151,7 @@ Vec3f cut_colour(Tissue tissue) {
     }
 }
 
-std::vector<VertexColour> surface_colours(const view::SurfaceModel& surface, const Landmarks& rest) {
+std::vector<VertexColour> surface_colours(const view::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
     std::vector<float> wet(count, 0.0f), softness(count, 0.0f), larynx(count, 0.0f), corners(count, 0.0f);

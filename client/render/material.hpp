@@ -24,7 +24,7 @@ using VertexColour = std::array<std::uint8_t, 4>;
 /// Colours of a surface's vertices: tissues blended over their borders, skin told from mucosa by
 /// what of the sky it sees, the vocal cords pearly, all slightly mottled. Baked once a scene,
 /// because noise in the fragment shader doubles the cost of a picture on a software rasteriser.
-[[nodiscard]] std::vector<VertexColour> surface_colours(const view::SurfaceModel& surface,
+[[nodiscard]] std::vector<VertexColour> surface_colours(const view::RestSurface& surface,
                                                         const Landmarks& rest);
 
 }  // namespace eti::render

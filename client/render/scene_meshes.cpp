@@ -22,7 +22,7 @@ int layer(const SurfaceMesh& surface) {
 void SceneMeshes::rebuild(const view::SceneView& scene) {
     surfaces_.clear();
     for (const auto& [name, surface] : scene.surfaces()) {
-        const view::SurfaceModel& model = surface.model();
+        const view::RestSurface& model = surface.model();
         std::vector<VertexColour> colours = surface_colours(model, scene.rest_landmarks());
         GpuMesh mesh(model.mesh.triangles, colours);
         surfaces_.push_back({name, model.tissue, is_bone(model.tissue), std::move(colours), std::move(mesh),

@@ -73,7 +73,7 @@ std::string lit(std::string_view body) {
 
 }  // namespace
 
-struct SceneRenderer::Frame {
+struct SceneRenderer::Drawing {
     const View& view;
     const view::SceneView& scene;
     Camera camera;
@@ -119,16 +119,16 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const V
     }
     const bool ids = shading == Shading::object_id;
     const Vec3f background = ids ? Vec3f(Vec3f::Zero()) : view.background;
-    const Frame frame{view,
-                      scene,
-                      camera,
-                      camera.projection(aspect) * camera.view(),
-                      view.lighting(camera, lamp),
-                      view.cut ? keep_right_half : no_clipping,
-                      viewport,
-                      ids};
+    const Drawing drawing{view,
+                          scene,
+                          camera,
+                          camera.projection(aspect) * camera.view(),
+                          view.lighting(camera, lamp),
+                          view.cut ? keep_right_half : no_clipping,
+                          viewport,
+                          ids};
     if (view.skin == Skin::shadowed && !ids) {
-        draw_shadows(frame);
+        draw_shadows(drawing);
     }
     if (ids) {
         glDisable(GL_FRAMEBUFFER_SRGB);
@@ -146,18 +146,18 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const V
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     if (view.cut) {
         // The cut faces first: they hide most of what lies behind them, all of the bones among it.
-        draw_caps(frame);
+        draw_caps(drawing);
     }
-    draw_skin(frame);
-    draw_tools(frame, 1.0f);
-    draw_liquid(frame);
+    draw_skin(drawing);
+    draw_tools(drawing, 1.0f);
+    draw_liquid(drawing);
     if (view.cut && !ids) {
         glDepthFunc(GL_GREATER);
-        draw_tools(frame, ghost_opacity);
+        draw_tools(drawing, ghost_opacity);
         glDepthFunc(GL_LESS);
     }
     if (view.vignette && !ids) {
-        draw_vignette(frame);
+        draw_vignette(drawing);
     }
     glDisable(GL_CULL_FACE);
     glDisable(GL_DEPTH_TEST);
@@ -166,14 +166,15 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const V
     glBindVertexArray(0);
 }
 
-void SceneRenderer::draw_liquid(const Frame& frame) {
-    if (!frame.ids) {
-        const Viewport& area = frame.viewport;
-        liquid_.draw(frame.camera, frame.lighting, frame.clip_plane, area.x, area.y, area.width, area.height);
+void SceneRenderer::draw_liquid(const Drawing& drawing) {
+    if (!drawing.ids) {
+        const Viewport& area = drawing.viewport;
+        liquid_.draw(drawing.camera, drawing.lighting, drawing.clip_plane, area.x, area.y, area.width,
+                     area.height);
     }
 }
 
-void SceneRenderer::draw_shadows(const Frame& frame) {
+void SceneRenderer::draw_shadows(const Drawing& drawing) {
     GLint bound = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
     shadow_map_.begin();
@@ -185,7 +186,7 @@ void SceneRenderer::draw_shadows(const Frame& frame) {
     glPolygonOffset(2.5f, 4.0f);
     flat_.use();
     flat_.set("view_projection",
-              ShadowMap::clip_matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
+              ShadowMap::clip_matrix(drawing.lighting.lights[0], drawing.camera.target, shadow_radius));
     flat_.set("clip_plane", no_clipping);
     flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     for (SurfaceMesh& surface : meshes_.surfaces()) {
@@ -193,92 +194,93 @@ void SceneRenderer::draw_shadows(const Frame& frame) {
             surface.mesh.draw();
         }
     }
-    if (meshes_.blade() && frame.scene.laryngoscope_pose()) {
-        flat_.set("model", matrix_of(*frame.scene.laryngoscope_pose()));
+    if (meshes_.blade() && drawing.scene.laryngoscope_pose()) {
+        flat_.set("model", matrix_of(*drawing.scene.laryngoscope_pose()));
         meshes_.blade()->draw();
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
 }
 
-ShaderProgram& SceneRenderer::skin_program(const Frame& frame) {
-    if (frame.view.skin == Skin::lips_aside) {
-        return frame.ids ? flat_retracted_ : tissue_retracted_;
+ShaderProgram& SceneRenderer::skin_program(const Drawing& drawing) {
+    if (drawing.view.skin == Skin::lips_aside) {
+        return drawing.ids ? flat_retracted_ : tissue_retracted_;
     }
-    if (frame.ids) {
+    if (drawing.ids) {
         return flat_;
     }
-    return frame.view.skin == Skin::shadowed ? tissue_shadowed_ : tissue_;
+    return drawing.view.skin == Skin::shadowed ? tissue_shadowed_ : tissue_;
 }
 
-void SceneRenderer::draw_skin(const Frame& frame) {
-    ShaderProgram& program = skin_program(frame);
+void SceneRenderer::draw_skin(const Drawing& drawing) {
+    ShaderProgram& program = skin_program(drawing);
     program.use();
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-    program.set("view_projection", frame.view_projection);
-    program.set("clip_plane", frame.clip_plane);
-    frame.lighting.apply(program, frame.camera.eye);
-    if (frame.view.skin == Skin::lips_aside) {
-        lip_retraction(laryngoscope_camera(frame.scene.landmarks()), frame.scene.landmarks()).apply(program);
-    } else if (frame.view.skin == Skin::shadowed && !frame.ids) {
+    program.set("view_projection", drawing.view_projection);
+    program.set("clip_plane", drawing.clip_plane);
+    drawing.lighting.apply(program, drawing.camera.eye);
+    if (drawing.view.skin == Skin::lips_aside) {
+        lip_retraction(laryngoscope_camera(drawing.scene.landmarks()), drawing.scene.landmarks())
+            .apply(program);
+    } else if (drawing.view.skin == Skin::shadowed && !drawing.ids) {
         program.set("shadow_map", 0);
         program.set("shadow_matrix",
-                    ShadowMap::matrix(frame.lighting.lights[0], frame.camera.target, shadow_radius));
+                    ShadowMap::matrix(drawing.lighting.lights[0], drawing.camera.target, shadow_radius));
         glActiveTexture(GL_TEXTURE0);
         shadow_map_.bind_texture();
     }
-    if (frame.view.cut) {
+    if (drawing.view.cut) {
         glEnable(GL_CLIP_DISTANCE0);
     }
     for (SurfaceMesh& surface : meshes_.surfaces()) {
         if (!surface.bone) {
-            if (frame.ids) {
+            if (drawing.ids) {
                 program.set("flat_colour", flat(object_colour(surface.tissue)));
             }
             surface.mesh.draw(
-                surface.blocks.visible(frame.view_projection, frame.camera.eye, frame.clip_plane));
+                surface.blocks.visible(drawing.view_projection, drawing.camera.eye, drawing.clip_plane));
         }
     }
     glDisable(GL_CLIP_DISTANCE0);
 }
 
-void SceneRenderer::draw_vignette(const Frame& frame) {
+void SceneRenderer::draw_vignette(const Drawing& drawing) {
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ZERO, GL_SRC_COLOR);
     vignette_.use();
     vignette_.set("aspect",
-                  static_cast<float>(frame.viewport.width) / static_cast<float>(frame.viewport.height));
+                  static_cast<float>(drawing.viewport.width) / static_cast<float>(drawing.viewport.height));
     glBindVertexArray(no_attributes_.name());
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     glDisable(GL_BLEND);
 }
 
-void SceneRenderer::draw_caps(const Frame& frame) {
+void SceneRenderer::draw_caps(const Drawing& drawing) {
     glEnable(GL_STENCIL_TEST);
     glStencilMask(0xff);
     for (SurfaceMesh& surface : meshes_.surfaces()) {
-        draw_cap(frame, surface);
+        draw_cap(drawing, surface);
     }
-    glScissor(frame.viewport.x, frame.viewport.y, frame.viewport.width, frame.viewport.height);
+    glScissor(drawing.viewport.x, drawing.viewport.y, drawing.viewport.width, drawing.viewport.height);
     glDisable(GL_STENCIL_TEST);
     glEnable(GL_CULL_FACE);
 }
 
 // A ray from the camera through the cut plane starts inside a closed surface when beyond the plane
 // it leaves that surface once more than it enters it; the stencil counts that.
-void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
-    const auto& shape = frame.scene.surfaces().at(surface.name);
+void SceneRenderer::draw_cap(const Drawing& drawing, SurfaceMesh& surface) {
+    const auto& shape = drawing.scene.surfaces().at(surface.name);
     const auto band = section_band(shape.model().mesh.triangles, shape.vertices(), surface.colours,
                                    cut_plane_x, band_width(surface.tissue));
-    const Viewport rim = pixels_of(band, frame.view_projection, frame.viewport);
+    const Viewport rim = pixels_of(band, drawing.view_projection, drawing.viewport);
     if (rim.width <= 0 || rim.height <= 0) {
         return;
     }
     glScissor(rim.x, rim.y, rim.width, rim.height);
     flat_.use();
-    flat_.set("view_projection", frame.view_projection);
-    flat_.set("clip_plane", frame.clip_plane);
+    flat_.set("view_projection", drawing.view_projection);
+    flat_.set("clip_plane", drawing.clip_plane);
     flat_.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     glEnable(GL_CLIP_DISTANCE0);
     glDisable(GL_CULL_FACE);
@@ -288,7 +290,8 @@ void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
     glStencilFunc(GL_ALWAYS, 0, 0xff);
     glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
     glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
-    surface.mesh.draw(surface.blocks.visible(frame.view_projection, frame.camera.eye, frame.clip_plane));
+    surface.mesh.draw(
+        surface.blocks.visible(drawing.view_projection, drawing.camera.eye, drawing.clip_plane));
     glDisable(GL_CLIP_DISTANCE0);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_TRUE);
@@ -297,9 +300,9 @@ void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
     glDepthFunc(GL_ALWAYS);
     glStencilFunc(GL_NOTEQUAL, 0, 0xff);
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-    ShaderProgram& program = frame.ids ? flat_ : cut_;
+    ShaderProgram& program = drawing.ids ? flat_ : cut_;
     program.use();
-    program.set("view_projection", frame.view_projection);
+    program.set("view_projection", drawing.view_projection);
     program.set("flat_colour", flat(object_colour(surface.tissue)));
     program.set("fibre", surface.bone ? 0.06f : 0.22f);
     const VertexColour colour = opaque(cut_colour(surface.tissue));
@@ -308,7 +311,7 @@ void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
     cut_mesh_.draw(std::array<CutVertex, 6>{corner(-reach, -reach), corner(reach, -reach),
                                             corner(-reach, reach), corner(reach, -reach),
                                             corner(reach, reach), corner(-reach, reach)});
-    if (!frame.ids) {
+    if (!drawing.ids) {
         program.set("fibre", 0.0f);
         cut_mesh_.draw(band);
     }
@@ -316,39 +319,39 @@ void SceneRenderer::draw_cap(const Frame& frame, SurfaceMesh& surface) {
     glClear(GL_STENCIL_BUFFER_BIT);
 }
 
-void SceneRenderer::draw_tools(const Frame& frame, float opacity) {
+void SceneRenderer::draw_tools(const Drawing& drawing, float opacity) {
     const bool ghost = opacity < 1.0f;
     glDepthMask(ghost ? GL_FALSE : GL_TRUE);
     if (ghost) {
         glEnable(GL_BLEND);
         glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     }
-    if (meshes_.blade() && frame.scene.laryngoscope_pose()) {
-        ShaderProgram& program = frame.ids ? flat_ : metal_;
+    if (meshes_.blade() && drawing.scene.laryngoscope_pose()) {
+        ShaderProgram& program = drawing.ids ? flat_ : metal_;
         program.use();
-        program.set("model", matrix_of(*frame.scene.laryngoscope_pose()));
-        program.set("view_projection", frame.view_projection);
+        program.set("model", matrix_of(*drawing.scene.laryngoscope_pose()));
+        program.set("view_projection", drawing.view_projection);
         program.set("clip_plane", no_clipping);
         program.set("flat_colour", flat(blade_colour));
         program.set("opacity", opacity);
-        frame.lighting.apply(program, frame.camera.eye);
+        drawing.lighting.apply(program, drawing.camera.eye);
         meshes_.blade()->draw();
     }
     if (meshes_.tube()) {
-        ShaderProgram& program = frame.ids ? flat_tube_ : tube_;
+        ShaderProgram& program = drawing.ids ? flat_tube_ : tube_;
         program.use();
         program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-        program.set("view_projection", frame.view_projection);
+        program.set("view_projection", drawing.view_projection);
         program.set("clip_plane", no_clipping);
         program.set("flat_colour", flat(tube_colour));
         program.set("opacity", opacity);
-        program.set("tube_length", frame.scene.tube()->tube().length);
-        frame.lighting.apply(program, frame.camera.eye);
-        if (!frame.ids) {
+        program.set("tube_length", drawing.scene.tube()->tube().length);
+        drawing.lighting.apply(program, drawing.camera.eye);
+        if (!drawing.ids) {
             glEnable(GL_BLEND);
             glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
         }
-        if (!frame.ids && !ghost) {
+        if (!drawing.ids && !ghost) {
             // Far wall first, so that it shows through the near one.
             glDepthMask(GL_FALSE);
             glCullFace(GL_FRONT);

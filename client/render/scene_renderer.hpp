@@ -43,15 +43,15 @@ class SceneRenderer {
               const Orbit& orbit = {}, Shading shading = Shading::lit);
 
   private:
-    struct Frame;  // what one draw() needs throughout
-    [[nodiscard]] ShaderProgram& skin_program(const Frame& frame);
-    void draw_skin(const Frame& frame);
-    void draw_caps(const Frame& frame);
-    void draw_cap(const Frame& frame, SurfaceMesh& surface);
-    void draw_tools(const Frame& frame, float opacity);
-    void draw_shadows(const Frame& frame);
-    void draw_liquid(const Frame& frame);
-    void draw_vignette(const Frame& frame);
+    struct Drawing;  // what one draw() needs throughout
+    [[nodiscard]] ShaderProgram& skin_program(const Drawing& drawing);
+    void draw_skin(const Drawing& drawing);
+    void draw_caps(const Drawing& drawing);
+    void draw_cap(const Drawing& drawing, SurfaceMesh& surface);
+    void draw_tools(const Drawing& drawing, float opacity);
+    void draw_shadows(const Drawing& drawing);
+    void draw_liquid(const Drawing& drawing);
+    void draw_vignette(const Drawing& drawing);
 
     SceneMeshes meshes_;
     ShaderProgram tissue_, tissue_shadowed_, tissue_retracted_, metal_, tube_, flat_, flat_retracted_,

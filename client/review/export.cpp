@@ -199,10 +199,9 @@ bool write_deformation(const std::filesystem::path& path, const session::Session
 
 }  // namespace
 
-std::vector<std::filesystem::path> export_csv(const std::filesystem::path& session,
-                                              const std::filesystem::path& folder,
-                                              const std::function<void(const std::filesystem::path&)>& told,
-                                              const std::function<bool()>& stop) {
+std::vector<std::filesystem::path> export_csv(
+    const std::filesystem::path& session, const std::filesystem::path& folder,
+    const std::function<void(const std::filesystem::path&)>& progress, const std::function<bool()>& stop) {
     const session::SessionReader reader(session);
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -221,7 +220,7 @@ std::vector<std::filesystem::path> export_csv(const std::filesystem::path& sessi
             }
         }
         const std::filesystem::path path = folder / (name + ".csv");
-        told(path);
+        progress(path);
         if (!write_table(path, group, columns, stop)) {
             return false;
         }
@@ -230,7 +229,7 @@ std::vector<std::filesystem::path> export_csv(const std::filesystem::path& sessi
     };
     const auto deformation = [&] {
         const std::filesystem::path path = folder / "deformation.csv";
-        told(path);
+        progress(path);
         if (!write_deformation(path, reader, stop)) {
             return false;
         }

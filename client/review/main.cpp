@@ -66,12 +66,12 @@ int check(const std::filesystem::path& file, bool repair, bool json) {
 int export_csv(const std::filesystem::path& file, const std::filesystem::path& folder, bool json) {
     const bool on_terminal = ::isatty(STDERR_FILENO) != 0;
     int count = 0;
-    const auto told = [&](const std::filesystem::path& path) {
+    const auto progress = [&](const std::filesystem::path& path) {
         if (on_terminal) {
             std::cerr << fmt::format("\r\033[K[{}/9] {}", ++count, path.string()) << std::flush;
         }
     };
-    const auto written = review::export_csv(file, folder, told, stop_asked);
+    const auto written = review::export_csv(file, folder, progress, stop_asked);
     if (on_terminal) {
         std::cerr << "\r\033[K";
     }

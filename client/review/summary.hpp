@@ -20,14 +20,14 @@ struct Summary {
     bool live = false;      ///< being recorded
     std::uint64_t lost_records = 0;
     bool has_run = false;        ///< whether the file holds a summary of the run
-    session::SummaryRecord run;  ///< success is false and the parameters are not-a-number if not
+    session::SummaryRecord run;  ///< success is false and the parameters are NaN if not
     std::vector<session::SummaryRecord> attempts;
 };
 
 /// Throws hdf5::Error.
 [[nodiscard]] Summary summarise(const std::filesystem::path& file);
 
-/// One object; what is not a number becomes null.
+/// One object; NaN becomes null.
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
 
 /// For people to read: the twelve parameters of the paper first, then the others; a column for the run

@@ -71,7 +71,7 @@ std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
     Ray ray(begin, end);
     std::string_view name;
     for (const auto& [surface_name, surface] : scene.surfaces()) {
-        const SurfaceModel& model = surface.model();
+        const RestSurface& model = surface.model();
         if (is_bone(model.tissue)) {  // inside the body, hidden anyway
             continue;
         }

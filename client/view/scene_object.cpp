@@ -50,7 +50,7 @@ bool read_mesh(const msg::SceneDescription& message, TriangleMesh& mesh, std::st
     return true;
 }
 
-bool read_tissues(const msg::SceneDescription& message, SurfaceModel& surface, std::string& why) {
+bool read_tissues(const msg::SceneDescription& message, RestSurface& surface, std::string& why) {
     if (message.tissue() >= tissue_count) {
         why = fmt::format("tissue {}; there are {}", message.tissue(), tissue_count);
         return false;
@@ -77,7 +77,7 @@ bool read_tissues(const msg::SceneDescription& message, SurfaceModel& surface, s
     return true;
 }
 
-bool read_skin(const msg::SceneDescription& message, SurfaceModel& surface, std::string& why) {
+bool read_skin(const msg::SceneDescription& message, RestSurface& surface, std::string& why) {
     const std::size_t count = surface.mesh.vertices.size();
     const auto& frames = message.skin_frame();
     const auto& weights = message.skin_weight();
@@ -105,7 +105,7 @@ bool read_skin(const msg::SceneDescription& message, SurfaceModel& surface, std:
 }
 
 std::optional<SceneObject> decode_surface(const msg::SceneDescription& message, std::string& why) {
-    SurfaceModel surface;
+    RestSurface surface;
     surface.name = message.object().to_string();
     if (!read_mesh(message, surface.mesh, why) || !read_tissues(message, surface, why) ||
         !read_skin(message, surface, why)) {
@@ -124,7 +124,7 @@ bool plausible(const Vec3f& point) {
 std::optional<SceneObject> decode(const msg::SceneDescription& message, std::string& why) {
     switch (message.kind()) {
         case msg::OBJECT_FRAMES: {
-            FrameModel frames;
+            RestFrames frames;
             if (!read_points(message.vertices(), frames.rest_centre, why)) {
                 return std::nullopt;
             }
@@ -137,7 +137,7 @@ std::optional<SceneObject> decode(const msg::SceneDescription& message, std::str
         case msg::OBJECT_SURFACE:
             return decode_surface(message, why);
         case msg::OBJECT_TOOL: {
-            ToolModel tool;
+            ToolMesh tool;
             if (!read_mesh(message, tool.mesh, why)) {
                 return std::nullopt;
             }

@@ -16,12 +16,12 @@
 namespace eti::view {
 
 /// Rest centres [m] of the frames that DeformationState moves.
-struct FrameModel {
+struct RestFrames {
     std::vector<Vec3f> rest_centre;
 };
 
 /// A skinned surface of the patient in the rest posture.
-struct SurfaceModel {
+struct RestSurface {
     std::string name;
     Tissue tissue = Tissue::soft;
     TriangleMesh mesh;
@@ -31,11 +31,11 @@ struct SurfaceModel {
 };
 
 /// A rigid surface in the laryngoscope's frame.
-struct ToolModel {
+struct ToolMesh {
     TriangleMesh mesh;
 };
 
-using SceneObject = std::variant<FrameModel, SurfaceModel, ToolModel>;
+using SceneObject = std::variant<RestFrames, RestSurface, ToolMesh>;
 
 /// Coordinates beyond this [m] from the patient's gum are taken for damage on the way, not for anatomy.
 inline constexpr float farthest_coordinate = 10.0f;

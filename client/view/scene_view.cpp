@@ -83,6 +83,9 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     tube_.emplace(keys_->tube());
     tube_moved_ = !tube_nodes_.empty();
     rest_landmarks_ = keys_->rest_landmarks();
+    if (!metrics_) {
+        live_ = keys_->start();
+    }
     if (!live_landmarks_) {
         landmarks_ = rest_landmarks_;
     }
@@ -101,7 +104,7 @@ bool SceneView::apply(const msg::SceneDescription& message) {
         return refuse("eti/scene",
                       fmt::format("object '{}': a scene of {} objects", name, message.object_count()));
     }
-    const auto* surface = std::get_if<SurfaceModel>(&*object);
+    const auto* surface = std::get_if<RestSurface>(&*object);
     if (surface != nullptr && !rest_centres_.empty() && surface->highest_frame >= rest_centres_.size()) {
         return refuse("eti/scene", fmt::format("object '{}': frame {} of {}", name, surface->highest_frame,
                                                rest_centres_.size()));
@@ -116,7 +119,7 @@ bool SceneView::apply(const msg::SceneDescription& message) {
     return true;
 }
 
-void SceneView::keep(const std::string&, FrameModel&& object) {
+void SceneView::keep(const std::string&, RestFrames&& object) {
     rest_centres_ = std::move(object.rest_centre);
     frames_.assign(rest_centres_.size(), FramePose{});
     maps_.assign(rest_centres_.size(), FrameMap{});
@@ -139,14 +142,14 @@ void SceneView::keep(const std::string&, FrameModel&& object) {
     }
 }
 
-void SceneView::keep(const std::string& name, SurfaceModel&& object) {
+void SceneView::keep(const std::string& name, RestSurface&& object) {
     surfaces_.erase(name);
     surfaces_.emplace(name, SkinnedSurface(std::move(object)));
     std::fill(moved_.begin(), moved_.end(), std::uint8_t{1});
     any_moved_ = !moved_.empty();
 }
 
-void SceneView::keep(const std::string&, ToolModel&& object) {
+void SceneView::keep(const std::string&, ToolMesh&& object) {
     laryngoscope_ = std::move(object);
 }
 

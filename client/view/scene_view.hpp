@@ -43,7 +43,7 @@ class SceneView {
     [[nodiscard]] bool complete() const;
 
     [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const { return surfaces_; }
-    [[nodiscard]] const std::optional<ToolModel>& laryngoscope() const { return laryngoscope_; }
+    [[nodiscard]] const std::optional<ToolMesh>& laryngoscope() const { return laryngoscope_; }
     [[nodiscard]] const std::optional<RigidTransform>& laryngoscope_pose() const {
         return laryngoscope_pose_;
     }
@@ -66,7 +66,7 @@ class SceneView {
     [[nodiscard]] const std::optional<msg::SessionDescription>& description() const { return description_; }
 
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
-    /// What commands change, as the server last said, NaN for what it does not say; the defaults before.
+    /// What commands change, as the server last said, or as the session begins; NaN for what it does not say.
     [[nodiscard]] const LiveValues& live() const { return live_; }
     /// The session asks for the enhanced view.
     [[nodiscard]] bool enhanced() const { return live_.view_enhanced > 0.5f; }
@@ -90,9 +90,9 @@ class SceneView {
     };
 
     bool refuse(const char* topic, const std::string& why);
-    void keep(const std::string& name, FrameModel&& object);
-    void keep(const std::string& name, SurfaceModel&& object);
-    void keep(const std::string& name, ToolModel&& object);
+    void keep(const std::string& name, RestFrames&& object);
+    void keep(const std::string& name, RestSurface&& object);
+    void keep(const std::string& name, ToolMesh&& object);
     void clear_scene();
     void note_time(std::uint64_t time_ns);
 
@@ -111,7 +111,7 @@ class SceneView {
     bool any_moved_ = false;
 
     std::map<std::string, SkinnedSurface> surfaces_;
-    std::optional<ToolModel> laryngoscope_;
+    std::optional<ToolMesh> laryngoscope_;
     std::optional<RigidTransform> laryngoscope_pose_;
     std::optional<TubeSweep> tube_;
     std::vector<Vec3f> tube_nodes_;

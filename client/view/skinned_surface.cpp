@@ -17,7 +17,7 @@ Vec3f unit(const Vec3f& normal) {
 
 // Entries without weight name a frame that has some, so that whoever asks whether a frame of a vertex has
 // moved need not look at weights.
-std::shared_ptr<const SurfaceModel> with_used_frames(SurfaceModel model) {
+std::shared_ptr<const RestSurface> with_used_frames(RestSurface model) {
     for (SkinWeights& skin : model.skin) {
         const auto heaviest = std::ranges::max_element(skin.weight) - skin.weight.begin();
         for (std::size_t k = 0; k < 4; ++k) {
@@ -26,7 +26,7 @@ std::shared_ptr<const SurfaceModel> with_used_frames(SurfaceModel model) {
             }
         }
     }
-    return std::make_shared<const SurfaceModel>(std::move(model));
+    return std::make_shared<const RestSurface>(std::move(model));
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void recompute_normals(std::span<const Triangle> triangles, std::span<LitVertex>
     }
 }
 
-SkinnedSurface::SkinnedSurface(SurfaceModel model)
+SkinnedSurface::SkinnedSurface(RestSurface model)
     : model_(with_used_frames(std::move(model))),
       vertices_(model_->mesh.vertices.size()),
       moved_(vertices_.size()),

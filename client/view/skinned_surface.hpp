@@ -25,13 +25,13 @@ void recompute_normals(std::span<const Triangle> triangles, std::span<LitVertex>
 /// A surface of the patient and its current shape.
 class SkinnedSurface {
   public:
-    explicit SkinnedSurface(SurfaceModel model);
+    explicit SkinnedSurface(RestSurface model);
 
     /// Reshapes what is carried by frames that have moved, bit for bit as if all were; true when there was
     /// any.
     bool update(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved);
 
-    [[nodiscard]] const SurfaceModel& model() const { return *model_; }
+    [[nodiscard]] const RestSurface& model() const { return *model_; }
     [[nodiscard]] std::span<const LitVertex> vertices() const { return vertices_; }
     /// Another after each reshaping, so that a copy elsewhere knows whether it is current.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
@@ -40,8 +40,8 @@ class SkinnedSurface {
     void skin_moved(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved);
     void renew_normals();
 
-    std::shared_ptr<const SurfaceModel> model_;  // which copies of the surface share
-    std::vector<std::uint16_t> carriers_;        // the frames that carry any vertex
+    std::shared_ptr<const RestSurface> model_;  // which copies of the surface share
+    std::vector<std::uint16_t> carriers_;       // the frames that carry any vertex
     std::vector<LitVertex> vertices_;
     std::vector<std::uint8_t> moved_;  // by vertex, in the last update
     std::vector<std::uint8_t> tilted_;

@@ -40,7 +40,7 @@ bool CommandSender::send(std::string_view name, float value) {
     return true;
 }
 
-std::vector<Refusal> CommandSender::hear() {
+std::vector<Refusal> CommandSender::take_answers() {
     std::vector<Refusal> refusals;
     msg::CommandResult answer;
     while (answers_.take(answer)) {

@@ -19,7 +19,7 @@ struct Refusal {
     std::string reason;
 };
 
-/// Sends commands to a session and hears how the server answers. For one thread.
+/// Sends commands to a session and takes the server's answers. For one thread.
 class CommandSender {
   public:
     /// `program`: who sends, as the server logs it; the process's number is added.
@@ -30,7 +30,7 @@ class CommandSender {
     /// Waits until there is an answer to read.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout) { return answers_.wait(timeout); }
     /// Reads what has come: the refusals since the last call, which are also logged.
-    [[nodiscard]] std::vector<Refusal> hear();
+    [[nodiscard]] std::vector<Refusal> take_answers();
 
     /// Before the sender goes: a writer takes with it what was not delivered.
     void wait_until_received(std::chrono::milliseconds timeout) {

@@ -47,7 +47,7 @@ void put_fluid_chunk(const Liquid& liquid, std::size_t which, eti::msg::FluidSta
 bool take_fluid_chunk(const eti::msg::FluidState& message, float farthest, std::vector<Vec3f>& positions) {
     const Vec3f lower = vector_of(message.lower());
     const Vec3f upper = vector_of(message.upper());
-    // Written so that not-a-number fails.
+    // Written so that NaN fails.
     const bool proper = (lower.array() >= -farthest).all() && (upper.array() <= farthest).all() &&
                         (lower.array() < upper.array()).all() && message.spacing() > 0.0f &&
                         message.spacing() <= largest_spacing && message.places().size() % 3 == 0 &&

@@ -279,7 +279,7 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
                           field_of(text, ";session="),
                           field_of(text, ";process="),
                           spoken,
-                          version.empty() ? "not told" : version,
+                          version.empty() ? "unknown" : version,
                           {started_ns, prefix}};
     }
 }

@@ -118,7 +118,7 @@ void put_keys(const LiveValues& start, msg::SessionDescription& message) {
         key.high(field.high);
         key.start(start.*field.value);
         key.rate(field.rate);
-        key.relative(field.of_itself);
+        key.relative(field.relative);
         key.on_off(field.on_off);
         put(field.help, key.help());
     }
@@ -194,6 +194,9 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
     }
     if (!why.empty()) {
         return std::nullopt;
+    }
+    for (std::size_t i = 0; i < live_fields.size(); ++i) {
+        keys.start_.*live_fields[i].value = keys.live_[i] == absent ? nan : m.live()[keys.live_[i]].start();
     }
     keys.weight_ = static_cast<double>(m.patient_weight_kg());
     keys.scope_.blade =

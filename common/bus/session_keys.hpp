@@ -42,6 +42,8 @@ class SessionKeys {
     /// [m]; nothing when one is missing or not finite.
     [[nodiscard]] std::optional<Landmarks> landmarks(const msg::LiveMetrics& message) const;
 
+    /// [SI], what lives as the session begins; NaN for what the server does not have.
+    [[nodiscard]] const LiveValues& start() const { return start_; }
     [[nodiscard]] const Landmarks& rest_landmarks() const { return rest_; }
     [[nodiscard]] const Laryngoscope& laryngoscope() const { return scope_; }
     [[nodiscard]] const Tube& tube() const { return tube_; }
@@ -53,6 +55,7 @@ class SessionKeys {
   private:
     // For each row of this program's table, the place in the message; npos: the server does not have it.
     std::vector<std::size_t> live_, parameters_, landmarks_;
+    LiveValues start_;
     Landmarks rest_{};
     Laryngoscope scope_;
     Tube tube_;

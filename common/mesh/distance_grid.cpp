@@ -23,7 +23,7 @@ Cell cell_at(const DistanceGrid& grid, const Vec3f& point) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const int last = grid.size[axis] - 1;
         const auto a = static_cast<Eigen::Index>(axis);
-        // The comparison order sends not-a-number to zero, so that no index leaves the grid.
+        // The comparison order sends NaN to zero, so that no index leaves the grid.
         const float clamped = std::min(std::max(0.0f, scaled[a]), static_cast<float>(last));
         base[axis] = std::min(static_cast<int>(clamped), std::max(last - 1, 0));
         cell.place[a] = clamped - static_cast<float>(base[axis]);

@@ -130,7 +130,7 @@ class Marcher {
         } else {
             t = (level_ - from) / (to - from);
         }
-        // This order of comparison also replaces not-a-number.
+        // This order of comparison also replaces NaN.
         return std::min(std::max(corner_clearance, t), 1.0f - corner_clearance);
     }
 

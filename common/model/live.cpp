@@ -115,7 +115,7 @@ LiveValues followed(const LiveValues& from, const LiveValues& to, float seconds,
     for (const LiveField& field : live_fields) {
         if (field.rate > 0.0f) {
             const float now = from.*field.value;
-            const float most = haste * field.rate * seconds * (field.of_itself ? now : 1.0f);
+            const float most = haste * field.rate * seconds * (field.relative ? now : 1.0f);
             out.*field.value = approach(now, to.*field.value, most);
         }
     }

@@ -31,7 +31,7 @@ struct LiveValues {
 /// them, recording and bus all walk it, so that a value is added in one place.
 struct LiveField : Field<LiveValues> {
     float rate;              ///< [SI per second], by which a scene follows; 0: at once
-    bool of_itself;          ///< the rate is a share of the value: a factor of e^rate a second
+    bool relative;           ///< the rate is a share of the value: a factor of e^rate a second
     std::string_view group;  ///< of a session file
     std::string_view si;     ///< unit in files
     bool on_off = false;     ///< 0 or 1

@@ -11,7 +11,7 @@
 
 namespace eti {
 
-/// Parameters as a JSON object; "name.max" becomes {"name": {"max": ...}}, not-a-number becomes null.
+/// Parameters as a JSON object; "name.max" becomes {"name": {"max": ...}}, NaN becomes null.
 [[nodiscard]] inline nlohmann::ordered_json parameters_to_json(const Parameters& parameters) {
     nlohmann::ordered_json out = nlohmann::ordered_json::object();
     for (const ParameterField& field : parameter_fields) {

@@ -41,15 +41,15 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
 }
 
 /// How soft tissue is computed.
-enum class TissueModel : std::uint8_t {
+enum class TissueMethod : std::uint8_t {
     clusters,    ///< shape matching with compliance throughout
     tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which bears the blade; else clusters
     implicit,    ///< the same, solved to the end in each step instead of once in each substep
 };
-inline constexpr std::array<std::string_view, 3> tissue_model_names = {"clusters", "tetrahedra", "implicit"};
+inline constexpr std::array<std::string_view, 3> tissue_method_names = {"clusters", "tetrahedra", "implicit"};
 
-[[nodiscard]] constexpr std::string_view name_of(TissueModel model) {
-    return tissue_model_names[static_cast<std::size_t>(model)];
+[[nodiscard]] constexpr std::string_view name_of(TissueMethod model) {
+    return tissue_method_names[static_cast<std::size_t>(model)];
 }
 
 }  // namespace eti

@@ -153,8 +153,8 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
         p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre});
         p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre});
         p.region = physics->number("region_mm", p.region, {4, 40, millimetre});
-        p.tissue_model = static_cast<TissueModel>(
-            physics->choice("tissue_model", static_cast<std::size_t>(p.tissue_model), tissue_model_names));
+        p.tissue_method = static_cast<TissueMethod>(
+            physics->choice("tissue_method", static_cast<std::size_t>(p.tissue_method), tissue_method_names));
         if (!s.patient.model.empty()) {
             static const std::array<std::string, 3> held = {"spacing_mm", "fine_spacing_mm", "region_mm"};
             refuse_what_a_model_holds(*physics, held);

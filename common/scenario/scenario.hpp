@@ -34,7 +34,7 @@ struct Scenario {
             8;  ///< per 1/180 s step; cost grows linearly, error of contact forces falls quadratically
         float spacing = 2.0e-3f;       ///< [m], particles in the bulk; cost grows with its -3rd power
         float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx
-        TissueModel tissue_model = TissueModel::implicit;
+        TissueMethod tissue_method = TissueMethod::implicit;
         float region = 7e-3f;       ///< [m], tissue farther than this from the airway moves with the bones
         bool self_contact = false;  ///< whether tissue also meets tissue
         bool sleep = true;          ///< whether tissue at rest is left alone until something moves it

@@ -87,7 +87,7 @@ struct Cell<RigidTransform> {
     }
 };
 
-/// `width` points; a shorter line is filled up with not-a-number, a longer one cut.
+/// `width` points; a shorter line is filled up with NaN, a longer one cut.
 template <>
 struct Cell<std::vector<Vec3f>> {
     static hdf5::Handle type(std::size_t) { return number<float>(); }

@@ -77,7 +77,7 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     add(
         "inputs/eye_pose", "m, 1",
         "eye of the trainee, as latched: position x y z, unit quaternion w x y z, patient frame; "
-        "not-a-number while "
+        "NaN while "
         "none has arrived",
         [](auto& r) -> auto& { return r.eye; });
 

@@ -54,7 +54,7 @@ struct SceneRecord {
 
 inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
 
-/// A pose that did not arrive: every number is not-a-number.
+/// A pose that did not arrive: every number is NaN.
 [[nodiscard]] inline RigidTransform no_pose() {
     return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
 }

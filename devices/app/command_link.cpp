@@ -53,8 +53,8 @@ void CommandLink::send(const PadCommand& command) {
     }
 }
 
-void CommandLink::hear() {
-    (void)commands_.hear();
+void CommandLink::poll() {
+    (void)commands_.take_answers();
     msg::SessionStatus status;
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
@@ -76,12 +76,12 @@ void CommandLink::hear() {
     }
 }
 
-bool CommandLink::hear_all(std::chrono::milliseconds patience) {
+bool CommandLink::wait_for_answers(std::chrono::milliseconds patience) {
     const auto limit = std::chrono::steady_clock::now() + patience;
     const auto answered = [this] { return accepted() + refused() == sent(); };
     while (!answered() && std::chrono::steady_clock::now() < limit) {
         (void)commands_.wait(std::chrono::milliseconds(50));
-        hear();
+        poll();
     }
     return answered();
 }

@@ -21,7 +21,7 @@ namespace eti::devices {
 /// The keys of command_from() with their units and ranges, for help texts.
 [[nodiscard]] std::string command_keys();
 
-/// Sends commands to a session and hears how the server answers. For one thread.
+/// Sends commands to a session and takes the server's answers. For one thread.
 class CommandLink {
   public:
     explicit CommandLink(const bus::Options& options);
@@ -29,9 +29,9 @@ class CommandLink {
     [[nodiscard]] bool served() const { return commands_.served(); }
     void send(const PadCommand& command);
     /// Reads what has come, and logs refusals.
-    void hear();
+    void poll();
     /// Waits for all answers, at most `patience`; true if they have come.
-    [[nodiscard]] bool hear_all(std::chrono::milliseconds patience);
+    [[nodiscard]] bool wait_for_answers(std::chrono::milliseconds patience);
 
     [[nodiscard]] std::uint32_t sent() const { return commands_.sent(); }
     [[nodiscard]] std::uint32_t accepted() const { return commands_.accepted(); }

@@ -33,7 +33,7 @@ class CommandPad {
 
     [[nodiscard]] std::vector<PadCommand> update(const Reading& reading, float elapsed);
 
-    /// Whoever takes commands now has heard of none: what is held is sent again.
+    /// Whoever takes commands now knows of none: what is held is sent again.
     void begin_again() { suction_ = 0.0f; }
     /// What must not stay on when nobody's thumb is on the pad any more.
     [[nodiscard]] std::vector<PadCommand> let_go();

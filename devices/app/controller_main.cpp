@@ -42,7 +42,7 @@ class Controller {
             last = now;
             watch_.tend();
             const Reading reading = watch_.exchange({}, elapsed);
-            link_.hear();
+            link_.poll();
             if (link_.served() != served_) {
                 served_ = !served_;
                 served_ ? spdlog::info("a server takes commands")
@@ -77,7 +77,7 @@ class Controller {
         for (const PadCommand& command : pad_.let_go()) {
             if (link_.served()) {
                 link_.send(command);
-                (void)link_.hear_all(last_patience);
+                (void)link_.wait_for_answers(last_patience);
             }
         }
     }
@@ -122,7 +122,7 @@ void wait_for_server(const ProgramOptions& options, const Ready& ready) {
 nlohmann::ordered_json list_once(const ProgramOptions& options) {
     CommandLink link(options.bus);
     wait_for_server(options, [&] {
-        link.hear();
+        link.poll();
         return link.description() && !link.now().empty();
     });
     return session_list(*link.description(), link.now());
@@ -150,7 +150,7 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
     for (const PadCommand& command : wanted) {
         link.send(command);
     }
-    const bool answered = link.hear_all(5s);
+    const bool answered = link.wait_for_answers(5s);
     return {{"session", options.bus.session},
             {"ended", answered ? "answered" : "the server did not answer"},
             {"commands", link.sent()},

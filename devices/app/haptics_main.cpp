@@ -121,7 +121,7 @@ void heed_panic(Terminal& terminal, HapticLoop& loop) {
     }
 }
 
-/// From the gap that nothing is held for, to a second. Not CLI::Range, which takes not-a-number.
+/// From the gap that nothing is held for, to a second. Not CLI::Range, which takes NaN.
 CLI::Validator silence_range() {
     const auto refusal = [](const std::string& text) {
         float ms = 0.0f;

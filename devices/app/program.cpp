@@ -182,8 +182,9 @@ void Program::report(const SensorWatch& watch) {
             driver_.name, now.rate, watch.abilities().rate);
     }
     if ((now.jumps > 0) != (reported_.jumps > 0) || (now.not_finite > 0) != (reported_.not_finite > 0)) {
-        spdlog::warn("device '{}' says what no hand can do ({} jumps, {} poses that are none); left out",
-                     driver_.name, now.jumps, now.not_finite);
+        spdlog::warn(
+            "device '{}' says what no hand can do ({} jumps, {} poses that are not finite); left out",
+            driver_.name, now.jumps, now.not_finite);
     }
     reported_ = now;
     reported_fault_ = fault;

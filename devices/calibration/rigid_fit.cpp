@@ -204,7 +204,7 @@ PivotFit fit_pivot(std::span<const Isometry3d> poses) {
     Eigen::VectorXd right(rows);
     for (std::size_t i = 0; i < poses.size(); ++i) {
         if (!poses[i].matrix().allFinite()) {
-            throw CalibrationError(fmt::format("pose {} has a number that is none", i + 1));
+            throw CalibrationError(fmt::format("pose {} is not finite", i + 1));
         }
         const auto row = static_cast<Eigen::Index>(3 * i);
         system.block<3, 3>(row, 0) = poses[i].linear();

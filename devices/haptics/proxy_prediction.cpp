@@ -72,7 +72,7 @@ std::size_t turning_axes(const ProxyReport& report, std::span<Vec3f> axes) {
 }  // namespace
 
 Speeds RecentSpeeds::update(const Motion& device, bool touching, float dt) {
-    // The present speed first: it takes the place of one that is not a number.
+    // The present speed first: it takes the place of NaN.
     const float kept = std::exp(-dt / memory_);
     recent_.moving = std::max(device.velocity.norm(), kept * recent_.moving);
     recent_.turning = std::max(device.angular_velocity.norm(), kept * recent_.turning);
@@ -82,7 +82,7 @@ Speeds RecentSpeeds::update(const Motion& device, bool touching, float dt) {
 
 std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& report, float age, float pace,
                                       const PredictionBounds& bounds, const Speeds& lately, bool held) {
-    // Written so that not-a-number is out of bounds too.
+    // Written so that NaN is out of bounds too.
     if (!((device.pose.translation - report.device.translation).norm() <= bounds.travel)) {
         return std::nullopt;
     }

@@ -39,7 +39,7 @@ class Freshness {
   public:
     explicit Freshness(const SafetySettings& settings) : settings_(settings) {}
 
-    /// `age` [s] since the last message arrived; not-a-number or negative counts as stale.
+    /// `age` [s] since the last message arrived; NaN or negative counts as stale.
     float update(float age);
     [[nodiscard]] float share() const { return share_; }
 

@@ -76,7 +76,7 @@ class OpenHaptics final : public Sensor {
             last_.present = false;
             return last_;
         }
-        // Whatever went wrong before: no motor is given a number that is none.
+        // Whatever went wrong before: no motor is given NaN.
         const bool finite = asked.force.allFinite() && asked.torque.allFinite();
         const Wrench wrench = finite ? asked : Wrench{};
         api_.begin_frame(device_);

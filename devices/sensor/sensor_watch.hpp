@@ -33,7 +33,7 @@ struct SensorHealth {
     bool frozen = false;           ///< now: new samples come, but they all say the same
     float rate = 0.0f;             ///< [1/s], measurements over the last second
     std::uint64_t losses = 0;      ///< times it went
-    std::uint64_t not_finite = 0;  ///< samples with a number that is none, or no rotation
+    std::uint64_t not_finite = 0;  ///< samples that are not finite, or no rotation
     std::uint64_t jumps = 0;       ///< samples farther from the last than a hand moves
 };
 

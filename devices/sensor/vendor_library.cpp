@@ -53,7 +53,7 @@ void* VendorLibrary::entry(const char* name) const {
 }
 
 Quatf rotation_or_nothing(const Mat3f& matrix) {
-    // Written so that not-a-number fails too. Vendors give about six digits.
+    // Written so that NaN fails too. Vendors give about six digits.
     const bool rotation = (matrix * matrix.transpose() - Mat3f::Identity()).cwiseAbs().maxCoeff() < 1e-2f &&
                           matrix.determinant() > 0.0f;
     if (rotation) {

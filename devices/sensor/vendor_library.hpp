@@ -32,7 +32,7 @@ class VendorLibrary {
     void* handle_ = nullptr;
 };
 
-/// Quaternion of a rotation matrix; one of not-a-numbers when the matrix is none: not finite, not
+/// Quaternion of a rotation matrix; one of NaNs when the matrix is none: not finite, not
 /// orthonormal, or left-handed. A SensorWatch refuses such a pose.
 [[nodiscard]] Quatf rotation_or_nothing(const Mat3f& matrix);
 

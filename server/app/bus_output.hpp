@@ -37,9 +37,9 @@ struct StatusValues {
     float behind = 0.0f;  ///< [s]
 };
 
-/// Publishes what is seen and told from its own thread; the physics thread only leaves copies here and never
-/// waits for the network. When publishing is slower than the simulation, the older copy is replaced: every
-/// message is a state, not a difference, so nothing is lost but smoothness.
+/// Publishes what is seen and measured from its own thread; the physics thread only leaves copies here and
+/// never waits for the network. When publishing is slower than the simulation, the older copy is replaced:
+/// every message is a state, not a difference, so nothing is lost but smoothness.
 class BusOutput {
   public:
     /// `start`: what lives, as the session begins.

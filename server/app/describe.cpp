@@ -70,8 +70,8 @@ ordered_json description() {
     for (const LiveField& field : live_fields) {
         ordered_json live = row(field);
         live["name"] = field.name;
-        live["rate"] = typed(field.of_itself ? field.rate : field.rate / field.per_unit);
-        live["relative"] = field.of_itself;
+        live["rate"] = typed(field.relative ? field.rate : field.rate / field.per_unit);
+        live["relative"] = field.relative;
         live["on_off"] = field.on_off;
         out["live"].push_back(live);
     }

@@ -25,12 +25,12 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
     if (const float wanted = patient.tissue_stiffness; wanted > limits.stiffest) {
         throw InputError(fmt::format(
             "scenario '{}': tissue_stiffness_kpa is {:g}, but {} bear at most {:.3g} with {} substeps; raise "
-            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_model to implicit",
+            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_method to implicit",
             scenario.name, 1e-3f * wanted, limits.bearer, 1e-3f * limits.stiffest, substeps,
             static_cast<int>(std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / limits.stiffest)))));
     }
     return {.substeps = substeps,
-            .tissue_model = scenario.physics.tissue_model,
+            .tissue_method = scenario.physics.tissue_method,
             .head_scale = limits.head_scale,
             .tongue_scale = limits.tongue_scale,
             .stiffest = limits.stiffest,
@@ -53,7 +53,7 @@ PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patien
     limits.tongue_scale = built.tongue_scale;
     const anatomy::ParticleSet& set = patient.particles;
     const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
-    if (scenario.physics.tissue_model == TissueModel::tetrahedra && tongue != set.tissue.end()) {
+    if (scenario.physics.tissue_method == TissueMethod::tetrahedra && tongue != set.tissue.end()) {
         const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
         limits.bearer = fmt::format("tetrahedra of {:.3g} mm", 1e3f * spacing);
         limits.stiffest = pbd::Tetrahedra::stiffest(

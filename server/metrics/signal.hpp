@@ -34,7 +34,7 @@ class PeakCounter {
 /// Smoothness of a speed profile sampled at `rate` [Hz]: minus the arc length of its normalised
 /// Fourier magnitude spectrum up to where the magnitude last exceeds 0.05, at most 10 Hz
 /// (Balasubramanian et al. 2012, IEEE Trans Biomed Eng 59:2126; adaptive bound as in 2015,
-/// J NeuroEng Rehabil 12:112). Not-a-number for fewer than 4 samples or a speed of zero throughout.
+/// J NeuroEng Rehabil 12:112). NaN for fewer than 4 samples or a speed of zero throughout.
 [[nodiscard]] double spectral_arc_length(std::span<const double> speed, double rate);
 
 /// A time series on a uniform grid, each sample the mean over its bin. When `capacity` samples are

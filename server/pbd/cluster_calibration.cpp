@@ -77,7 +77,7 @@ float measured_modulus(const ClusterBody& body, float put_in) {
     return 1.0f / (1.0f / (m.share * put_in) + 1.0f / (m.limit * unit(body)));
 }
 
-ClusterModulus cluster_modulus(const ClusterBody& body, float wanted) {
+CalibratedModulus calibrated_modulus(const ClusterBody& body, float wanted) {
     const Measured m = of(body);
     const float limit = m.limit * unit(body);
     const bool reached = wanted <= reachable * limit;

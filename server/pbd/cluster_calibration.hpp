@@ -27,7 +27,7 @@ struct ClusterBody {
 };
 
 /// The modulus to put in for a wanted one.
-struct ClusterModulus {
+struct CalibratedModulus {
     float put_in = 0.0f;    ///< [Pa], for ShapeMatching::Description::youngs_modulus
     float measured = 0.0f;  ///< [Pa], what the body then has: the wanted one, or as much as can be had
     bool reached = true;    ///< false: more substeps or larger spacing would be needed
@@ -42,7 +42,7 @@ struct ClusterModulus {
 
 /// The inverse, `wanted` [Pa] above 0. It grows with the wanted modulus; from 90 % of the greatest that can
 /// be had it is clamped, as stiffness put in beyond that is hardly felt.
-[[nodiscard]] ClusterModulus cluster_modulus(const ClusterBody& body, float wanted);
+[[nodiscard]] CalibratedModulus calibrated_modulus(const ClusterBody& body, float wanted);
 
 /// The longest substep [s] with which a modulus is reached.
 [[nodiscard]] float longest_substep(const ClusterBody& body, float wanted);

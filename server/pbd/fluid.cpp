@@ -156,7 +156,7 @@ void Fluid::emit(float dt) {
 void Fluid::remove(const FluidSurroundings& surroundings) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count(); ++i) {
-        // False for anything that is not a number, too.
+        // False for NaN, too.
         if (!grid_.contains(predicted_[i])) {
             ++left_domain_;
             continue;

@@ -46,7 +46,7 @@ FluidSolid::FluidSolid(const DistanceGrid& grid)
 
 FluidSolid::Sample FluidSolid::at(const Vec3f& point) const {
     Four place = (four(point) - origin_) * per_spacing_;
-    // The comparison order sends not-a-number to zero, so that no index leaves the grid.
+    // The comparison order sends NaN to zero, so that no index leaves the grid.
     place = place > 0.0f ? place : Four{};
     place = lower_of(place, last_);
     Whole base = __builtin_convertvector(place, Whole);

@@ -185,7 +185,7 @@ void ImplicitTetrahedra::solve_linearised(Particles& particles, float dt) {
         farthest = std::max(farthest,
                             inverse_mass_[k] > 0.0f ? (step_[k].head<3>() - inertial).squaredNorm() : 0.0f);
     }
-    // Not-a-number compares false and is let through: it has to show.
+    // NaN compares false and is let through: it has to show.
     const float share = farthest > longest_step_ * longest_step_ ? longest_step_ / std::sqrt(farthest) : 1.0f;
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (inverse_mass_[k] > 0.0f) {

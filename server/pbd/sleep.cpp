@@ -212,7 +212,7 @@ bool Sleep::arrange(Particles& particles) {
 void Sleep::count_stillness(const Particles& particles) {
     const float squared = settings_.still * settings_.still;
     const auto count = [&](std::size_t i) {
-        // What is not a number never counts as still.
+        // NaN never counts as still.
         if ((particles.position[i] - still_at_[i]).squaredNorm() <= squared) {
             age_[i] = static_cast<std::uint8_t>(std::min(age_[i] + 1, settings_.steps));
         } else {

@@ -38,7 +38,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
       live_{.head_scale = settings.head_scale,
             .tongue_scale = settings.tongue_scale,
             .tissue_stiffness = patient.tissue_stiffness},
-      tissue_(patient, settings.tissue_model, step_duration / static_cast<float>(settings.substeps)),
+      tissue_(patient, settings.tissue_method, step_duration / static_cast<float>(settings.substeps)),
       shell_(patient),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
       blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),

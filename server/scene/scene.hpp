@@ -33,7 +33,7 @@ struct Inputs {
 
 struct Settings {
     int substeps = 8;
-    TissueModel tissue_model = TissueModel::implicit;
+    TissueMethod tissue_method = TissueMethod::implicit;
     float haste = 1.0f;         ///< times the rates at which what lives is followed
     float head_scale = 1.0f;    ///< that the model was built with
     float tongue_scale = 1.0f;  ///< the same

@@ -24,17 +24,17 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
     for (const std::uint32_t i : patient.clusters.members(cluster)) {
         spacing = std::max(spacing, 2.0f * patient.particles.radius[i]);
     }
-    return pbd::cluster_modulus({.spacing = spacing,
-                                 .density = anatomy::tissue_density,
-                                 .substep = substep,
-                                 .load = pbd::ClusterLoad::tongue},
-                                wanted)
+    return pbd::calibrated_modulus({.spacing = spacing,
+                                    .density = anatomy::tissue_density,
+                                    .substep = substep,
+                                    .load = pbd::ClusterLoad::tongue},
+                                   wanted)
         .put_in;
 }
 
 }  // namespace
 
-SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float substep)
+SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, float substep)
     : patient_(patient), substep_(substep), soft_(patient.tissue_stiffness) {
     const anatomy::ParticleSet& set = patient.particles;
     body_.settings.damping = anatomy::tissue_damping;
@@ -61,7 +61,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
     });
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
-    if (model != TissueModel::clusters) {
+    if (model != TissueMethod::clusters) {
         meshed_ = anatomy::tetrahedra_of(Tissue::tongue, patient);
         for (const std::uint32_t t : meshed_) {
             mesh.tetrahedra.push_back(patient.tetrahedra.corners[t]);
@@ -79,7 +79,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueModel model, float
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
     pbd::ShapeMatching::Description held = description(held_clusters_, substep);
-    if (model == TissueModel::implicit) {
+    if (model == TissueMethod::implicit) {
         const std::vector<float> own = p.inverse_mass;
         for (std::size_t i = 0; i < p.size(); ++i) {
             p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters move none of the mesh's particles

@@ -19,7 +19,7 @@ class SoftTissue {
   public:
     /// `substep` [s]: what a cluster is given for the stiffness that the patient's tissue shall have
     /// depends on it.
-    SoftTissue(const anatomy::Patient& patient, TissueModel model, float substep);
+    SoftTissue(const anatomy::Patient& patient, TissueMethod model, float substep);
 
     /// Carries the unloaded shape to a posture. Particles bound to bone go there over the next step.
     void pose(const anatomy::BonePoses& bones);

@@ -4,6 +4,7 @@
 
 import json
 import os
+import re
 import unittest
 from pathlib import Path
 
@@ -11,13 +12,18 @@ import support
 from operator_run import RUNS, result
 
 TIMING = ("step_ms", "step_budget_ms", "behind_s")  # what may differ between equal runs
-# By build (see eti-server --json) and run: the state at the end. A change that means to change what is simulated writes
-# it anew: ETI_WRITE_HASHES=1 ctest --preset release -R operators
+# By build (see eti-server --json), processor and run: the state at the end. Bits are promised for the same build on the
+# same kind of processor. A change that means to change what is simulated writes them anew: ETI_WRITE_HASHES=1 ctest --preset release -R operators
 HASHES = Path(__file__).with_name("state_hashes.json")
 
 
 def without_timing(run):
     return {key: value for key, value in run.items() if key not in TIMING}
+
+
+def processor():
+    names = re.findall(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.M)
+    return names[0] if names else "unknown processor"
 
 
 class Operators(support.Case):
@@ -47,12 +53,12 @@ class Operators(support.Case):
 
     def test_no_simulated_bit_has_changed(self):
         found = {name: result(name)["state_hash"] for name in RUNS}
-        build = result("expert")["build"]
+        build = f"{result('expert')['build']}, {processor()}"
         known = json.loads(HASHES.read_text())
         if os.environ.get("ETI_WRITE_HASHES"):
             HASHES.write_text(json.dumps({**known, build: found}, indent=2) + "\n")
         elif build not in known:
-            self.skipTest(f"no hashes are kept of this build: {build}")
+            self.skipTest(f"no hashes are kept of this build and processor: {build}")
         else:
             self.assertEqual(found, known[build])
 

@@ -56,7 +56,7 @@ float rate(const DistanceGrid& phi, std::size_t i, const std::array<std::size_t,
 }  // namespace
 
 DistanceGrid evolve(DistanceGrid start, std::span<const float> speed, const LevelSetSettings& settings,
-                    const std::function<bool(int)>& told) {
+                    const std::function<bool(int)>& progress) {
     const float h = start.spacing;
     const std::array<std::size_t, 3> stride = {
         1, static_cast<std::size_t>(start.size[0]),
@@ -98,7 +98,7 @@ DistanceGrid evolve(DistanceGrid start, std::span<const float> speed, const Leve
         }
         resting = static_cast<float>(changed) <= settings.rest * static_cast<float>(inside) ? resting + 1 : 0;
         phi = redistance(phi, half_band * h);
-        if (inside == 0 || !told(done + steps_between)) {
+        if (inside == 0 || !progress(done + steps_between)) {
             break;
         }
     }

@@ -21,10 +21,10 @@ struct LevelSetSettings {
 /// Moves the zero set of `start` (a signed distance [m], negative inside) by
 /// d phi / dt = -(F - b curvature) |grad phi| in a band of four voxels on either side (Osher & Sethian
 /// 1988, J Comput Phys 79; narrow band: Adalsteinsson & Sethian 1995, J Comput Phys 118), upwind, until it
-/// rests. `speed` holds F per node in [-1, 1], positive where the inside may grow. `told` hears the
-/// number of steps done and may end the search by returning false; the front is then as far as it came.
+/// rests. `speed` holds F per node in [-1, 1], positive where the inside may grow. `progress` is called with
+/// the number of steps done and may end the search by returning false; the front is then as far as it came.
 [[nodiscard]] DistanceGrid evolve(
     DistanceGrid start, std::span<const float> speed, const LevelSetSettings& settings,
-    const std::function<bool(int)>& told = [](int) { return true; });
+    const std::function<bool(int)>& progress = [](int) { return true; });
 
 }  // namespace eti::imaging

@@ -59,7 +59,8 @@ Invariant sound(const std::string& name, const TriangleMesh& mesh) {
     return {name + " is closed, manifold, oriented, free of crossings", holds, found};
 }
 
-/// Tools meet the shell's distances and Bullet its triangles: neither minds a few that cross, which are told.
+/// Tools meet the shell's distances and Bullet its triangles: neither minds a few that cross, which are
+/// named.
 Invariant closed_shell(const TriangleMesh& mesh) {
     const MeshReport report = check(mesh);
     const bool holds = report.triangles > 0 && report.volume > 0.0 &&

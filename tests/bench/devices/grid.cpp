@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* scenario = R"(
 name: wall
 patient: {weight_kg: 3.5, head_elevation_deg: 0, jaw_opening_deg: 0}
-physics: {tissue_model: clusters, substeps: 1, spacing_mm: 4, fine_spacing_mm: 2, region_mm: 4}
+physics: {tissue_method: clusters, substeps: 1, spacing_mm: 4, fine_spacing_mm: 2, region_mm: 4}
 )";
 
 constexpr float along = 0.02f;                    // [m], from the tool's origin to the contact

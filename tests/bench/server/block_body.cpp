@@ -34,7 +34,8 @@ double modulus_to_put_in(const Setting& setting, const test::TetrahedralLattice&
                                 .substep = static_cast<float>(setting.step / setting.substeps),
                                 .thickness = static_cast<float>(layers * lattice.cell),
                                 .load = *load};
-    return static_cast<double>(pbd::cluster_modulus(body, static_cast<float>(setting.youngs_modulus)).put_in);
+    return static_cast<double>(
+        pbd::calibrated_modulus(body, static_cast<float>(setting.youngs_modulus)).put_in);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ enum class Fate { fails, recovers, survives };
     return "survives";
 }
 
-/// One cell of a map, with what was measured; not-a-number where a measure makes no sense.
+/// One cell of a map, with what was measured; NaN where a measure makes no sense.
 struct Course {
     static constexpr double none = std::numeric_limits<double>::quiet_NaN();
     Fate fate = Fate::fails;
@@ -94,7 +94,7 @@ class Follower {
     double rotation_error_ = Course::none;
 };
 
-/// The greatest distance [m] of a particle from its rest position; infinite where one is not a number.
+/// The greatest distance [m] of a particle from its rest position; infinite where one is NaN.
 [[nodiscard]] inline double farthest_from_rest(const pbd::Particles& particles) {
     double worst = 0.0;
     for (std::size_t i = 0; i < particles.size(); ++i) {

@@ -36,7 +36,7 @@ struct LiftSetup {
         patient = app::patient_of(scenario);
         way = lift_of(scenario, patient);
     }
-    [[nodiscard]] Surroundings surroundings(TissueModel model, int substeps) const {
+    [[nodiscard]] Surroundings surroundings(TissueMethod model, int substeps) const {
         return surroundings_of(scenario, patient, way, model, substeps);
     }
     [[nodiscard]] LiftReference reference(const Surroundings& surroundings, const LiftChoice& with) const {
@@ -52,36 +52,37 @@ struct LiftSetup {
 void lift_tongue(AccuracyTable& table, bool quick) {
     const LiftSetup setup(quick);
     // What holds the tongue differs from model to model, and is not what is judged.
-    const Surroundings of_xpbd = setup.surroundings(TissueModel::tetrahedra, quick ? 12 : finest);
+    const Surroundings of_xpbd = setup.surroundings(TissueMethod::tetrahedra, quick ? 12 : finest);
     const LiftReference about_xpbd = setup.reference(of_xpbd, setup.choice);
     const Surroundings of_implicit =
-        setup.surroundings(TissueModel::implicit, setup.scenario.physics.substeps);
+        setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
     const LiftReference about_implicit = setup.reference(of_implicit, setup.choice);
     Scenario scenario = setup.scenario;
     struct Row {
-        TissueModel model;
+        TissueMethod model;
         Method method;
         int substeps, iterations;
     };
     std::vector<Row> rows;
-    const auto add_rows = [&](TissueModel model, Method method, int iterations,
+    const auto add_rows = [&](TissueMethod model, Method method, int iterations,
                               const std::vector<int>& counts) {
         for (const int substeps : counts) {
             rows.push_back({model, method, substeps, iterations});
         }
     };
     const std::vector<int> shipped = {8};
-    add_rows(TissueModel::clusters, Method::clusters_for_tongue, 1, quick ? shipped : std::vector{8, 16, 24});
+    add_rows(TissueMethod::clusters, Method::clusters_for_tongue, 1,
+             quick ? shipped : std::vector{8, 16, 24});
     // With fewer than five the scene refuses the term patient's tetrahedra.
-    add_rows(TissueModel::tetrahedra, Method::tetrahedra, 1,
+    add_rows(TissueMethod::tetrahedra, Method::tetrahedra, 1,
              quick ? shipped : std::vector{5, 6, 8, 12, 16, 24, 32});
     // Substeps of what lies about the tongue.
-    add_rows(TissueModel::implicit, Method::tetrahedra_implicit,
+    add_rows(TissueMethod::implicit, Method::tetrahedra_implicit,
              pbd::ImplicitTetrahedra::Settings{}.iterations, quick ? shipped : std::vector{4, 8, 16});
     for (const Row& row : rows) {
-        scenario.physics.tissue_model = row.model;
+        scenario.physics.tissue_method = row.model;
         scenario.physics.substeps = row.substeps;
-        const LiftReference& reference = row.model == TissueModel::implicit ? about_implicit : about_xpbd;
+        const LiftReference& reference = row.model == TissueMethod::implicit ? about_implicit : about_xpbd;
         const Lift found = by_particles(scenario, setup.patient, setup.way, reference.free());
         const Vec3d material = reference.material(found);
         const double expected = reference.lift.force.norm();
@@ -95,7 +96,7 @@ void lift_tongue(AccuracyTable& table, bool quick) {
             "lift: {}, {} substeps: told {:.2f} N, material {:.2f} N, view {:.1f} %, still {:.2f} mm/s",
             name_of(row.method), row.substeps, found.force.norm(), material.norm(), found.opening,
             1e3 * found.speed);
-        if (row.model == TissueModel::implicit) {
+        if (row.model == TissueMethod::implicit) {
             spdlog::info(
                 "lift: the same against finite elements in the surroundings of XPBD's tongue: force {:.1f} "
                 "%, shape {:.1f} %",
@@ -114,7 +115,7 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
         return;
     }
     const LiftSetup setup(quick);
-    const Surroundings usual = setup.surroundings(TissueModel::tetrahedra, finest);
+    const Surroundings usual = setup.surroundings(TissueMethod::tetrahedra, finest);
     const LiftReference reference = setup.reference(usual, setup.choice);
     Table variants(table.path().parent_path(), "lift-reference.csv",
                    "variant,force_n,force_difference,shape_difference,view_percent,steps,iterations");
@@ -127,7 +128,7 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
     LiftChoice slower = setup.choice;
     slower.drag *= 4.0;
     add("four times the drag", setup.reference(usual, slower));
-    const Surroundings other = setup.surroundings(TissueModel::implicit, setup.scenario.physics.substeps);
+    const Surroundings other = setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
     add("surroundings of the implicit tongue", setup.reference(other, setup.choice));
 }
 
@@ -137,7 +138,7 @@ void lift_with_other_tremors(AccuracyTable& table, bool quick) {
                   "expected_percent");
     for (std::uint64_t tremor = 0; tremor < (quick ? 1 : 4); ++tremor) {
         const LiftSetup setup(quick, tremor);
-        const Surroundings own = setup.surroundings(TissueModel::implicit, setup.scenario.physics.substeps);
+        const Surroundings own = setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
         const LiftReference reference = setup.reference(own, setup.choice);
         const Lift found = by_particles(setup.scenario, setup.patient, setup.way, reference.free());
         const double expected = reference.lift.force.norm();

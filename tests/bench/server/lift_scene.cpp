@@ -134,9 +134,9 @@ std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Pati
 }
 
 Surroundings surroundings_of(const Scenario& scenario, const anatomy::Patient& patient,
-                             const std::vector<scene::Inputs>& way, TissueModel model, int substeps) {
+                             const std::vector<scene::Inputs>& way, TissueMethod model, int substeps) {
     Scenario finest = scenario;
-    finest.physics.tissue_model = model;
+    finest.physics.tissue_method = model;
     finest.physics.substeps = substeps;
     app::Simulation simulation(finest, patient, way.front());
     scene::Scene& scene = simulation.scene();

@@ -44,7 +44,7 @@ struct Surroundings {
 
 /// What surrounds the tongue on that way, as the solver has it with so many substeps and such a tongue.
 [[nodiscard]] Surroundings surroundings_of(const Scenario& scenario, const anatomy::Patient& patient,
-                                           const std::vector<scene::Inputs>& way, TissueModel model,
+                                           const std::vector<scene::Inputs>& way, TissueMethod model,
                                            int substeps);
 
 /// What the solver makes of it; of forces and speeds those of particles `counted`.

@@ -131,10 +131,10 @@ std::string range_beside(std::span<const Follower> those, Value value) {
     return fmt::format(",{:.4f},{:.4f}", *least, *most);
 }
 
-void compare(const std::string& name, const Scenario& shipped, TissueModel model, const SleepOptions& options,
-             Table& table, Table& course) {
+void compare(const std::string& name, const Scenario& shipped, TissueMethod model,
+             const SleepOptions& options, Table& table, Table& course) {
     Scenario awake = shipped;
-    awake.physics.tissue_model = model;
+    awake.physics.tissue_method = model;
     awake.physics.sleep = false;
     Scenario sleeping = awake;
     sleeping.physics.sleep = true;
@@ -266,13 +266,13 @@ int sleep(const SleepOptions& options) {
     Table course(options.out, "sleep-course.csv", course_header + ",awake_percent,step_ms,step_sleep_ms");
     for (const std::string& name : options.scenarios) {
         const Scenario shipped = load_scenario(find_data_file(name, "scenarios"));
-        std::vector<TissueModel> models = {shipped.physics.tissue_model};
-        for (const TissueModel other : {TissueModel::tetrahedra, TissueModel::implicit}) {
+        std::vector<TissueMethod> models = {shipped.physics.tissue_method};
+        for (const TissueMethod other : {TissueMethod::tetrahedra, TissueMethod::implicit}) {
             if (!options.quick && other != models.front()) {
                 models.push_back(other);
             }
         }
-        for (const TissueModel model : models) {
+        for (const TissueMethod model : models) {
             compare(shipped.name, shipped, model, options, table, course);
         }
     }

@@ -174,7 +174,7 @@ void measure_scene(SpeedMeter& meter) {
     }
     stages(meter, simulation, inputs, "blade lifting the tongue");
 
-    scene::SoftTissue tissue(patient, scenario.physics.tissue_model, speed_substep);
+    scene::SoftTissue tissue(patient, scenario.physics.tissue_method, speed_substep);
     pbd::SoftBody& body = tissue.body();
     meter.add("links of the patient, per substep",
               1e-3 * meter.fastest([&] { body.links.project(body.particles, speed_substep); }), "us");

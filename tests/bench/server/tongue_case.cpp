@@ -244,11 +244,11 @@ Pressed by_particles(const Tongue& tongue, double depth, Method method, int subs
         mesh = mesh_of(tongue, youngs_modulus);
     } else {
         const std::optional<pbd::ClusterLoad> load = calibration_of(method);
-        const float modulus = load ? pbd::cluster_modulus({.spacing = tongue.spacing,
-                                                           .density = anatomy::tissue_density,
-                                                           .substep = dt,
-                                                           .load = *load},
-                                                          wanted)
+        const float modulus = load ? pbd::calibrated_modulus({.spacing = tongue.spacing,
+                                                              .density = anatomy::tissue_density,
+                                                              .substep = dt,
+                                                              .load = *load},
+                                                             wanted)
                                          .put_in
                                    : wanted;
         for (const auto& members : tongue.clusters) {

@@ -87,7 +87,7 @@ TEST_F(ControlsTest, AnotherSendersAnswersAreNotTaken) {
     follow([&] { return sender_.accepted() == 1; });
     const auto limit = std::chrono::steady_clock::now() + 10s;
     while (other.refused() == 0 && std::chrono::steady_clock::now() < limit) {
-        (void)other.hear();
+        (void)other.take_answers();
         input_.wait(10ms);
     }
     EXPECT_EQ(other.refused(), 1u);

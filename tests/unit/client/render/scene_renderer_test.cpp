@@ -130,7 +130,7 @@ TEST_F(SceneRendererTest, PicturesAreLitAndTheSameBitByBit) {
         other.draw(view, scene_, {0, 0, width, height});
         target_.resolve();
         EXPECT_EQ(first.rgba, target_.read().rgba) << view.name;
-        // Many shades, none of them a not-a-number's black speck amid the lit head.
+        // Many shades, none of them a NaN's black speck amid the lit head.
         std::array<bool, 256> seen{};
         for (std::size_t i = 0; i < first.rgba.size(); i += 4) {
             seen[first.rgba[i]] = true;

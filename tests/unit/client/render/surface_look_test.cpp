@@ -49,7 +49,7 @@ TEST(SurfaceColours, SkinIsPalerAndDrierThanTheThroat) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
-    const view::SurfaceModel& body = scene.surfaces().at("body").model();
+    const view::RestSurface& body = scene.surfaces().at("body").model();
     const auto colours = render::surface_colours(body, scene.rest_landmarks());
     ASSERT_EQ(colours.size(), body.mesh.vertices.size());
     double skin = 0, lining = 0, skin_wet = 0, lining_wet = 0;

@@ -124,7 +124,7 @@ TEST(SelfCheck, AServerOfAnotherProtocolIsNamedWithBothVersions) {
         }
         EXPECT_THAT(refusal,
                     AllOf(HasSubstr("host:7"), HasSubstr(ETI_VERSION),
-                          HasSubstr(theirs.find("9.8.7") != std::string::npos ? "9.8.7" : "not told"),
+                          HasSubstr(theirs.find("9.8.7") != std::string::npos ? "9.8.7" : "unknown"),
                           HasSubstr("protocol " + std::to_string(protocol)), HasSubstr("the same version")));
         factory->delete_participant(other);
     }

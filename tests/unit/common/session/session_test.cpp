@@ -61,7 +61,7 @@ void record(const std::filesystem::path& path, std::uint64_t steps) {
     EXPECT_TRUE(writer.close());
 }
 
-/// Bit for bit, so that not-a-number equals itself.
+/// Bit for bit, so that NaN equals itself.
 bool same(const StepRecord& a, const StepRecord& b) {
     bool equal = a.tube_nodes == b.tube_nodes;
     step_columns(0, [&](const std::string&, const hdf5::Label&, auto field, std::size_t) {

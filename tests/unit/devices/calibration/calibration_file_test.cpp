@@ -145,7 +145,7 @@ TEST(CalibratedSensor, AsksMotorsForNothingTheyCannotGive) {
     (void)sensor.exchange(far, 1e-3f);
     EXPECT_EQ(given.force.norm(), 8.0f);
     EXPECT_NEAR(given.torque.norm(), 0.5f, 1e-6f);
-    // A pose that is none tells no arm; the last one does.
+    // A pose that is not finite tells no arm; the last one does.
     broken = true;
     (void)sensor.exchange(far, 1e-3f);
     (void)sensor.exchange(far, 1e-3f);

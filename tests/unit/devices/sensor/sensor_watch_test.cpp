@@ -12,7 +12,7 @@ namespace {
 constexpr float dt = 1e-3f;
 
 /// A device that says what the test wants it to say.
-class Told final : public Sensor {
+class SensorDouble final : public Sensor {
   public:
     Reading exchange(const Wrench&, float) override {
         reading.sample += advancing ? 1 : 0;
@@ -37,7 +37,7 @@ class Watched : public ::testing::Test {
         return out;
     }
 
-    Told device_;
+    SensorDouble device_;
     SensorWatch watch_{device_};
 };
 
@@ -83,7 +83,7 @@ TEST_F(Watched, NumbersThatAreNoneAreCountedAndNotPassedOn) {
     for (const float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         device_.reading.motion.pose.translation.y() = bad;
-        EXPECT_FALSE(cycles(1).present) << "no force on a pose that is none, not for a cycle";
+        EXPECT_FALSE(cycles(1).present) << "no force on a pose that is not finite, not for a cycle";
         const Reading reading = cycles(39);
         EXPECT_FALSE(reading.present);
         EXPECT_TRUE(reading.motion.pose.translation.allFinite());
@@ -126,7 +126,7 @@ Reading pushed(SensorWatch& watch, int cycles, float force) {
 }
 
 TEST(SensorWatch, APoseThatStandsStillUnderAForceForSecondsIsFrozenUntilItMoves) {
-    Told device;
+    SensorDouble device;
     device.rate = 1000.0f;
     SensorWatch watch(device);
     EXPECT_TRUE(pushed(watch, 4990, 2.0f).present) << "a still hand";
@@ -143,7 +143,7 @@ TEST(SensorWatch, APoseThatStandsStillUnderAForceForSecondsIsFrozenUntilItMoves)
 }
 
 TEST(SensorWatch, AHandThatHoldsStillIsNotFrozen) {
-    Told device;
+    SensorDouble device;
     device.rate = 1000.0f;
     SensorWatch watch(device);
     // At rest, nothing is felt, for a minute.
@@ -155,7 +155,7 @@ TEST(SensorWatch, AHandThatHoldsStillIsNotFrozen) {
     }
     EXPECT_EQ(watch.health().losses, 0u);
     // A simulated hand does not tremble. It has no rate of its own.
-    Told simulated;
+    SensorDouble simulated;
     SensorWatch over(simulated);
     EXPECT_TRUE(pushed(over, 60'000, 3.0f).present);
 }
@@ -173,7 +173,7 @@ TEST_F(Watched, AnUnpluggedDeviceIsLostAtOnceAndKeepsItsPlace) {
 }
 
 TEST(SensorWatch, TenHertzIsReportedAsSlow) {
-    Told device;
+    SensorDouble device;
     device.rate = 80.0f;
     SensorWatch watch(device);
     device.advancing = false;

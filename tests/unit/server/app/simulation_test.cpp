@@ -12,12 +12,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-Scenario stiff(float modulus, int substeps, TissueModel model) {
+Scenario stiff(float modulus, int substeps, TissueMethod model) {
     Scenario scenario;
     scenario.name = "stiff";
     scenario.live.tissue_stiffness = modulus;
     scenario.physics.substeps = substeps;
-    scenario.physics.tissue_model = model;
+    scenario.physics.tissue_method = model;
     return scenario;
 }
 
@@ -34,13 +34,13 @@ std::string refusal_of(const Scenario& scenario) {
 
 TEST(Simulation, RefusesTissueThatItsTetrahedraCannotBear) {
     // 0.8 * 4000 kg/m^3 * (3.5 mm * 720 / s)^2 = 20.3 kPa.
-    EXPECT_THAT(refusal_of(stiff(21e3f, 4, TissueModel::tetrahedra)),
+    EXPECT_THAT(refusal_of(stiff(21e3f, 4, TissueMethod::tetrahedra)),
                 AllOf(HasSubstr("'stiff'"), HasSubstr("tissue_stiffness_kpa is 21"),
                       HasSubstr("at most 20.3"), HasSubstr("physics.substeps to 5"), HasSubstr("implicit")));
-    EXPECT_EQ(refusal_of(stiff(20e3f, 4, TissueModel::tetrahedra)), "none");
-    EXPECT_EQ(refusal_of(stiff(21e3f, 5, TissueModel::tetrahedra)), "none");
-    EXPECT_EQ(refusal_of(stiff(21e3f, 4, TissueModel::clusters)), "none");
-    EXPECT_EQ(refusal_of(stiff(100e3f, 1, TissueModel::implicit)), "none");
+    EXPECT_EQ(refusal_of(stiff(20e3f, 4, TissueMethod::tetrahedra)), "none");
+    EXPECT_EQ(refusal_of(stiff(21e3f, 5, TissueMethod::tetrahedra)), "none");
+    EXPECT_EQ(refusal_of(stiff(21e3f, 4, TissueMethod::clusters)), "none");
+    EXPECT_EQ(refusal_of(stiff(100e3f, 1, TissueMethod::implicit)), "none");
 }
 
 }  // namespace

@@ -19,9 +19,9 @@ TEST(ClusterCalibration, GrowsWithTheWantedModulusUpToItsLimit) {
     for (const ClusterLoad load : loads) {
         for (const float spacing : {1e-3f, 2e-3f, 5e-3f}) {
             const ClusterBody body{.spacing = spacing, .load = load};
-            ClusterModulus before;
+            CalibratedModulus before;
             for (float wanted = 10.0f; wanted < 1e8f; wanted *= 1.1f) {
-                const ClusterModulus now = cluster_modulus(body, wanted);
+                const CalibratedModulus now = calibrated_modulus(body, wanted);
                 ASSERT_GE(now.put_in, before.put_in) << wanted;
                 ASSERT_TRUE(now.reached ? now.put_in > before.put_in : now.measured < wanted) << wanted;
                 ASSERT_FALSE(now.reached && !before.reached) << wanted;
@@ -38,7 +38,7 @@ TEST(ClusterCalibration, InverseIsTheInverse) {
         for (const float wanted : {500.0f, 2e3f, 8e3f, 32e3f, 1e6f}) {
             for (const float thickness : {3e-3f, 4e-3f, 7e-3f, 12e-3f, 1.0f}) {
                 const ClusterBody body{.thickness = thickness, .load = load};
-                const ClusterModulus m = cluster_modulus(body, wanted);
+                const CalibratedModulus m = calibrated_modulus(body, wanted);
                 // Close to the limit, differences of reciprocals lose one digit of a float's seven.
                 EXPECT_NEAR(measured_modulus(body, m.put_in), m.measured, 1e-5f * m.measured);
                 EXPECT_EQ(m.reached, m.measured == wanted);
@@ -49,12 +49,12 @@ TEST(ClusterCalibration, InverseIsTheInverse) {
 
 TEST(ClusterCalibration, ASubstepShortEnoughReachesTheModulus) {
     ClusterBody body{.spacing = 1e-3f};
-    ASSERT_FALSE(cluster_modulus(body, 32e3f).reached);
+    ASSERT_FALSE(calibrated_modulus(body, 32e3f).reached);
     const float longest = longest_substep(body, 32e3f);
     body.substep = 0.999f * longest;
-    EXPECT_TRUE(cluster_modulus(body, 32e3f).reached);
+    EXPECT_TRUE(calibrated_modulus(body, 32e3f).reached);
     body.substep = 1.001f * longest;
-    EXPECT_FALSE(cluster_modulus(body, 32e3f).reached);
+    EXPECT_FALSE(calibrated_modulus(body, 32e3f).reached);
 }
 
 /// Young's modulus [Pa] of a bar of clusters, `across` spacings thick and four times as long, held at one end
@@ -108,7 +108,7 @@ TEST_P(Bars, HaveTheWantedModulus) {
                            .substep = 1.0f / rate,
                            .thickness = 6.0f * spacing,
                            .load = ClusterLoad::traction};
-    const ClusterModulus m = cluster_modulus(body, wanted);
+    const CalibratedModulus m = calibrated_modulus(body, wanted);
     const double measured = bar_modulus(6, body, m.put_in, static_cast<double>(m.measured));
     EXPECT_NEAR(measured, static_cast<double>(m.measured), 0.03 * static_cast<double>(m.measured))
         << m.put_in << " put in";

@@ -16,7 +16,7 @@ constexpr float dt = step_duration / substeps;
 
 /// How the tissue of a newborn follows one particle of the epiglottis that is drawn aside (Xiao et al. 2020,
 /// Fig. 5).
-class EpiglottisTest : public ::testing::TestWithParam<TissueModel> {
+class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
   protected:
     EpiglottisTest()
         : patient_(anatomy::build_patient(
@@ -123,8 +123,8 @@ TEST_P(EpiglottisTest, WithTongueInItsClusterItSticks) {
     EXPECT_LT(mean_of_plate(drag({0.0f, pull, 0.0f})), 0.5f * free);
 }
 
-INSTANTIATE_TEST_SUITE_P(TissueModels, EpiglottisTest,
-                         ::testing::Values(TissueModel::clusters, TissueModel::tetrahedra),
+INSTANTIATE_TEST_SUITE_P(TissueMethods, EpiglottisTest,
+                         ::testing::Values(TissueMethod::clusters, TissueMethod::tetrahedra),
                          [](const auto& test) { return std::string(name_of(test.param)); });
 
 }  // namespace

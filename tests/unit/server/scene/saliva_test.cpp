@@ -30,7 +30,7 @@ class Mouth {
   public:
     explicit Mouth(const anatomy::Posture& posture)
         : bones(anatomy::pose_bones(premature().skeleton, posture)),
-          tissue(premature(), TissueModel::clusters, step_duration / 8),
+          tissue(premature(), TissueMethod::clusters, step_duration / 8),
           shell(premature()),
           saliva(premature(), make_laryngoscope(Blade::miller_0), 1.8e-3f, 1) {
         tissue.pose(bones);

@@ -221,25 +221,25 @@ TEST_F(SceneTest, ThreadsDoNotChangeABit) {
     EXPECT_EQ(run(8), one);
 }
 
-TEST_F(SceneTest, TheProxyIsToldBeforeTheTissueMoves) {
+TEST_F(SceneTest, TheProxyIsPassedOnBeforeTheTissueMoves) {
     Scene scene = make();
     press(scene);
     const Inputs deeper = pressing(0.15e-3f * 41.0f);
     const auto& position = scene.tissue().body().particles.position;
     const std::vector<Vec3f> before(position.begin(), position.end());
-    ProxySnapshot told;
+    ProxySnapshot passed;
     scene.step(deeper, [&](const ProxySnapshot& proxy) {
-        told = proxy;
+        passed = proxy;
         EXPECT_TRUE(std::ranges::equal(position, before));
     });
     EXPECT_FALSE(std::ranges::equal(position, before));
     const Snapshot& after = scene.snapshot();
-    EXPECT_EQ(told.step, after.step);
-    EXPECT_EQ(told.time_ns, after.time_ns);
-    EXPECT_EQ(told.device.translation, deeper.laryngoscope.translation);
-    EXPECT_EQ(told.proxy.translation, after.proxy.translation);
-    EXPECT_EQ(told.shell_force, after.shell_force);
-    EXPECT_EQ(told.shell_contacts.size(), after.shell_contacts.size());
+    EXPECT_EQ(passed.step, after.step);
+    EXPECT_EQ(passed.time_ns, after.time_ns);
+    EXPECT_EQ(passed.device.translation, deeper.laryngoscope.translation);
+    EXPECT_EQ(passed.proxy.translation, after.proxy.translation);
+    EXPECT_EQ(passed.shell_force, after.shell_force);
+    EXPECT_EQ(passed.shell_contacts.size(), after.shell_contacts.size());
 
     Scene untold = make();
     press(untold);

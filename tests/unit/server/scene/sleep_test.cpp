@@ -13,7 +13,7 @@
 namespace eti::scene {
 namespace {
 
-class SceneSleepTest : public ::testing::TestWithParam<TissueModel> {
+class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
   protected:
     SceneSleepTest() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
@@ -24,7 +24,7 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueModel> {
 
     [[nodiscard]] Scene make(bool sleeps = true) const {
         return {test::coarse_newborn(), scope_, Tube{}, away_,
-                Settings{.tissue_model = GetParam(), .rigid = {}, .sleep = sleeps}};
+                Settings{.tissue_method = GetParam(), .rigid = {}, .sleep = sleeps}};
     }
 
     [[nodiscard]] static const pbd::Sleep& sleep_of(const Scene& scene) {
@@ -198,8 +198,8 @@ TEST_P(SceneSleepTest, ThreadsDoNotChangeABit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, SceneSleepTest,
-                         ::testing::Values(TissueModel::clusters, TissueModel::tetrahedra,
-                                           TissueModel::implicit));
+                         ::testing::Values(TissueMethod::clusters, TissueMethod::tetrahedra,
+                                           TissueMethod::implicit));
 
 }  // namespace
 }  // namespace eti::scene

@@ -13,7 +13,7 @@ struct OpenHapticsState {
     std::atomic<bool> servo_calls{true};  ///< false: the scheduler stops calling
     std::atomic<int> servo_period_us{1000};
     std::atomic<bool> frozen{false};       ///< the servo calls, but nothing that is read changes
-    std::atomic<bool> not_finite{false};   ///< the position is not a number
+    std::atomic<bool> not_finite{false};   ///< the position is NaN
     std::atomic<bool> left_handed{false};  ///< the transform mirrors
     std::atomic<double> shift_mm{0.0};     ///< added to x at once
     std::atomic<int> buttons{0};

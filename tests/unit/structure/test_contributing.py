@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""CONTRIBUTING's lists of files are those of the commits that it names, and stay short."""
+
+import re
+import subprocess
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+MOST = {"A live parameter": 5, "A metric": 3, "A message": 4, "A constraint": 6, "A view": 4}
+# Tests and documents apart, which every change has, where a section does not count them.
+WITHOUT_TESTS = ("A live parameter", "A metric", "A message")
+
+
+def sections():
+    """(title, text) of each section below "How to add"."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("## How to add")[1]
+    parts = re.split(r"^### (.+)$", text, flags=re.M)
+    return list(zip(parts[1::2], parts[2::2]))
+
+
+def listed(text):
+    return {path for row in re.findall(r"^\| (`.+?) \|", text, re.M) for path in re.findall(r"`([^`]+)`", row)}
+
+
+def git(*arguments):
+    done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True)
+    return done.stdout if done.returncode == 0 else ""
+
+
+class Contributing(unittest.TestCase):
+    def test_every_file_of_a_list_exists(self):
+        found = sections()
+        self.assertGreaterEqual(len(found), len(MOST) + 1)
+        for title, text in found:
+            self.assertTrue(listed(text), title)
+            for path in listed(text):
+                self.assertTrue((ROOT / path).is_file(), f"{title}: {path}")
+
+    def test_lists_are_short(self):
+        lists = dict(sections())
+        for title, most in MOST.items():
+            self.assertLessEqual(len(listed(lists[title])), most, title)
+
+    def test_lists_are_those_of_their_commits(self):
+        for title, text in sections():
+            quoted = re.search(r'Commit\s+"([^"]+)"', text)
+            if not quoted:
+                continue
+            commits = git("log", "--format=%H", "--fixed-strings", "--grep", quoted[1]).split()
+            if not commits:
+                self.skipTest("the history does not reach back to these commits")
+            names = git("show", "--format=", "--name-only", commits[-1]).split()
+            kept = {name for name in names if not name.startswith("docs/")
+                    and not (title in WITHOUT_TESTS and name.startswith("tests/"))}
+            self.assertEqual(kept, listed(text), title)
+
+
+if __name__ == "__main__":
+    unittest.main()
