@@ -173,7 +173,7 @@ TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
     EXPECT_NEAR(p.glottic_opening_max_percent, 80.0, 1e-6);
     EXPECT_NEAR(p.glottic_opening_mean_percent, (3 * 20 + 2 * 80) / 5.0, 80 * 3 * step / 5);
     EXPECT_NEAR(p.time_to_first_view_s, 2.0, 2 * step);  // the blade is in from the first step on
-    EXPECT_NEAR(p.head_elevation_deg, 12.0, 1e-4);  // at passage, not at the end
+    EXPECT_NEAR(p.head_elevation_deg, 12.0, 1e-4);       // at passage, not at the end
     EXPECT_EQ(p.cormack_lehane_grade, 1);
 }
 
