@@ -30,11 +30,16 @@ PadCommand command_from(const std::string& typed) {
     if (equals == std::string::npos || field == live_fields.end()) {
         throw InputError(fmt::format("--set {}: expected KEY=VALUE with a key of {}", typed, command_keys()));
     }
+    const std::string wanted = typed.substr(equals + 1);
+    if (field->on_off && (wanted == "on" || wanted == "off")) {
+        return {field->name, wanted == "on" ? 1.0f : 0.0f};
+    }
     float value = 0.0f;
-    const char* const end = typed.data() + typed.size();
-    const auto [stop, error] = std::from_chars(typed.data() + equals + 1, end, value);
+    const char* const end = wanted.data() + wanted.size();
+    const auto [stop, error] = std::from_chars(wanted.data(), end, value);
     if (error != std::errc() || stop != end) {
-        throw InputError(fmt::format("--set {}: expected a plain number after '=', {:g} to {:g}", typed,
+        throw InputError(fmt::format("--set {}: expected {} after '=', {:g} to {:g}", typed,
+                                     field->on_off ? "on, off or a plain number" : "a plain number",
                                      field->low, field->high));
     }
     return {field->name, value * field->per_unit};

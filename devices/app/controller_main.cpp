@@ -216,17 +216,22 @@ int main(int argc, char** argv) {
     add_device_options(app, options, Use::commands);
     std::vector<std::string> typed;
     auto* const device = app.get_option("--device")->required(false);
-    app.add_option("--set", typed,
-                   "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
-        ->excludes(device);
+    auto* const set =
+        app.add_option("--set", typed,
+                       "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
+            ->excludes(device);
     bool list = false;
-    app.add_flag("--list", list,
-                 "Print what the session says of itself, with every value that lives, and end")
-        ->excludes(device);
+    auto* const listing =
+        app.add_flag("--list", list,
+                     "Print what the session says of itself, with every value that lives, and end")
+            ->excludes(device)
+            ->excludes(set);
     std::string remark;
     app.add_option("--note", remark,
                    "Leave this remark, of at most 200 letters, in the session's record, and end")
         ->excludes(device)
+        ->excludes(set)
+        ->excludes(listing)
         ->check([](const std::string& text) {
             return !text.empty() && text.size() <= msg::bound::Annotation_text
                        ? std::string()

@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #include "server/app/bus_input.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/bus/convert.hpp"
@@ -15,6 +17,16 @@ constexpr float farthest = 2.0f;           // [m] from the patient's origin
 constexpr std::size_t most_commands = 64;  // per step; more is a fault of the sender
 
 }  // namespace
+
+std::string readable(const std::string& text) {
+    using nlohmann::json;
+    // The library knows what is valid, and puts U+FFFD in the place of what is not.
+    auto valid =
+        json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+    std::ranges::replace_if(
+        valid, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    return valid;
+}
 
 BusInput::BusInput(bus::Node& node)
     : laryngoscope_topic_(node, bus::topics::laryngoscope_pose),
@@ -44,7 +56,7 @@ void BusInput::poll() {
     }
     for (std::size_t n = 0; n < most_commands && command_topic_.take(command_); ++n) {
         commands_.push_back({command_.sender().to_string(), static_cast<std::uint32_t>(command_.id()),
-                             command_.name().to_string(), command_.value()});
+                             readable(command_.name().to_string()), command_.value()});
     }
 }
 

@@ -12,6 +12,9 @@
 
 namespace eti::app {
 
+/// Text of other people's packets, fit for logs and files: valid UTF-8 in one line.
+[[nodiscard]] std::string readable(const std::string& text);
+
 /// A command as it came in; the server answers every one.
 struct ReceivedCommand {
     std::string sender;

@@ -23,7 +23,7 @@ std::string outside(const LiveField& field, float typed, float low, float high) 
     if (typed >= low - slack && typed <= high + slack) {
         return {};
     }
-    return fmt::format("{} {:.4g}{}{}, expected {:.3g} to {:.3g}", field.label, typed,
+    return fmt::format("{} {:.4g}{}{}, expected {:.4g} to {:.4g}", field.label, typed,
                        field.unit.empty() ? "" : " ", field.unit, low, high);
 }
 
@@ -36,7 +36,7 @@ void CommandDesk::handle(const ReceivedCommand& command) {
     answer_.accepted(refusal.empty());
     answer_.reason(refusal);
     if (!refusal.empty()) {
-        spdlog::warn("command {} of '{}' refused: {}", command.id, command.sender, refusal);
+        spdlog::warn("command {} of '{}' refused: {}", command.id, readable(command.sender), refusal);
     }
 }
 
@@ -71,6 +71,9 @@ std::string CommandDesk::refusal_of(const LiveField& field, float value) const {
     }
     if (std::string refusal = outside(field, value / field.per_unit, low, high); !refusal.empty()) {
         return refusal;
+    }
+    if (field.on_off && value != 0.0f && value != 1.0f) {
+        return fmt::format("{} {:.4g}, expected 0 or 1", field.label, value);
     }
     if (field.value == &LiveValues::tongue_scale && wanted_.tissue_stiffness > limits_.stiffest_at(value)) {
         return fmt::format(

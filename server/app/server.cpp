@@ -200,7 +200,7 @@ class Session {
             }
         }
         for (msg::Annotation note; annotations_->take(note);) {
-            const std::string text = note.sender().to_string() + ": " + note.text().to_string();
+            const std::string text = readable(note.sender().to_string() + ": " + note.text().to_string());
             spdlog::info("note of {}", text);
             judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "note", text});
         }

@@ -14,6 +14,24 @@
 namespace eti::app {
 namespace {
 
+TEST(Readable, OtherPeoplesTextIsValidAndInOneLine) {
+    EXPECT_EQ(readable("tongue swept aside"), "tongue swept aside");
+    EXPECT_EQ(readable("Z\xc3\xbcrich"), "Z\xc3\xbcrich");
+    EXPECT_EQ(readable("a\xff\xfe"), "a\xef\xbf\xbd\xef\xbf\xbd");
+    EXPECT_EQ(readable("a\nb\x1b[2Jc\x7f"), "a b [2Jc ");
+    EXPECT_EQ(readable(std::string("a\0b", 3)), "a b");
+}
+
+TEST(CommandDesk, ASwitchIsOnOrOff) {
+    CommandDesk desk;
+    desk.handle({"test", 1, "view_enhanced", 1.0f});
+    EXPECT_TRUE(desk.answer().accepted());
+    desk.handle({"test", 2, "view_enhanced", 0.5f});
+    EXPECT_FALSE(desk.answer().accepted());
+    EXPECT_NE(desk.answer().reason().to_string().find("expected 0 or 1"), std::string::npos);
+    EXPECT_EQ(desk.wanted().view_enhanced, 1.0f);
+}
+
 TEST(CommandDesk, SuctionStaysAsAskedFor) {
     CommandDesk desk;
     EXPECT_EQ(desk.wanted().suction, 0.0f);
