@@ -51,6 +51,7 @@ class Offscreen {
   public:
     Offscreen(const Options& options, bus::Node& node)
         : options_(options),
+          node_(node),
           // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
           input_(node, options.frames_per_second > 30.0, !options.observe),
           compositor_(options.width, options.height,
@@ -68,6 +69,7 @@ class Offscreen {
         bool announced = false;
         while (!scene_.complete()) {
             input_.take_into(scene_);
+            bus::refuse_other_protocol(node_);
             if (stop_asked()) {
                 end_ = End::stopped;
                 return true;
@@ -237,6 +239,7 @@ class Offscreen {
     }
 
     const Options& options_;
+    const bus::Node& node_;
     SessionInput input_;
     view::SceneView scene_;
     render::HeadlessContext context_;

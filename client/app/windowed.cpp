@@ -52,6 +52,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         const auto next_frame = now + shortest_frame;
         window.poll_events();
         input.take_into(scene);
+        if (!scene.complete()) {
+            bus::refuse_other_protocol(node);
+        }
         for (const KeyEvent& event : window.take_keys()) {
             event.down ? controls.press(event.key, event.repeated, scene, now)
                        : controls.release(event.key, now);

@@ -113,6 +113,10 @@ class Subscriber {
     std::unique_ptr<Impl> impl_;
 };
 
+/// Throws BusError, with both versions, while the session's server speaks another protocol: for whoever waits
+/// for a server, which would else not be found.
+void refuse_other_protocol(const Node& node);
+
 /// What the start-up check found, one line each, with the remedy; empty when all is well.
 struct SelfCheck {
     std::vector<std::string> warnings;

@@ -42,19 +42,6 @@ bool server_is_starting(const Participant& self) {
     });
 }
 
-/// Throws when the session's server speaks another protocol.
-void refuse_other_protocol(const Participant& self) {
-    for (const Peer& peer : self.peers()) {
-        if (peer.name == server_name && peer.session == self.options.session && peer.protocol != protocol) {
-            throw BusError(fmt::format(
-                "the server {} of session '{}' is of version {} (protocol {}), this program of version {} "
-                "(protocol {}): "
-                "they do not understand each other; run programs of the same version on all machines",
-                peer.process, self.options.session, peer.version, peer.protocol, ETI_VERSION, protocol));
-        }
-    }
-}
-
 void look_for_server(const Participant& self, bool found, SelfCheck& check) {
     if (found) {
         return;
@@ -100,6 +87,19 @@ void look_for_stale_memory(SelfCheck& check) {
 
 }  // namespace
 
+void refuse_other_protocol(const Node& node) {
+    const Participant& self = *node.impl().participant;
+    for (const Peer& peer : self.peers()) {
+        if (peer.name == server_name && peer.session == self.options.session && peer.protocol != protocol) {
+            throw BusError(fmt::format(
+                "the server {} of session '{}' is of version {} (protocol {}), this program of version {} "
+                "(protocol {}): "
+                "they do not understand each other; run programs of the same version on all machines",
+                peer.process, self.options.session, peer.version, peer.protocol, ETI_VERSION, protocol));
+        }
+    }
+}
+
 SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait) {
     const Participant& self = *node.impl().participant;
     SelfCheck check;
@@ -114,7 +114,7 @@ SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait)
         if (is_server) {
             refuse_second_server(self, statuses);
         } else {
-            refuse_other_protocol(self);
+            refuse_other_protocol(node);
             found = statuses.matched() > 0 || server_is_starting(self);
         }
     }

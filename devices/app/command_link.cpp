@@ -60,6 +60,9 @@ void CommandLink::send(const PadCommand& command) {
 
 void CommandLink::poll() {
     (void)commands_.take_answers();
+    if (!served()) {
+        bus::refuse_other_protocol(node_);
+    }
     msg::SessionStatus status;
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;

@@ -28,7 +28,8 @@ class CommandLink {
 
     [[nodiscard]] bool served() const { return commands_.served(); }
     void send(const PadCommand& command);
-    /// Reads what has come, and logs refusals.
+    /// Reads what has come, and logs refusals. Throws bus::BusError while the session's server speaks another
+    /// protocol.
     void poll();
     /// Waits for all answers, at most `patience`; true if they have come.
     [[nodiscard]] bool wait_for_answers(std::chrono::milliseconds patience);

@@ -132,7 +132,10 @@ nlohmann::ordered_json list_once(const ProgramOptions& options) {
 nlohmann::ordered_json note_once(const ProgramOptions& options, const std::string& text) {
     bus::Node node(options.bus);
     bus::Publisher<msg::Annotation> notes(node, bus::topics::annotation);
-    wait_for_server(options, [&] { return notes.matched() > 0; });
+    wait_for_server(options, [&] {
+        bus::refuse_other_protocol(node);
+        return notes.matched() > 0;
+    });
     msg::Annotation note;
     note.header(bus::make_header(0, 1));
     note.sender(bus::process_name().substr(0, msg::bound::Annotation_sender));
@@ -146,7 +149,10 @@ nlohmann::ordered_json note_once(const ProgramOptions& options, const std::strin
 nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector<PadCommand>& wanted) {
     using namespace std::chrono_literals;
     CommandLink link(options.bus);
-    wait_for_server(options, [&] { return link.served(); });
+    wait_for_server(options, [&] {
+        link.poll();
+        return link.served();
+    });
     for (const PadCommand& command : wanted) {
         link.send(command);
     }

@@ -140,6 +140,7 @@ std::unique_ptr<Sensor> Program::open_sensor() {
             if (should_end()) {
                 return nullptr;
             }
+            bus::refuse_other_protocol(node_);
             std::this_thread::sleep_for(poll_interval);
         }
         setup.start = around->seen;

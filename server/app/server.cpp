@@ -196,7 +196,7 @@ class Session {
             if (recorder_ && desk_.answer().accepted()) {
                 const scene::Snapshot& s = simulation_->snapshot();
                 judge_->note({s.time_ns, s.step + 1, command.name, static_cast<double>(command.value),
-                              command.sender, command.id});
+                              readable(command.sender), command.id});
             }
         }
         for (msg::Annotation note; annotations_->take(note);) {

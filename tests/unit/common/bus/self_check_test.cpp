@@ -126,7 +126,16 @@ TEST(SelfCheck, AServerOfAnotherProtocolIsNamedWithBothVersions) {
                     AllOf(HasSubstr("host:7"), HasSubstr(ETI_VERSION),
                           HasSubstr(theirs.find("9.8.7") != std::string::npos ? "9.8.7" : "unknown"),
                           HasSubstr("protocol " + std::to_string(protocol)), HasSubstr("the same version")));
+        EXPECT_THROW(refuse_other_protocol(client), BusError);
         factory->delete_participant(other);
+        EXPECT_TRUE(eventually([&] {
+            try {
+                refuse_other_protocol(client);
+                return true;
+            } catch (const BusError&) {
+                return false;
+            }
+        })) << "it is gone";
     }
 }
 
