@@ -58,11 +58,11 @@ void look_for_server(const Participant& self, bool found, SelfCheck& check) {
             "no server in session '{}' on domain {}, but there is session {}; is that the --session meant?",
             self.options.session, self.options.domain, elsewhere));
     } else {
-        check.warnings.push_back(fmt::format(
-            "no server found in session '{}' on domain {}: start eti-server with the same --session and "
-            "--domain, or, "
-            "where the network drops multicast, name its address as a peer in a --profile (see deploy/dds)",
-            self.options.session, self.options.domain));
+        check.warnings.push_back(
+            fmt::format("no server found in session '{}' on domain {}: start eti-server with the same "
+                        "--session and --domain, or, where the network drops multicast, name its address as "
+                        "a peer in a --profile (see deploy/dds)",
+                        self.options.session, self.options.domain));
     }
 }
 
@@ -93,8 +93,8 @@ void refuse_other_protocol(const Node& node) {
         if (peer.name == server_name && peer.session == self.options.session && peer.protocol != protocol) {
             throw BusError(fmt::format(
                 "the server {} of session '{}' is of version {} (protocol {}), this program of version {} "
-                "(protocol {}): "
-                "they do not understand each other; run programs of the same version on all machines",
+                "(protocol {}): they do not understand each other; run programs of the same version on all "
+                "machines",
                 peer.process, self.options.session, peer.version, peer.protocol, ETI_VERSION, protocol));
         }
     }

@@ -33,8 +33,7 @@ constexpr LiveField rows[] = {
     {{"table_angle", "patient", "table angle", "deg", degree, -max_table_angle_deg, max_table_angle_deg,
       &LiveValues::table_angle,
       "Tilt of the operating table, positive head-up. The patient frame tilts with it: gravity turns, and "
-      "with it "
-      "saliva, tube and what tissue weighs"},
+      "with it saliva, tube and what tissue weighs"},
      nurse,
      false,
      "skeleton",

@@ -15,8 +15,7 @@ constexpr ParameterField rows[] = {
     {"gum_force_n.max", "force on the upper gum, greatest", "N", &Parameters::gum_force_max_n, true, 0,
      greatest,
      "Sum of the normal forces of the blade's contacts with the shell's upper gum, plus the net force of its "
-     "tissue "
-     "particles: the greatest"},
+     "tissue particles: the greatest"},
     {"gum_force_n.mean", "force on the upper gum, mean", "N", &Parameters::gum_force_mean_n, true, 0,
      time_mean, "The same force's mean over the whole attempt, moments without contact included"},
     {"blade_depth_cm.max", "blade depth past the gum, greatest", "cm", &Parameters::blade_depth_max_cm, true,
@@ -25,8 +24,7 @@ constexpr ParameterField rows[] = {
      time_mean, "The same distance's mean over the attempt"},
     {"pitch_peaks", "pitch peaks", "", &Parameters::pitch_peaks, true, 0, sum,
      "Maxima of the pitch curve with a prominence of at least 5 deg. Prominence is the height above the "
-     "higher of the "
-     "two lowest points that part the maximum from higher ground or from the curve's end"},
+     "higher of the two lowest points that part the maximum from higher ground or from the curve's end"},
     {"yaw_peaks", "yaw peaks", "", &Parameters::yaw_peaks, true, 0, sum,
      "The same for yaw: the larger of the counts for left and for right, so that neither side is favoured"},
     {"pitch_rocking_deg", "pitch rocking", "deg", &Parameters::pitch_rocking_deg, true, 0, greatest,
@@ -41,8 +39,7 @@ constexpr ParameterField rows[] = {
     {"glottic_opening_percent.mean", "glottic opening seen, mean", "%",
      &Parameters::glottic_opening_mean_percent, true, 0, view_mean,
      "The same share's mean, from first sight until the tube's tip is within 6 mm of the glottis or through "
-     "it; 0 when "
-     "the glottis was never seen"},
+     "it; 0 when the glottis was never seen"},
     {"tube_speed_cm_per_s.max", "tube tip speed, greatest", "cm/s", &Parameters::tube_speed_max_cm_per_s,
      true, unknown, greatest,
      "Speed of the tube's tip while it is inside the mouth, from displacements over 1/30 s: the greatest"},
@@ -50,8 +47,7 @@ constexpr ParameterField rows[] = {
      unknown, tube_mean, "The same speed's mean over the time inside the mouth"},
     {"head_elevation_deg", "head elevation", "deg", &Parameters::head_elevation_deg, true, 0, passage,
      "Rotation of the skull about the upper-neck joint, chin up, when the tube passes the glottis; without a "
-     "passage, "
-     "at the best view; without a view, when the blade went in"},
+     "passage, at the best view; without a view, when the blade went in"},
     {"oesophageal_entries", "oesophageal entries", "", &Parameters::oesophageal_entries, true, 0, sum,
      "Times the tube's tip went into the oesophagus, see below"},
     {"tube_depth_at_lip_cm", "tube depth at the lip", "cm", &Parameters::tube_depth_at_lip_cm, false, unknown,
@@ -61,15 +57,13 @@ constexpr ParameterField rows[] = {
     {"tube_depth_rule_cm", "tube depth by the weight rule", "cm", &Parameters::tube_depth_rule_cm, false, 0,
      last,
      "Weight [kg] + 6 cm (the rule places the tip mid-tracheal in about half of newborns: Peng et al. 2020, "
-     "Front "
-     "Pediatr 8:367)"},
+     "Front Pediatr 8:367)"},
     {"main_stem_entries", "main-stem entries", "", &Parameters::main_stem_entries, false, 0, sum,
      "Times the tube's tip went past the carina"},
     {"cormack_lehane_grade", "Cormack-Lehane grade", "", &Parameters::cormack_lehane_grade, false, 4, least,
      "From the best view (Cormack & Lehane 1984, Anaesthesia 39:1105): 1 most of the glottis, taken as half "
-     "or more; 2 "
-     "a part of it; 3 the epiglottis only; 4 neither. Where \"most\" begins is chosen: the original gives no "
-     "number"},
+     "or more; 2 a part of it; 3 the epiglottis only; 4 neither. Where \"most\" begins is chosen: the "
+     "original gives no number"},
     {"over_time_limit", "over the time limit", "", &Parameters::over_time_limit, false, 0, greatest,
      "1 when the attempt took longer than the scenario's limit (30 s unless it says otherwise)"},
     {"time_to_first_view_s", "time to the first view of the glottis", "s", &Parameters::time_to_first_view_s,

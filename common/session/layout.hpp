@@ -76,8 +76,7 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         [](auto& r) -> auto& { return r.tube_grip; });
     add(
         "inputs/eye_pose", "m, 1",
-        "eye of the trainee, as latched: position x y z, unit quaternion w x y z, patient frame; "
-        "NaN while "
+        "eye of the trainee, as latched: position x y z, unit quaternion w x y z, patient frame; NaN while "
         "none has arrived",
         [](auto& r) -> auto& { return r.eye; });
 
