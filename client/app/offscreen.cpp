@@ -266,10 +266,7 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     Offscreen offscreen(options, node);
     spdlog::info("drawing with {}", render::driver_name());
     if (!offscreen.wait_for_scene()) {
-        spdlog::error(
-            "no scene came within {} s on session '{}', domain {}. Start eti-server with the same --session "
-            "and --domain, or raise --wait.",
-            options.wait_s, options.bus.session, options.bus.domain);
+        spdlog::error("no scene came within {} s (--wait): {}", options.wait_s, bus::no_server(options.bus));
         return 1;
     }
     if (offscreen.has_scene()) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "client/app/controls.hpp"
+#include "common/bus/command_line.hpp"
 
 namespace eti::client {
 namespace {
@@ -88,12 +89,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                    "Samples a pixel, for smooth edges; 0: 4 with a graphics card, 1 without")
         ->capture_default_str()
         ->check(CLI::Range(0, 16));
-    app.add_option("--session", options.bus.session, "Session name; several sessions share a domain")
-        ->capture_default_str();
-    app.add_option("--domain", options.bus.domain, "DDS domain")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 232));
-    app.add_option("--profile", options.bus.profile, "Fast DDS XML profile file")->check(CLI::ExistingFile);
+    bus::add_options(app, options.bus);
     app.add_flag("--json", options.json, "Print what was made as one JSON object");
     try {
         app.parse(argc, argv);

@@ -13,7 +13,7 @@
 namespace eti::client {
 
 struct Options {
-    bus::Options bus{.session = "default", .domain = 0, .name = "eti-client", .profile = {}};
+    bus::Options bus{.name = "eti-client"};
     bool observe = false;  ///< watch only: publishes nothing
     const Selection* selection = &default_selection();
     std::filesystem::path offscreen;  ///< folder for pictures; empty: a window

@@ -17,10 +17,15 @@
 namespace eti::bus {
 
 struct Options {
-    std::string session = "default";  ///< several share a domain
-    int domain = 0;                   ///< DDS domain, 0-232
-    std::string name;                 ///< of this participant, e.g. "eti-server"
-    std::filesystem::path profile;    ///< optional XML profile file (transports, peers, security)
+    std::string session = "default";   ///< several share a domain
+    int domain = 0;                    ///< DDS domain, 0-232
+    std::string name{};                ///< of this participant, e.g. "eti-server"
+    std::filesystem::path profile{};   ///< optional XML profile file (transports, peers)
+    std::vector<std::string> peers{};  ///< other machines, by name or address; empty: by multicast
+    bool network = false;              ///< other machines are looked for; else this one alone
+    std::vector<std::string>
+        discovery_servers{};           ///< HOST or HOST:PORT; the second is the first one's backup
+    std::filesystem::path identity{};  ///< folder of certificate and permissions; empty: no security
 };
 
 /// Something about the bus that a person can mend; the text says what to do.
@@ -116,6 +121,9 @@ class Subscriber {
 /// Throws BusError, with both versions, while the session's server speaks another protocol: for whoever waits
 /// for a server, which would else not be found.
 void refuse_other_protocol(const Node& node);
+
+/// Where a server was looked for in vain, and what to do: for whoever waits for one.
+[[nodiscard]] std::string no_server(const Options& options);
 
 /// What the start-up check found, one line each, with the remedy; empty when all is well.
 struct SelfCheck {

@@ -2,58 +2,31 @@
 // Copyright the NeoETI authors
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <algorithm>
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/log/Log.hpp>
 
 #include "common/bus/convert.hpp"
 #include "common/bus/participant.hpp"
+#include "common/bus/transport.hpp"
 
 namespace eti::bus {
 
-using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
-using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 using eprosima::fastrtps::Duration_t;
-using eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
-// Sized for a burst of 240 kB at 90 Hz, of which the kernel's default of 208 kB loses three quarters.
-constexpr std::uint32_t socket_buffer = 4u << 20;
-// Holds two of the largest scene objects (about 2 MB) beside the running traffic.
-constexpr std::uint32_t shared_segment = 8u << 20;
-constexpr std::uint32_t shared_port_messages = 512;
 // A crashed process is forgotten, and a late joiner found, within this lease; the library's own 20 s
 // and 3 s leave a session looking alive long after it died.
 const Duration_t participant_lease{1.5L};
 const Duration_t participant_announcement{0.5L};
 
-// The library reports on standard output by default, where the programs put their results.
-class LogToStandardError final : public dds::LogConsumer {
-  public:
-    void Consume(const dds::Log::Entry& entry) override {
-        const auto level = entry.kind == dds::Log::Error     ? spdlog::level::err
-                           : entry.kind == dds::Log::Warning ? spdlog::level::warn
-                                                             : spdlog::level::info;
-        bus_log().log(level, "{}: {}", entry.context.category != nullptr ? entry.context.category : "",
-                      entry.message);
-    }
-};
-
 void set_up_library() {
     static std::once_flag once;
     std::call_once(once, [] {
-        (void)bus_log();
-        dds::Log::ClearConsumers();
-        dds::Log::RegisterConsumer(std::make_unique<LogToStandardError>());
-        dds::Log::SetVerbosity(dds::Log::Error);
+        set_up_library_log();
         // Two nodes of one process shall speak as two processes do, so that tests see the real path
         // and a writer never runs a reader's code on its own thread.
         auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
@@ -80,62 +53,6 @@ void check_names(const Options& options) {
     }
 }
 
-dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
-    auto* factory = dds::DomainParticipantFactory::get_instance();
-    if (!std::filesystem::is_regular_file(file)) {
-        throw BusError(fmt::format(
-            "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/dds)",
-            file.string()));
-    }
-    if (factory->load_XML_profiles_file(file.string()) != ReturnCode_t::RETCODE_OK) {
-        throw BusError(fmt::format(
-            "profile {}: not a valid Fast DDS XML profile (the lines above say where); compare deploy/dds",
-            file.string()));
-    }
-    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    if (factory->get_participant_qos_from_profile("eti", quality) != ReturnCode_t::RETCODE_OK) {
-        throw BusError(fmt::format(
-            "profile {}: holds no <participant profile_name=\"eti\">; name the participant profile 'eti'",
-            file.string()));
-    }
-    return quality;
-}
-
-dds::DomainParticipantQos own_quality() {
-    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    auto udp = std::make_shared<UDPv4TransportDescriptor>();
-    udp->sendBufferSize = socket_buffer;
-    udp->receiveBufferSize = socket_buffer;
-    auto shared = std::make_shared<SharedMemTransportDescriptor>();
-    shared->segment_size(shared_segment);
-    shared->port_queue_capacity(shared_port_messages);
-    quality.transport().use_builtin_transports = false;
-    quality.transport().user_transports = {shared, udp};
-    quality.transport().send_socket_buffer_size = socket_buffer;
-    quality.transport().listen_socket_buffer_size = socket_buffer;
-    return quality;
-}
-
-/// Warns when the kernel grants less than asked for: it does so in silence.
-void check_socket_buffer(int option, const char* kernel_setting, std::vector<std::string>& warnings) {
-    const int probe = ::socket(AF_INET, SOCK_DGRAM, 0);
-    if (probe < 0) {
-        return;  // the participant itself will say that there is no network
-    }
-    const int wanted = static_cast<int>(socket_buffer);
-    int granted = 0;
-    socklen_t size = sizeof granted;
-    ::setsockopt(probe, SOL_SOCKET, option, &wanted, sizeof wanted);
-    // Linux reports twice the usable size.
-    if (::getsockopt(probe, SOL_SOCKET, option, &granted, &size) == 0 && granted / 2 < wanted) {
-        warnings.push_back(
-            fmt::format("the kernel grants socket buffers of {} kB where {} kB keep large messages whole; "
-                        "run: sysctl -w {}={}",
-                        granted / 2048, wanted / 1024, kernel_setting, wanted));
-    }
-    ::close(probe);
-}
-
 /// Programs of another protocol would misread messages: they meet in another partition. No session's name
 /// holds a slash.
 std::string partition_of(const std::string& session) {
@@ -153,14 +70,6 @@ std::string field_of(const std::string& text, std::string_view key) {
 
 }  // namespace
 
-spdlog::logger& bus_log() {
-    static const std::shared_ptr<spdlog::logger> logger = [] {
-        auto known = spdlog::get("bus");
-        return known ? known : spdlog::stderr_logger_mt("bus");
-    }();
-    return *logger;
-}
-
 std::string process_name() {
     char host[256] = "unknown";
     ::gethostname(host, sizeof host - 1);
@@ -171,11 +80,7 @@ std::string process_name() {
 Participant::Participant(const Options& wanted) : options(wanted) {
     check_names(options);
     set_up_library();
-    auto quality = options.profile.empty() ? own_quality() : profile_quality(options.profile);
-    if (options.profile.empty()) {
-        check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings_);
-        check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings_);
-    }
+    auto quality = participant_quality(options, warnings_);
     auto& discovery = quality.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {

@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <spdlog/spdlog.h>
-
 #include <cstdint>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -19,13 +17,11 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/library_log.hpp"
 
 namespace eti::bus {
 
 namespace dds = eprosima::fastdds::dds;
-
-/// Logger of this room, on standard error whatever the program's default logger is.
-[[nodiscard]] spdlog::logger& bus_log();
 
 /// Another participant of this project seen on the domain.
 struct Peer {

@@ -5,6 +5,7 @@
 
 #include "common/bus/participant.hpp"
 #include "common/bus/shared_memory.hpp"
+#include "common/bus/transport.hpp"
 
 namespace eti::bus {
 
@@ -58,11 +59,7 @@ void look_for_server(const Participant& self, bool found, SelfCheck& check) {
             "no server in session '{}' on domain {}, but there is session {}; is that the --session meant?",
             self.options.session, self.options.domain, elsewhere));
     } else {
-        check.warnings.push_back(
-            fmt::format("no server found in session '{}' on domain {}: start eti-server with the same "
-                        "--session and --domain, or, where the network drops multicast, name its address as "
-                        "a peer in a --profile (see deploy/dds)",
-                        self.options.session, self.options.domain));
+        check.warnings.push_back(no_server(self.options));
     }
 }
 
@@ -86,6 +83,19 @@ void look_for_stale_memory(SelfCheck& check) {
 }
 
 }  // namespace
+
+std::string no_server(const Options& options) {
+    const bool alone = options.peers.empty() && options.discovery_servers.empty() && !options.network &&
+                       options.profile.empty();
+    return fmt::format(
+        "no server found in session '{}' on domain {} ({}): start eti-server with the same --session and "
+        "--domain; "
+        "{}--network, --peer ADDRESS, --discovery-server HOST or --profile FILE (docs/network.md; eti-doctor "
+        "says what is wrong)",
+        options.session, options.domain, reach(options),
+        alone ? "for one on another machine, give both programs "
+              : "to reach it otherwise, give both programs another of ");
+}
 
 void refuse_other_protocol(const Node& node) {
     const Participant& self = *node.impl().participant;

@@ -13,7 +13,7 @@ namespace msg = ::eti::msg;
 /// Raised when a message or a topic changes so that older programs would misread it. Programs of different
 /// protocols do not meet; self_check() says so, with both versions. New keys of a SessionDescription do not
 /// count.
-inline constexpr int protocol = 2;
+inline constexpr int protocol = 3;
 
 /// How a topic travels.
 struct Quality {
@@ -43,11 +43,15 @@ struct Topic {
     X(deformation, DeformationState, .depth = 1024)                                       \
     X(deformation_slow, DeformationState, .depth = 1024)                                  \
     X(fluid, FluidState, .depth = 128)                                                    \
+    X(particle_state, ParticleState, .depth = 1024)                                       \
+    X(mesh_state, MeshState, .depth = 1024)                                               \
     X(command, Command, .reliable = true, .depth = 64)                                    \
     X(command_result, CommandResult, .reliable = true, .depth = 64)                       \
     X(annotation, Annotation, .reliable = true, .depth = 64)                              \
     X(live_metrics, LiveMetrics)                                                          \
     X(attempt_summary, AttemptSummary, .reliable = true, .transient_local = true)         \
+    X(echo_question, Echo, .depth = 16)                                                   \
+    X(echo_answer, Echo, .depth = 64)                                                     \
     X(session_status, SessionStatus, .reliable = true, .transient_local = true, .manual_liveliness = true)
 
 namespace topics {

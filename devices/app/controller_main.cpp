@@ -109,10 +109,7 @@ void wait_for_server(const ProgramOptions& options, const Ready& ready) {
     const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (!ready()) {
         if (std::chrono::steady_clock::now() > limit) {
-            throw std::runtime_error(fmt::format(
-                "no server takes commands in session '{}' on domain {}; start eti-server there, or "
-                "give its --session and --domain",
-                options.bus.session, options.bus.domain));
+            throw bus::BusError(bus::no_server(options.bus));
         }
         std::this_thread::sleep_for(period);
     }

@@ -7,6 +7,7 @@
 
 #include <thread>
 
+#include "common/bus/command_line.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
@@ -56,9 +57,7 @@ void add_options(CLI::App& app, ProgramOptions& options) {
 }
 
 void add_bus_options(CLI::App& app, ProgramOptions& options) {
-    app.add_option("--session", options.bus.session, "Session to join")->capture_default_str();
-    app.add_option("--domain", options.bus.domain, "DDS domain")->capture_default_str();
-    app.add_option("--profile", options.bus.profile, "Fast DDS XML profile file (see deploy/dds)");
+    bus::add_options(app, options.bus);
     app.add_option("--duration", options.duration, "End after this time [s]; else when the session ends")
         ->check(CLI::PositiveNumber);
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "common/bus/command_line.hpp"
 #include "server/app/describe.hpp"
 
 namespace eti::app {
@@ -17,14 +18,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--operator", options.operator_name,
                    "Scripted operator by name or path; without it the hands come over the bus");
     app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)");
-    app.add_option("--session", options.session, "Session name; several sessions share a domain")
-        ->capture_default_str();
-    app.add_option("--domain", options.domain, "DDS domain")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 232));
-    app.add_option("--profile", options.profile, "Fast DDS XML profile file")->check(CLI::ExistingFile);
+    bus::add_options(app, options.bus);
     app.add_flag("--fast", options.fast, "Simulate as fast as possible instead of by the clock");
-    app.add_flag("!--no-dds", options.bus, "Run without the bus");
+    app.add_flag("!--no-dds", options.with_bus, "Run without the bus");
     app.add_flag("--json", options.json, "Print the result as one JSON object");
     app.add_flag("--finish-after-attempt", options.finish_after_attempt,
                  "End the session two seconds after an attempt has ended");

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "common/bus/bus.hpp"
+
 namespace eti::app {
 
 /// What eti-server was asked to do.
@@ -14,11 +16,9 @@ struct Options {
     std::string scenario = "term";
     std::string operator_name;     ///< empty: the hands come over the bus
     std::filesystem::path record;  ///< empty: no session file
-    std::string session = "default";
-    int domain = 0;
-    std::filesystem::path profile;
+    bus::Options bus{.name = std::string(bus::server_name)};
     bool fast = false;  ///< ignore the clock
-    bool bus = true;
+    bool with_bus = true;
     bool json = false;
     bool finish_after_attempt = false;
     std::optional<std::uint64_t> steps;

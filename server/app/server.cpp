@@ -68,15 +68,15 @@ class Session {
     explicit Session(const Options& options)
         : options_(options),
           scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
-          live_(options.bus && !options.fast) {
+          live_(options.with_bus && !options.fast) {
         std::optional<OperatorScript> script;
         if (!options.operator_name.empty()) {
             script = load_operator(find_data_file(options.operator_name, "operators"));
         }
-        if (options.bus) {
+        if (options.with_bus) {
             const RealTimeThreads real_time(priority::bus, live_);
             priority_refusal_ = real_time.refusal();
-            bus_.emplace(bus::Options{options.session, options.domain, "eti-server", options.profile});
+            bus_.emplace(options.bus);
             for (const std::string& warning :
                  bus::self_check(*bus_, true, std::chrono::milliseconds(600)).warnings) {
                 spdlog::warn("{}", warning);
@@ -95,7 +95,7 @@ class Session {
         }
         if (!options.record.empty()) {
             session::SessionInfo info;
-            info.session = options.session;
+            info.session = options.bus.session;
             info.scenario = scenario_.name;
             info.scenario_text = scenario_.text;
             info.operator_name = script ? script->name : "";
@@ -111,8 +111,8 @@ class Session {
 
     int run() {
         spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps",
-                     options_.session, scenario_.name, patient_.particles.size(), patient_.clusters.size(),
-                     scenario_.physics.substeps);
+                     options_.bus.session, scenario_.name, patient_.particles.size(),
+                     patient_.clusters.size(), scenario_.physics.substeps);
         if (!priority_refusal_.empty()) {
             spdlog::warn("{}", priority_refusal_);
         }

@@ -156,7 +156,7 @@ class Live(support.Case):
             self.assert_refused(self.set(wish), wish, words)
         nobody = support.run("eti-controller", "--set", "suction=1", "--session", "nobody", "--domain",
                              support.DOMAIN)
-        self.assert_refused(nobody, "no server takes commands in session 'nobody'")
+        self.assert_refused(nobody, "no server found in session 'nobody'")
 
     def test_documented_keys_are_those_of_the_program(self):
         """Keys and ranges in docs/scenarios.md against what the program itself says of its table."""

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/command_line.hpp"
+
+namespace eti::bus {
+
+void add_options(CLI::App& app, Options& options) {
+    constexpr const char* group = "Session";
+    app.add_option("--session", options.session, "Session name; several sessions share a domain")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--domain", options.domain, "DDS domain")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 232))
+        ->group(group);
+    app.add_flag("--network", options.network,
+                 "Meet programs of other machines by multicast; without it and --peer, --discovery-server or "
+                 "--profile, those of this machine alone")
+        ->group(group);
+    app.add_option(
+           "--peer", options.peers,
+           "Another machine of the session by name or address, where multicast does not reach it; may be "
+           "given several times")
+        ->allow_extra_args(false)
+        ->group(group);
+    app.add_option(
+           "--discovery-server", options.discovery_servers,
+           "HOST or HOST:PORT of a discovery server, which tells who is there; a second one is its backup")
+        ->allow_extra_args(false)
+        ->group(group);
+    app.add_option("--profile", options.profile, "Fast DDS XML profile file, for all else (see deploy/dds)")
+        ->check(CLI::ExistingFile)
+        ->group(group);
+    app.add_option(
+           "--identity", options.identity,
+           "Folder with this program's certificate and permissions: encrypt, and admit only those with one "
+           "of the same lab (see deploy/security)")
+        ->check(CLI::ExistingDirectory)
+        ->group(group);
+}
+
+}  // namespace eti::bus

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/transport.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <charconv>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <memory>
+#include <utility>
+
+#include "common/bus/library_log.hpp"
+
+namespace eti::bus {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+namespace {
+
+// Sized for a burst of 240 kB at 90 Hz, of which the kernel's default of 208 kB loses three quarters.
+constexpr std::uint32_t socket_buffer = 4u << 20;
+// Holds two of the largest scene objects (about 2 MB) beside the running traffic.
+constexpr std::uint32_t shared_segment = 8u << 20;
+// Datagrams that wait for one reader: a whole scene's (1600) and more.
+constexpr std::uint32_t shared_port_messages = 4096;
+// Participants looked for on each machine; the library's own 4 leave out a fifth program.
+constexpr std::uint32_t participants_per_machine = 32;
+constexpr std::uint16_t discovery_port = 11811;
+constexpr const char* loopback = "127.0.0.1";
+
+rtps::Locator_t locator_of(const std::string& host, const char* option) {
+    addrinfo wanted{};
+    wanted.ai_family = AF_INET;
+    wanted.ai_socktype = SOCK_DGRAM;
+    addrinfo* found = nullptr;
+    if (const int error = ::getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0) {
+        throw BusError(
+            fmt::format("{} {}: no IPv4 address is known of it ({}); give an address, or a name that "
+                        "'getent hosts {}' finds",
+                        option, host, ::gai_strerror(error), host));
+    }
+    char text[INET_ADDRSTRLEN] = {};
+    ::inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr, text, sizeof text);
+    ::freeaddrinfo(found);
+    rtps::Locator_t locator;
+    rtps::IPLocator::setIPv4(locator, text);
+    return locator;
+}
+
+void add_peers(const std::vector<std::string>& peers, dds::DomainParticipantQos& quality) {
+    auto& list = quality.wire_protocol().builtin.initialPeersList;
+    list.push_back(locator_of(loopback, "--peer"));
+    for (const std::string& peer : peers) {
+        list.push_back(locator_of(peer, "--peer"));
+    }
+}
+
+/// HOST or HOST:PORT; the place in the list is the server's id, as 'fastdds discovery --server-id' has it.
+void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainParticipantQos& quality) {
+    auto& config = quality.wire_protocol().builtin.discovery_config;
+    config.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+    for (std::size_t id = 0; id < servers.size(); ++id) {
+        const std::string& server = servers[id];
+        const std::size_t colon = server.rfind(':');
+        std::uint16_t port = discovery_port;
+        if (colon != std::string::npos) {
+            const char* const end = server.data() + server.size();
+            const auto [stop, error] = std::from_chars(server.data() + colon + 1, end, port);
+            if (error != std::errc() || stop != end || port == 0) {
+                throw BusError(
+                    fmt::format("--discovery-server {}: expected HOST or HOST:PORT with a port from 1 to "
+                                "65535 (default {})",
+                                server, discovery_port));
+            }
+        }
+        rtps::Locator_t locator = locator_of(server.substr(0, colon), "--discovery-server");
+        rtps::IPLocator::setPhysicalPort(locator, port);
+        rtps::RemoteServerAttributes attributes;
+        attributes.ReadguidPrefix(fmt::format("44.53.{:02x}.5f.45.50.52.4f.53.49.4d.41", id).c_str());
+        attributes.metatrafficUnicastLocatorList.push_back(locator);
+        config.m_DiscoveryServers.push_back(attributes);
+    }
+}
+
+dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
+    auto* factory = dds::DomainParticipantFactory::get_instance();
+    if (!std::filesystem::is_regular_file(file)) {
+        throw BusError(fmt::format(
+            "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/dds)",
+            file.string()));
+    }
+    if (factory->load_XML_profiles_file(file.string()) != ReturnCode_t::RETCODE_OK) {
+        throw BusError(fmt::format(
+            "profile {}: not a valid Fast DDS XML profile (the lines above say where); compare deploy/dds",
+            file.string()));
+    }
+    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
+    if (factory->get_participant_qos_from_profile("eti", quality) != ReturnCode_t::RETCODE_OK) {
+        throw BusError(fmt::format(
+            "profile {}: holds no <participant profile_name=\"eti\">; name the participant profile 'eti'",
+            file.string()));
+    }
+    return quality;
+}
+
+/// UDP, where `reaches_network` over every interface, and shared memory.
+void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality) {
+    auto udp = std::make_shared<UDPv4TransportDescriptor>();
+    udp->sendBufferSize = socket_buffer;
+    udp->receiveBufferSize = socket_buffer;
+    udp->maxInitialPeersRange = participants_per_machine;
+    if (!reaches_network) {
+        udp->interfaceWhiteList.emplace_back(loopback);
+    }
+    auto shared = std::make_shared<SharedMemTransportDescriptor>();
+    shared->segment_size(shared_segment);
+    shared->port_queue_capacity(shared_port_messages);
+    quality.transport().use_builtin_transports = false;
+    quality.transport().user_transports = {shared, udp};
+    quality.transport().send_socket_buffer_size = socket_buffer;
+    quality.transport().listen_socket_buffer_size = socket_buffer;
+}
+
+/// Warns when the kernel grants less than asked for: it does so in silence.
+void check_socket_buffer(int option, const char* kernel_setting, std::vector<std::string>& warnings) {
+    const int probe = ::socket(AF_INET, SOCK_DGRAM, 0);
+    if (probe < 0) {
+        return;  // the participant itself will say that there is no network
+    }
+    const int wanted = static_cast<int>(socket_buffer);
+    int granted = 0;
+    socklen_t size = sizeof granted;
+    ::setsockopt(probe, SOL_SOCKET, option, &wanted, sizeof wanted);
+    // Linux reports twice the usable size.
+    if (::getsockopt(probe, SOL_SOCKET, option, &granted, &size) == 0 && granted / 2 < wanted) {
+        warnings.push_back(
+            fmt::format("the kernel grants socket buffers of {} kB where {} kB keep large messages whole; "
+                        "run: sysctl -w {}={}",
+                        granted / 2048, wanted / 1024, kernel_setting, wanted));
+    }
+    ::close(probe);
+}
+
+}  // namespace
+
+dds::DomainParticipantQos participant_quality(const Options& options, std::vector<std::string>& warnings) {
+    const bool by_peers = !options.peers.empty(), by_server = !options.discovery_servers.empty();
+    if (!options.profile.empty() && (by_peers || by_server || options.network)) {
+        throw BusError(
+            fmt::format("--profile {} together with {}: the profile says by itself how others are reached; "
+                        "give one of the two",
+                        options.profile.string(),
+                        reach({.peers = options.peers,
+                               .network = options.network,
+                               .discovery_servers = options.discovery_servers})));
+    }
+    if (by_peers && by_server) {
+        throw BusError(
+            "--peer together with --discovery-server: the server tells who is there; give one of the two");
+    }
+    if (!options.profile.empty()) {
+        return profile_quality(options.profile);
+    }
+    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
+    use_own_transports(options.network || by_peers || by_server, quality);
+    if (by_peers) {
+        add_peers(options.peers, quality);
+    } else if (by_server) {
+        add_discovery_servers(options.discovery_servers, quality);
+    }
+    check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
+    check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings);
+    return quality;
+}
+
+std::string reach(const Options& options) {
+    std::string text;
+    const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
+    if (!options.profile.empty()) {
+        add("--profile " + options.profile.string());
+    }
+    if (options.network) {
+        add("--network");
+    }
+    for (const std::string& peer : options.peers) {
+        add("--peer " + peer);
+    }
+    for (const std::string& server : options.discovery_servers) {
+        add("--discovery-server " + server);
+    }
+    return text.empty() ? "this machine alone" : text;
+}
+
+}  // namespace eti::bus

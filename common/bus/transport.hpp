@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+
+namespace eti::bus {
+
+/// Larger datagrams are cut by IP into fragments, of which one lost loses all; headers and what a tunnel adds
+/// fit a common MTU of 1500 bytes beside this.
+inline constexpr std::uint32_t largest_datagram = 1400;  // [bytes]
+
+/// How a participant of these options reaches the others: transports, peers, discovery server, or a
+/// profile's. Every transport keeps to largest_datagram. Adds to `warnings` what the kernel does not grant.
+/// Throws BusError: options that contradict each other, a name that no address is known of, a bad profile.
+[[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos participant_quality(
+    const Options& options, std::vector<std::string>& warnings);
+
+/// How others are looked for, in the words of the command line: "this machine alone" or "--peer a, --peer b".
+[[nodiscard]] std::string reach(const Options& options);
+
+}  // namespace eti::bus
