@@ -45,6 +45,8 @@ inline constexpr std::string_view server_name = "eti-server";
 /// "host:pid" of this process, as SessionStatus names a server; at most 64 characters.
 [[nodiscard]] std::string process_name();
 
+class Participant;
+
 /// A process's place on the bus: participant, publisher and subscriber in the session's partition.
 /// Throws BusError from the constructor.
 class Node {
@@ -70,6 +72,7 @@ template <class Message>
 class Publisher {
   public:
     Publisher(Node& node, const Topic<Message>& topic);
+    Publisher(std::shared_ptr<Participant> participant, const Topic<Message>& topic);
     ~Publisher();
     Publisher(Publisher&&) noexcept;
     bool publish(const Message& message);
@@ -107,6 +110,7 @@ template <class Message>
 class Subscriber {
   public:
     Subscriber(Node& node, const Topic<Message>& topic);
+    Subscriber(std::shared_ptr<Participant> participant, const Topic<Message>& topic);
     ~Subscriber();
     Subscriber(Subscriber&&) noexcept;
     /// Oldest sample not yet taken; never blocks. `message` is reused to spare allocations;

@@ -77,8 +77,13 @@ struct Publisher<Message>::Impl {
 };
 
 template <class Message>
-Publisher<Message>::Publisher(Node& node, const Topic<Message>& topic) : impl_(std::make_unique<Impl>()) {
-    impl_->participant = node.impl().participant;
+Publisher<Message>::Publisher(Node& node, const Topic<Message>& topic)
+    : Publisher(node.impl().participant, topic) {}
+
+template <class Message>
+Publisher<Message>::Publisher(std::shared_ptr<Participant> participant, const Topic<Message>& topic)
+    : impl_(std::make_unique<Impl>()) {
+    impl_->participant = std::move(participant);
     const dds::TypeSupport type(new typename Wire<Message>::Type());
     dds::DataWriterQos quality = dds::DATAWRITER_QOS_DEFAULT;
     apply(topic.quality, type->m_isGetKeyDefined, quality);
@@ -196,7 +201,11 @@ struct Subscriber<Message>::Impl {
 
 template <class Message>
 Subscriber<Message>::Subscriber(Node& node, const Topic<Message>& topic)
-    : impl_(std::make_unique<Impl>(node.impl().participant)) {
+    : Subscriber(node.impl().participant, topic) {}
+
+template <class Message>
+Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const Topic<Message>& topic)
+    : impl_(std::make_unique<Impl>(std::move(participant))) {
     impl_->topic = topic.name;
     if (topic.quality.manual_liveliness) {
         impl_->mask = dds::StatusMask::liveliness_changed();

@@ -273,7 +273,10 @@ void Participant::on_publisher_discovery(dds::DomainParticipant* self,
     say_news();
 }
 
-Node::Node(const Options& options) : impl_(new Impl{std::make_shared<Participant>(options)}) {}
+Node::Node(const Options& options) {
+    auto participant = std::make_shared<Participant>(options);
+    impl_.reset(new Impl{participant, {participant, options.name}});
+}
 Node::~Node() = default;
 const Options& Node::options() const {
     return impl_->participant->options;

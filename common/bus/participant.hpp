@@ -18,6 +18,7 @@
 
 #include "common/bus/admission.hpp"
 #include "common/bus/bus.hpp"
+#include "common/bus/echo.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/process/line_limit.hpp"
 
@@ -84,6 +85,7 @@ class Participant final : public dds::DomainParticipantListener {
 
 struct Node::Impl {
     std::shared_ptr<Participant> participant;
+    EchoAnswers echo;
 };
 
 }  // namespace eti::bus

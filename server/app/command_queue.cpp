@@ -7,19 +7,6 @@
 
 namespace eti::app {
 
-bool Allowance::take(Clock::time_point now) {
-    if (last_ != Clock::time_point{}) {
-        left_ =
-            std::min(per_second_, left_ + per_second_ * std::chrono::duration<double>(now - last_).count());
-    }
-    last_ = now;
-    if (left_ < 1.0) {
-        return false;
-    }
-    left_ -= 1.0;
-    return true;
-}
-
 bool SenderAllowance::take(const bus::ParticipantId& from, Allowance::Clock::time_point now) {
     const bool fits = senders_.contains(from) || senders_.size() < most_senders;
     return senders_.try_emplace(fits ? from : bus::ParticipantId{}, per_second_).first->second.take(now);

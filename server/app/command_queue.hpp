@@ -2,13 +2,13 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/process/allowance.hpp"
 
 namespace eti::app {
 
@@ -20,20 +20,7 @@ struct ReceivedCommand {
     float value = 0.0f;  ///< SI
 };
 
-/// So much of something as a sender may do a second, and as many at once after a pause.
-class Allowance {
-  public:
-    using Clock = std::chrono::steady_clock;
-
-    explicit Allowance(double per_second) : per_second_(per_second), left_(per_second) {}
-    [[nodiscard]] bool take(Clock::time_point now);
-
-  private:
-    double per_second_, left_;
-    Clock::time_point last_{};
-};
-
-/// The same for each participant; those beyond a bound share one.
+/// An allowance for each participant; those beyond a bound share one.
 class SenderAllowance {
   public:
     explicit SenderAllowance(double per_second) : per_second_(per_second) {}

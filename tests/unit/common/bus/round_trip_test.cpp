@@ -14,7 +14,7 @@ void expect_round_trip(const Topic<Message>& topic) {
     Node receiver(options("receiver"));
     Publisher<Message> publisher(sender, topic);
     Subscriber<Message> subscriber(receiver, topic);
-    ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
+    ASSERT_TRUE(eventually([&] { return publisher.matched() >= 1 && subscriber.matched() >= 1; }));
     const Message sent = example<Message>();
     Message received;
     ASSERT_FALSE(sent == received) << "an example equal to an empty message proves nothing";

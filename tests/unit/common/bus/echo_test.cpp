@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/echo.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/convert.hpp"
+#include "tests/unit/common/bus/bus_fixture.hpp"
+
+namespace eti::bus {
+namespace {
+
+TEST(Echo, EveryNodeAnswersWithItsName) {
+    Node one(options("eti-server")), two(options("eti-client"));
+    EchoAsker asker(two);
+    ASSERT_TRUE(eventually([&] {
+        (void)asker.ask();
+        asker.poll();
+        return !asker.peers().empty();
+    }));
+    const PeerEcho& peer = asker.peers().begin()->second;
+    EXPECT_EQ(peer.process, process_name());
+    EXPECT_GE(peer.answers, 1u);
+    EXPECT_GT(peer.least_round_trip_ms, 0.0);
+    EXPECT_LT(peer.least_round_trip_ms, 1000.0);
+    // The same clock: half a round trip is the most that the offset can be wrong by.
+    EXPECT_LE(std::abs(peer.clock_offset_ms), 0.5 * peer.least_round_trip_ms + 1e-3);
+}
+
+// RFC 5905, section 8: offset ((T2 - T1) + (T3 - T4)) / 2, delay (T4 - T1) - (T3 - T2).
+TEST(Echo, TellsHowAPeersClockLies) {
+    Node node(options("eti-client")), peer(options("other", "test"));
+    EchoAsker asker(node);
+    Subscriber<msg::Echo> questions(peer, topics::echo_question);
+    Publisher<msg::Echo> answers(peer, topics::echo_answer);
+    msg::Echo question;
+    ASSERT_TRUE(eventually([&] {
+        (void)asker.ask();
+        return questions.take(question) && answers.matched() > 0;
+    }));
+    constexpr std::uint64_t ahead = 5'000'000'000;
+    msg::Echo answer = question;
+    answer.answerer("far:1");
+    answer.heard_ns(question.asked_ns() + ahead + 1'000'000);
+    answer.header().send_time_ns(question.asked_ns() + ahead + 3'000'000);
+    ASSERT_TRUE(eventually([&] {
+        answers.publish(answer);
+        asker.poll();
+        return asker.peers().contains("far:1");
+    }));
+    const PeerEcho& told = asker.peers().at("far:1");
+    EXPECT_GT(told.clock_offset_ms, 5000.0 - told.least_round_trip_ms);
+    EXPECT_LT(told.clock_offset_ms, 5000.0 + 2.0);
+}
+
+TEST(Echo, AnswersToOthersAndThoseFromTheFutureDoNotCount) {
+    Node node(options("eti-client")), peer(options("other"));
+    EchoAsker asker(node);
+    Subscriber<msg::Echo> questions(peer, topics::echo_question);
+    Publisher<msg::Echo> answers(peer, topics::echo_answer);
+    msg::Echo question;
+    ASSERT_TRUE(eventually([&] {
+        (void)asker.ask();
+        return questions.take(question) && answers.matched() > 0;
+    }));
+    msg::Echo forged = question;
+    forged.answerer("forged:1");
+    forged.heard_ns(1);
+    forged.nonce(question.nonce() + 1);
+    answers.publish(forged);
+    forged.nonce(question.nonce());
+    forged.asked_ns(question.asked_ns() + 3'600'000'000'000);
+    answers.publish(forged);
+    std::this_thread::sleep_for(200ms);
+    asker.poll();
+    EXPECT_FALSE(asker.peers().contains("forged:1"));
+}
+
+TEST(Echo, AFloodOfQuestionsIsNotAnswered) {
+    Node node(options("eti-server")), asking(options("other"));
+    Publisher<msg::Echo> questions(asking, topics::echo_question);
+    Subscriber<msg::Echo> answers(asking, topics::echo_answer);
+    ASSERT_TRUE(eventually([&] { return questions.matched() >= 1 && answers.matched() >= 1; }));
+    std::size_t answered = 0;
+    msg::Echo message;
+    const auto start = Clock::now();
+    for (int i = 0; i < 5000; ++i) {
+        msg::Echo question;
+        question.asker("x");
+        questions.publish(question);
+        std::this_thread::sleep_for(100us);
+        while (answers.take(message)) {
+            ++answered;
+        }
+    }
+    EXPECT_GT(answered, 0u);
+    // Two nodes answer, each 200 at once and 200 a second.
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    EXPECT_LE(static_cast<double>(answered), 2.0 * 200.0 * (1.0 + seconds));
+}
+
+}  // namespace
+}  // namespace eti::bus
