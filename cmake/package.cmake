@@ -15,6 +15,23 @@ endif()
 install(DIRECTORY deploy/scenarios deploy/operators deploy/dds deploy/calibration deploy/parts
         DESTINATION share/neoeti COMPONENT data)
 
+# Services, their settings, and the user that they run as
+install(FILES deploy/systemd/neoeti.sysusers DESTINATION lib/sysusers.d RENAME neoeti.conf COMPONENT data)
+function(eti_services component)
+  foreach(service ${ARGN})
+    install(FILES deploy/systemd/eti-${service}@.service DESTINATION lib/systemd/system COMPONENT ${component})
+    install(FILES deploy/systemd/conf.d/${service}.conf DESTINATION /etc/neoeti/conf.d COMPONENT ${component})
+    list(APPEND settings "/etc/neoeti/conf.d/${service}.conf\n")
+  endforeach()
+  file(WRITE ${CMAKE_BINARY_DIR}/package/${component}/conffiles ${settings})
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${debian}/services/postinst ${debian}/services/prerm
+      ${CMAKE_BINARY_DIR}/package/${component}/conffiles PARENT_SCOPE)
+endfunction()
+eti_services(server server)
+eti_services(devices haptics tracker)
+set(CPACK_DEBIAN_DATA_PACKAGE_CONTROL_EXTRA ${debian}/data/postinst)
+
 # doc
 install(DIRECTORY docs DESTINATION share/doc/neoeti-doc COMPONENT doc FILES_MATCHING
         PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.csv")
@@ -71,7 +88,8 @@ certify skill.")
 endmacro()
 
 set(ours "(= ${PROJECT_VERSION})")
-eti_package(data "scenarios, operators and profiles of the newborn-intubation simulator")
+eti_package(data "scenarios, operators and profiles of the newborn-intubation simulator"
+            DEPENDS "systemd-standalone-sysusers | systemd-sysusers")
 eti_package(server "physics server of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}" RECOMMENDS fastdds-tools SUGGESTS neoeti-doc)
 # Epoxy loads EGL and GL, these load Mesa's drivers.

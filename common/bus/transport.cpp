@@ -115,7 +115,7 @@ dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
 }
 
 /// UDP, where `reaches_network` over every interface, and shared memory.
-void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality) {
+void use_own_transports(bool reaches_network, bool shared_memory, dds::DomainParticipantQos& quality) {
     auto udp = std::make_shared<UDPv4TransportDescriptor>();
     udp->sendBufferSize = socket_buffer;
     udp->receiveBufferSize = socket_buffer;
@@ -123,11 +123,14 @@ void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality
     if (!reaches_network) {
         udp->interfaceWhiteList.emplace_back(loopback);
     }
-    auto shared = std::make_shared<SharedMemTransportDescriptor>();
-    shared->segment_size(shared_segment);
-    shared->port_queue_capacity(shared_port_messages);
     quality.transport().use_builtin_transports = false;
-    quality.transport().user_transports = {shared, udp};
+    if (shared_memory) {
+        auto shared = std::make_shared<SharedMemTransportDescriptor>();
+        shared->segment_size(shared_segment);
+        shared->port_queue_capacity(shared_port_messages);
+        quality.transport().user_transports.push_back(shared);
+    }
+    quality.transport().user_transports.push_back(udp);
     quality.transport().send_socket_buffer_size = socket_buffer;
     quality.transport().listen_socket_buffer_size = socket_buffer;
 }
@@ -173,7 +176,7 @@ dds::DomainParticipantQos participant_quality(const Options& options, std::vecto
         return profile_quality(options.profile);
     }
     dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(options.network || by_peers || by_server, quality);
+    use_own_transports(options.network || by_peers || by_server, options.shared_memory, quality);
     if (by_peers) {
         add_peers(options.peers, quality);
     } else if (by_server) {

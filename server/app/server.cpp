@@ -17,6 +17,7 @@
 #include "common/model/parameters_json.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/service_notify.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
@@ -124,9 +125,11 @@ class Session {
                 clock.wait();
                 step(clock);
                 clock.done();
+                service_.alive();
                 say(clock);
             }
         }
+        service_.ending();
         judge_->finish();
         const bool kept = !recorder_ || recorder_->finish();
         if (output_) {
@@ -241,7 +244,10 @@ class Session {
         }
         // The demo reads its progress from this line.
         if (!options_.fast && simulation_->snapshot().step % steps_per_second == 0) {
-            spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", simulation_->time(), behind);
+            const std::string pace = fmt::format("simulation time {:.0f} s, {:.1f} s behind the clock",
+                                                 simulation_->time(), behind);
+            spdlog::info("{}", pace);
+            service_.say(pace);
         }
     }
 
@@ -323,6 +329,7 @@ class Session {
     std::function<void(const scene::ProxySnapshot&)> proxy_moved_;
     std::string priority_refusal_;  // empty: none was refused
     CommandDesk desk_;
+    ServiceNotify service_;
     bool blade_present_ = false, tube_present_ = false;
     double operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;

@@ -44,6 +44,16 @@ class Packages(Case):
         for name, files in self.files.items():
             self.assertLessEqual({f"/usr/share/doc/{name}/copyright", f"/usr/share/doc/{name}/changelog.gz"}, files)
 
+    def test_services_have_units_settings_and_a_user(self):
+        for package, services in {"neoeti-server": ["server"], "neoeti-devices": ["haptics", "tracker"]}.items():
+            settings = {f"/etc/neoeti/conf.d/{service}.conf" for service in services}
+            units = {f"/usr/lib/systemd/system/eti-{service}@.service" for service in services}
+            self.assertLessEqual(settings | units, self.files[package])
+            kept = subprocess.run(["dpkg-deb", "-I", self.packages[package], "conffiles"], stdout=subprocess.PIPE,
+                                  text=True, check=True).stdout.split()
+            self.assertEqual(set(kept), settings)
+        self.assertIn("/usr/lib/sysusers.d/neoeti.conf", self.files["neoeti-data"])
+
     def test_no_file_is_in_two_packages(self):
         every = [path for files in self.files.values() for path in files]
         self.assertEqual(len(every), len(set(every)), sorted(path for path in set(every) if every.count(path) > 1))
