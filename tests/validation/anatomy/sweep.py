@@ -244,8 +244,8 @@ def merge(files, shapes, out):
                 sys.exit(f"sweep: newborn {number} of {file} is in another shard's file, too; give each shard once")
             rows[number] = row
     if missing := [number for number in range(1, len(shapes) + 1) if number not in rows]:
-        sys.exit(f"sweep: {len(missing)} of {len(shapes)} newborns are in none of the files, first number {missing[0]}; "
-                 "run that shard again, and give the options that the shards had")
+        sys.exit(f"sweep: {len(missing)} of {len(shapes)} newborns are in none of the files, first number "
+                 f"{missing[0]}; run that shard again, and give the options that the shards had")
     if out:
         out.unlink(missing_ok=True)
         for number in sorted(rows):
