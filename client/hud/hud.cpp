@@ -209,13 +209,14 @@ void Hud::draw_notice(ImDrawList& list, const Readout& readout, int width, int h
             colour = green;
             break;
         case Link::running:
-            text = readout.message;
+            text = readout.warning.empty() ? readout.message : readout.warning;
+            colour = readout.warning.empty() ? white : red;
             break;
     }
     if (text.empty()) {
         return;
     }
-    const bool shout = readout.link != Link::running;
+    const bool shout = readout.link != Link::running || !readout.warning.empty();
     ImFont* const font = shout ? large_ : small_;
     const float size = shout ? 26.0f : 13.0f;
     const ImVec2 extent = font->CalcTextSizeA(size, static_cast<float>(width), 0.0f, text.c_str());

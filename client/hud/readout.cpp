@@ -53,6 +53,20 @@ std::optional<Verdict> verdict_now(const view::SceneView& scene, const Readout& 
     return std::nullopt;
 }
 
+std::string warning_of(const msg::SessionStatus& status) {
+    const bool blade = status.laryngoscope() == msg::DEVICE_SILENT,
+               tube = status.tube() == msg::DEVICE_SILENT;
+    if (!blade && !tube) {
+        return {};
+    }
+    return fmt::format("{} {} silent{}",
+                       blade && tube ? "laryngoscope and tube"
+                       : blade       ? "laryngoscope"
+                                     : "tube",
+                       blade && tube ? "are" : "is",
+                       status.phase() == msg::PHASE_FROZEN ? ": time stands still" : "");
+}
+
 }  // namespace
 
 Level gum_force_level(float force) {
@@ -72,6 +86,7 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
         readout.link = status->phase() == msg::PHASE_FINISHED ? Link::finished : Link::running;
         readout.server_load = status->load();
         readout.behind_s = status->behind_s();
+        readout.warning = warning_of(*status);
     }
     if (const auto& description = scene.description()) {
         readout.scenario = description->scenario().to_string();

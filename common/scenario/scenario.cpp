@@ -177,6 +177,8 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     s.live.secretion = s.saliva && !s.saliva_standby ? 1.0f : 0.0f;
     s.live.head_scale = s.patient.shape.head_scale;
     s.live.tongue_scale = s.patient.shape.tongue_scale;
+    static constexpr std::array<std::string_view, 2> silences = {"go_on", "freeze"};
+    s.freeze_on_silence = root.choice("silent_device", 0, silences) == 1;
     s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
     s.seed = root.seed("seed", s.seed);
     root.finish();

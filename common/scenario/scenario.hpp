@@ -43,6 +43,8 @@ struct Scenario {
     bool saliva = false;          ///< whether there may be secretions
     bool saliva_standby = false;  ///< with saliva: none before someone switches them on
     float time_limit = 30.0f;     ///< [s], per attempt
+    bool freeze_on_silence =
+        false;  ///< time stands still while a device that was there is silent; else it goes on
     std::uint64_t seed = 1;
 };
 

@@ -66,6 +66,8 @@ void CommandLink::poll() {
     msg::SessionStatus status;
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
+        say_device("laryngoscope", status.laryngoscope(), laryngoscope_);
+        say_device("tube", status.tube(), tube_);
     }
     msg::SessionDescription description;
     while (description_topic_.take(description)) {
@@ -82,6 +84,15 @@ void CommandLink::poll() {
         now_ = live.live();
         patient_ = keys_->live(live);
     }
+}
+
+void CommandLink::say_device(const char* tool, msg::DevicePresence now, msg::DevicePresence& said) {
+    if (now == msg::DEVICE_SILENT && said != now) {
+        spdlog::warn("the {}'s device is silent", tool);
+    } else if (now == msg::DEVICE_HEARD && said == msg::DEVICE_SILENT) {
+        spdlog::info("the {}'s device is back", tool);
+    }
+    said = now;
 }
 
 bool CommandLink::wait_for_answers(std::chrono::milliseconds patience) {

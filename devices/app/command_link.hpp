@@ -46,6 +46,8 @@ class CommandLink {
     [[nodiscard]] const std::optional<LiveValues>& patient() const { return patient_; }
 
   private:
+    static void say_device(const char* tool, msg::DevicePresence now, msg::DevicePresence& said);
+
     bus::Node node_;
     bus::CommandSender commands_;
     bus::Subscriber<msg::SessionStatus> status_;
@@ -56,6 +58,7 @@ class CommandLink {
     std::vector<float> now_;  // in its order
     std::optional<LiveValues> patient_;
     bool session_finished_ = false;
+    msg::DevicePresence laryngoscope_ = msg::DEVICE_NONE, tube_ = msg::DEVICE_NONE;  // as last said
 };
 
 }  // namespace eti::devices

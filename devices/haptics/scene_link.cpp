@@ -66,7 +66,8 @@ Vec3f centre_of(const std::vector<msg::ShellContact>& contacts, std::size_t coun
 }  // namespace
 
 SceneLink::SceneLink(bus::Node& node, Feel feel)
-    : proxy_topic_(node, bus::topics::proxy),
+    : node_(node),
+      proxy_topic_(node, bus::topics::proxy),
       live_topic_(node, bus::topics::live_metrics),
       description_topic_(node, bus::topics::session_description),
       status_topic_(node, bus::topics::session_status) {
@@ -103,11 +104,21 @@ void SceneLink::run() {
         take_description();
         changed = take_live() || changed;
         take_status();
+        changed = doubt() || changed;
         if (changed) {
             newest_.write(state_);
         }
         watch_silence(monotonic_ns());
     }
+}
+
+bool SceneLink::doubt() {
+    if (!node_.contested()) {
+        return false;
+    }
+    const bool had = state_.proxy_arrived != 0 || state_.tissue_arrived != 0;
+    state_.proxy_arrived = state_.tissue_arrived = 0;
+    return had;
 }
 
 bool SceneLink::refuse(std::int64_t& arrived) {
@@ -249,6 +260,13 @@ void SceneLink::take_status() {
         if (status_.phase() == msg::PHASE_FINISHED) {
             finished_.store(true, std::memory_order_relaxed);
         }
+        const bool frozen = status_.phase() == msg::PHASE_FROZEN;
+        if (frozen != frozen_) {
+            frozen ? spdlog::warn(
+                         "the session stands still until a device that fell silent is back; forces are off")
+                   : spdlog::info("the session goes on");
+        }
+        frozen_ = frozen;
     }
 }
 
@@ -257,14 +275,14 @@ void SceneLink::watch_silence(std::int64_t now) {
         return;
     }
     const bool silent = now - heard_ > silence_ns;
-    if (silent && !silent_ && !finished()) {
+    if (silent && !silent_ && !finished() && !frozen_) {
         outages_.fetch_add(1, std::memory_order_relaxed);
         spdlog::warn("the server has fallen silent ({}); forces are off until it is heard again",
                      status_topic_.matched() == 0 ? "it is gone" : "it is there but sends nothing");
     } else if (!silent && silent_) {
         spdlog::info("the server is heard again");
     }
-    silent_ = silent;
+    silent_ = silent && !frozen_;
 }
 
 }  // namespace eti::devices

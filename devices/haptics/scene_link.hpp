@@ -49,6 +49,8 @@ class SceneLink {
     /// Counts a message that is not to be believed and forgets when the last one `arrived`; true: this
     /// changed.
     bool refuse(std::int64_t& arrived);
+    /// Where two claim to be the server, what came counts no more; true: this changed.
+    bool doubt();
     bool take_proxy();
     bool take_tissue();
     bool take_tube();
@@ -58,6 +60,7 @@ class SceneLink {
     void watch_silence(std::int64_t now);
     void measure_pace(std::uint64_t simulation_ns, std::int64_t now);
 
+    bus::Node& node_;
     bus::Bell bell_;
     bus::Subscriber<msg::ProxyState> proxy_topic_;
     std::optional<bus::Subscriber<msg::TissueContacts>> tissue_topic_;
@@ -79,7 +82,7 @@ class SceneLink {
     std::uint64_t pace_simulation_ns_ = 0;
     std::int64_t pace_arrived_ = 0;
     std::int64_t heard_ = 0;  // arrival of the last ProxyState [ns, CLOCK_MONOTONIC]
-    bool silent_ = false;
+    bool silent_ = false, frozen_ = false;
     TripleBuffer<SceneState> newest_;
 
     mutable std::mutex mutex_;  // guards what follows, read at start-up only

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "server/app/bus_input.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -13,8 +15,15 @@ namespace eti::app {
 
 namespace {
 
-constexpr float farthest = 2.0f;           // [m] from the patient's origin
-constexpr std::size_t most_commands = 64;  // per step; more is a fault of the sender
+constexpr float farthest = 2.0f;            // [m] from the patient's origin
+constexpr std::size_t most_messages = 256;  // per step and topic; the rest waits or is replaced
+
+/// A pose that a hand or an eye can have, or nothing.
+std::optional<RigidTransform> believable(const msg::Pose& pose) {
+    const RigidTransform received = bus::from_msg(pose);
+    const bool is_believable = bus::is_valid(pose) && received.translation.norm() < farthest;
+    return is_believable ? std::optional(received) : std::nullopt;
+}
 
 }  // namespace
 
@@ -28,40 +37,95 @@ std::string readable(const std::string& text) {
     return valid;
 }
 
-BusInput::BusInput(bus::Node& node)
-    : laryngoscope_topic_(node, bus::topics::laryngoscope_pose),
-      tube_topic_(node, bus::topics::tube_pose),
-      eye_topic_(node, bus::topics::eye_pose),
-      command_topic_(node, bus::topics::command) {}
+std::uint64_t FollowedDevice::poll(Clock::time_point now) {
+    std::uint64_t refused = 0;
+    if (topic_.take_latest(message_)) {
+        if (const auto received = believable(message_.pose())) {
+            pose_ = *received;
+            pressed_ = message_.buttons();
+            heard_ = now;
+            presence_ = msg::DEVICE_HEARD;
+        } else {
+            ++refused;
+        }
+    }
+    if (presence_ == msg::DEVICE_HEARD && now - heard_ > silence) {
+        presence_ = msg::DEVICE_SILENT;
+        pressed_ = 0;  // nobody holds a button that nobody reports
+        topic_.let_go();
+    }
+    return refused;
+}
 
-void BusInput::latch(const msg::Pose& pose, std::optional<RigidTransform>& to) {
-    const RigidTransform received = bus::from_msg(pose);
-    if (bus::is_valid(pose) && received.translation.norm() < farthest) {
-        to = received;
+BusInput::BusInput(bus::Node& node)
+    : laryngoscope_(node, bus::topics::laryngoscope_pose),
+      tube_(node, bus::topics::tube_pose),
+      eye_topic_(node, bus::topics::eye_pose),
+      command_topic_(node, bus::topics::command),
+      note_topic_(node, bus::topics::annotation) {}
+
+void BusInput::poll() {
+    const auto now = FollowedDevice::Clock::now();
+    refused_ += laryngoscope_.poll(now) + tube_.poll(now);
+    poll_eye();
+    poll_commands();
+    poll_notes();
+}
+
+void BusInput::poll_eye() {
+    if (!eye_topic_.take_latest(eye_message_)) {
+        return;
+    }
+    if (const auto received = believable(eye_message_.pose())) {
+        eye_ = *received;
     } else {
         ++refused_;
     }
 }
 
-void BusInput::poll() {
-    if (laryngoscope_topic_.take_latest(tool_)) {
-        latch(tool_.pose(), laryngoscope_);
-        suction_ = (tool_.buttons() & 1u) != 0;
+void BusInput::poll_commands() {
+    for (std::size_t n = 0; n < most_messages && command_topic_.take(command_); ++n) {
+        ReceivedCommand command{command_.sender().to_string(), static_cast<std::uint32_t>(command_.id()),
+                                readable(command_.name().to_string()), command_.value()};
+        if (!commands_.put(command_topic_.sender(), std::move(command))) {
+            if (const auto kept_back = lines_.allow("command")) {
+                spdlog::warn("a command of '{}' was left out: too many kinds or senders at once{}",
+                             readable(command_.sender().to_string()), and_more(*kept_back));
+            }
+        }
     }
-    if (tube_topic_.take_latest(tool_)) {
-        latch(tool_.pose(), tube_);
+    std::string sender;
+    if (const std::uint64_t replaced = commands_.take_flood(sender); replaced > 0) {
+        if (const auto kept_back = lines_.allow("flood")) {
+            spdlog::warn("'{}' sends more than {:.0f} commands a second: the last of each kind counts{}",
+                         readable(sender), CommandQueue::per_second, and_more(*kept_back));
+        }
     }
-    if (eye_topic_.take_latest(eye_message_)) {
-        latch(eye_message_.pose(), eye_);
-    }
-    for (std::size_t n = 0; n < most_commands && command_topic_.take(command_); ++n) {
-        commands_.push_back({command_.sender().to_string(), static_cast<std::uint32_t>(command_.id()),
-                             readable(command_.name().to_string()), command_.value()});
+}
+
+void BusInput::poll_notes() {
+    const auto now = Allowance::Clock::now();
+    for (std::size_t n = 0; n < most_messages && note_topic_.take(note_); ++n) {
+        const std::string text = readable(note_.sender().to_string() + ": " + note_.text().to_string());
+        if (notes_allowed_.take(note_topic_.sender(), now)) {
+            notes_.push_back(text);
+        } else if (const auto kept_back = lines_.allow("note")) {
+            spdlog::warn("a remark was left out, more than {:.0f} a second of one sender: {}{}",
+                         CommandQueue::per_second, text, and_more(*kept_back));
+        }
     }
 }
 
 std::vector<ReceivedCommand> BusInput::take_commands() {
-    return std::exchange(commands_, {});
+    return commands_.take_due(CommandQueue::Clock::now());
+}
+
+std::vector<ReceivedCommand> BusInput::take_replaced() {
+    return commands_.take_replaced(CommandQueue::Clock::now());
+}
+
+std::vector<std::string> BusInput::take_notes() {
+    return std::exchange(notes_, {});
 }
 
 }  // namespace eti::app

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,22 +10,42 @@
 
 #include "common/bus/bus.hpp"
 #include "common/math/transform.hpp"
+#include "common/process/line_limit.hpp"
+#include "server/app/command_queue.hpp"
 
 namespace eti::app {
 
 /// Text of other people's packets, fit for logs and files: valid UTF-8 in one line.
 [[nodiscard]] std::string readable(const std::string& text);
 
-/// A command as it came in; the server answers every one.
-struct ReceivedCommand {
-    std::string sender;
-    std::uint32_t id = 0;
-    std::string name;
-    float value = 0.0f;  ///< SI
+/// A tool's poses from the one device that is followed: the first found, until it has been silent for half a
+/// second.
+class FollowedDevice {
+  public:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::milliseconds silence{500};
+
+    FollowedDevice(bus::Node& node, const bus::Topic<msg::ToolPose>& topic) : topic_(node, topic) {}
+
+    /// Takes in what has come; the number of poses that were refused.
+    std::uint64_t poll(Clock::time_point now);
+    /// As last heard; empty: no device was there yet.
+    [[nodiscard]] const std::optional<RigidTransform>& pose() const { return pose_; }
+    [[nodiscard]] std::uint32_t buttons() const { return pressed_; }
+    [[nodiscard]] msg::DevicePresence presence() const { return presence_; }
+
+  private:
+    bus::Subscriber<msg::ToolPose> topic_;
+    msg::ToolPose message_;
+    std::optional<RigidTransform> pose_;
+    std::uint32_t pressed_ = 0;
+    msg::DevicePresence presence_ = msg::DEVICE_NONE;
+    Clock::time_point heard_{};
 };
 
 /// What arrived over the bus since the last step. Other people's packets are checked here: poses that
-/// are not finite or lie more than two metres from the patient are dropped and counted.
+/// are not finite or lie more than two metres from the patient are dropped and counted, and nobody's commands
+/// or remarks are more than a few a second.
 class BusInput {
   public:
     explicit BusInput(bus::Node& node);
@@ -32,25 +53,35 @@ class BusInput {
     /// Reads everything that is waiting; never blocks.
     void poll();
 
-    [[nodiscard]] const std::optional<RigidTransform>& laryngoscope() const { return laryngoscope_; }
-    [[nodiscard]] const std::optional<RigidTransform>& tube() const { return tube_; }
+    [[nodiscard]] const FollowedDevice& laryngoscope() const { return laryngoscope_; }
+    [[nodiscard]] const FollowedDevice& tube() const { return tube_; }
     [[nodiscard]] const std::optional<RigidTransform>& eye() const { return eye_; }
-    [[nodiscard]] bool suction() const { return suction_; }
+    [[nodiscard]] bool suction() const { return (laryngoscope_.buttons() & 1u) != 0; }
+    /// Those to be carried out now.
     [[nodiscard]] std::vector<ReceivedCommand> take_commands();
+    /// Those that a later one of their kind replaced.
+    [[nodiscard]] std::vector<ReceivedCommand> take_replaced();
+    /// Remarks, in one line each with their senders.
+    [[nodiscard]] std::vector<std::string> take_notes();
     [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
   private:
-    void latch(const msg::Pose& pose, std::optional<RigidTransform>& to);
+    void poll_eye();
+    void poll_commands();
+    void poll_notes();
 
-    bus::Subscriber<msg::ToolPose> laryngoscope_topic_, tube_topic_;
+    FollowedDevice laryngoscope_, tube_;
     bus::Subscriber<msg::EyePose> eye_topic_;
     bus::Subscriber<msg::Command> command_topic_;
-    msg::ToolPose tool_;
+    bus::Subscriber<msg::Annotation> note_topic_;
     msg::EyePose eye_message_;
     msg::Command command_;
-    std::optional<RigidTransform> laryngoscope_, tube_, eye_;
-    bool suction_ = false;
-    std::vector<ReceivedCommand> commands_;
+    msg::Annotation note_;
+    std::optional<RigidTransform> eye_;
+    CommandQueue commands_;
+    SenderAllowance notes_allowed_{CommandQueue::per_second};
+    std::vector<std::string> notes_;
+    LineLimit lines_;
     std::uint64_t refused_ = 0;
 };
 

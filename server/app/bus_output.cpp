@@ -32,6 +32,7 @@ constexpr std::uint64_t steps_per_state = steps_per_second / 90;
 constexpr std::uint64_t steps_per_slow_state = steps_per_second / 30;
 constexpr std::uint64_t steps_per_status = steps_per_second / 10;
 
+constexpr std::chrono::milliseconds liveliness_interval{100};
 // Longer than the lease after which a killed reader no longer counts.
 constexpr std::chrono::milliseconds farewell{2000};
 
@@ -174,6 +175,14 @@ void BusOutput::post(const scene::Snapshot& snapshot, const StatusValues& status
     wake_.notify_one();
 }
 
+void BusOutput::post_status(const StatusValues& status) {
+    {
+        const std::scoped_lock lock(mutex_);
+        waiting_status_ = status;
+    }
+    wake_.notify_one();
+}
+
 void BusOutput::post_live(const scene::Snapshot& snapshot, const LiveMeasures& live) {
     msg::LiveMetrics message;
     message.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
@@ -233,13 +242,15 @@ void BusOutput::run() {
     std::deque<msg::CommandResult> results;
     std::deque<Summary> summaries;
     std::optional<msg::LiveMetrics> live;
+    std::optional<StatusValues> status;
     bool ending = false;
     while (!ending) {
         bool fresh = false;
         {
             std::unique_lock lock(mutex_);
             wake_.wait(lock, [&] {
-                return waiting_.fresh || waiting_live_ || ending_ || !results_.empty() || !summaries_.empty();
+                return waiting_.fresh || waiting_live_ || waiting_status_ || ending_ || !results_.empty() ||
+                       !summaries_.empty();
             });
             fresh = waiting_.fresh;
             ending = ending_;
@@ -250,6 +261,7 @@ void BusOutput::run() {
             results.swap(results_);
             summaries.swap(summaries_);
             live = std::exchange(waiting_live_, std::nullopt);
+            status = std::exchange(waiting_status_, std::nullopt);
         }
         publish_events(results, summaries);
         if (live) {
@@ -257,6 +269,9 @@ void BusOutput::run() {
         }
         if (fresh) {
             publish_step(current_);
+        } else if (status && !ending) {
+            current_.status = *status;
+            publish_status(current_);
         }
         if (ending) {
             publish_status(current_);
@@ -299,8 +314,10 @@ void BusOutput::publish_step(const Work& work) {
     if (s.step >= next_status_) {
         next_status_ = (s.step / steps_per_status + 1) * steps_per_status;
         publish_status(work);
-    } else {
+    } else if (Clock::now() - asserted_ >= liveliness_interval) {
+        // A server far behind the clock is alive, too.
         status_.assert_liveliness();
+        asserted_ = Clock::now();
     }
 }
 
@@ -366,7 +383,10 @@ void BusOutput::publish_status(const Work& work) {
     message.server(bus::process_name());
     message.load(work.status.load);
     message.behind_s(work.status.behind);
+    message.laryngoscope(work.status.laryngoscope);
+    message.tube(work.status.tube);
     status_.publish(message);
+    asserted_ = Clock::now();
 }
 
 }  // namespace eti::app

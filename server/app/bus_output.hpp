@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -35,6 +36,7 @@ struct StatusValues {
     msg::SessionPhase phase = msg::PHASE_RUNNING;
     float load = 0.0f;
     float behind = 0.0f;  ///< [s]
+    msg::DevicePresence laryngoscope = msg::DEVICE_NONE, tube = msg::DEVICE_NONE;
 };
 
 /// Publishes what is seen and measured from its own thread; the physics thread only leaves copies here and
@@ -51,6 +53,8 @@ class BusOutput {
 
     /// Of each step; what is drawn leaves in every second.
     void post(const scene::Snapshot& snapshot, const StatusValues& status);
+    /// While no step is taken.
+    void post_status(const StatusValues& status);
     /// Of each look.
     void post_live(const scene::Snapshot& snapshot, const LiveMeasures& live);
     void post_result(msg::CommandResult result);
@@ -60,6 +64,7 @@ class BusOutput {
     [[nodiscard]] std::uint64_t skipped() const;  ///< states replaced before they were sent
 
   private:
+    using Clock = std::chrono::steady_clock;
     struct Work {
         scene::Snapshot snapshot;
         StatusValues status;
@@ -96,10 +101,12 @@ class BusOutput {
     std::condition_variable wake_;
     Work waiting_, current_;
     std::optional<msg::LiveMetrics> waiting_live_;
+    std::optional<StatusValues> waiting_status_;  // without a step
     std::deque<msg::CommandResult> results_;
     std::deque<Summary> summaries_;
     bool ending_ = false;
     std::uint64_t skipped_ = 0;
+    Clock::time_point asserted_{};  // that this process is alive
 
     std::vector<FramePose> sent_, sent_slow_;        // as readers last got them
     std::uint32_t refresh_ = 0, refresh_slow_ = 0;   // next frame of the slow full refresh

@@ -57,6 +57,12 @@ class StepClock {
         load_ += (cost / std::chrono::duration<double>(period_).count() - load_) / steps_per_second;
     }
 
+    /// Waits for as long as a step takes, while none is taken: time stands still and does not fall behind.
+    void stand_still() {
+        std::this_thread::sleep_for(period_);
+        next_ = Time::now();
+    }
+
     /// [s], that simulation time has fallen behind the clock.
     [[nodiscard]] double behind() const { return std::chrono::duration<double>(behind_).count(); }
     [[nodiscard]] std::uint32_t late() const { return late_; }

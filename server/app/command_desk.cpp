@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/process/line_limit.hpp"
 #include "server/patient/model/swelling.hpp"
 
 namespace eti::app {
@@ -36,8 +37,20 @@ void CommandDesk::handle(const ReceivedCommand& command) {
     answer_.accepted(refusal.empty());
     answer_.reason(refusal);
     if (!refusal.empty()) {
-        spdlog::warn("command {} of '{}' refused: {}", command.id, readable(command.sender), refusal);
+        static LineLimit limit;
+        const std::string sender = readable(command.sender);
+        if (const auto kept_back = limit.allow(sender)) {
+            spdlog::warn("command {} of '{}' refused: {}{}", command.id, sender, refusal,
+                         and_more(*kept_back));
+        }
     }
+}
+
+void CommandDesk::pass_over(const ReceivedCommand& command) {
+    answer_.recipient(command.sender);
+    answer_.id(command.id);
+    answer_.accepted(true);
+    answer_.reason("a later one of its kind took its place");
 }
 
 std::string CommandDesk::carry_out(const ReceivedCommand& command) {

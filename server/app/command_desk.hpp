@@ -21,6 +21,9 @@ class CommandDesk {
     /// Checks `command` and takes it; the answer is ready afterwards.
     void handle(const ReceivedCommand& command);
 
+    /// Words the answer to one that a later one of its kind replaced before its turn.
+    void pass_over(const ReceivedCommand& command);
+
     [[nodiscard]] const msg::CommandResult& answer() const { return answer_; }
     /// What lives, as last asked for.
     [[nodiscard]] const LiveValues& wanted() const { return wanted_; }

@@ -36,6 +36,7 @@ namespace eti::app {
 
 namespace {
 
+constexpr std::uint64_t steps_per_status = steps_per_second / 10;
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
 // The kernel keeps a twentieth of each second for ordinary threads. Rather more, so that they have had it:
@@ -62,6 +63,12 @@ class Foremost {
 
   private:
     std::optional<parallel::WorkerStart> workers_;
+};
+
+/// A tool's device, as last spoken of.
+struct FollowedState {
+    const char* name;
+    msg::DevicePresence presence = msg::DEVICE_NONE;
 };
 
 class Session {
@@ -122,10 +129,15 @@ class Session {
         {
             const Foremost foremost(live_);
             while (!ended()) {
+                service_.alive();
+                if (frozen()) {
+                    stand_still(clock);
+                    continue;
+                }
                 clock.wait();
+                latch();
                 step(clock);
                 clock.done();
-                service_.alive();
                 say(clock);
             }
         }
@@ -151,7 +163,6 @@ class Session {
     void start_threads() {
         if (bus_) {
             input_.emplace(*bus_);
-            annotations_.emplace(*bus_, bus::topics::annotation);
             {
                 const RealTimeThreads real_time(priority::bus, live_);
                 felt_.emplace(*bus_);
@@ -178,34 +189,12 @@ class Session {
         }
         input_->poll();
         if (!operator_) {
-            if (input_->laryngoscope()) {
-                if (!blade_present_) {
-                    simulation_->scene().place_laryngoscope(*input_->laryngoscope());
-                }
-                blade_present_ = true;
-                inputs_.laryngoscope = *input_->laryngoscope();
-            }
-            if (input_->tube()) {
-                if (!tube_present_) {
-                    simulation_->scene().place_tube(*input_->tube());
-                }
-                tube_present_ = true;
-                inputs_.tube_grip = *input_->tube();
-            }
+            follow_devices();
         }
-        for (const ReceivedCommand& command : input_->take_commands()) {
-            desk_.handle(command);
-            output_->post_result(desk_.answer());
-            if (recorder_ && desk_.answer().accepted()) {
-                const scene::Snapshot& s = simulation_->snapshot();
-                judge_->note({s.time_ns, s.step + 1, command.name, static_cast<double>(command.value),
-                              readable(command.sender), command.id});
-            }
-        }
-        for (msg::Annotation note; annotations_->take(note);) {
-            const std::string text = readable(note.sender().to_string() + ": " + note.text().to_string());
-            spdlog::info("note of {}", text);
-            judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "note", text});
+        take_commands();
+        for (const std::string& note : input_->take_notes()) {
+            spdlog::info("note of {}", note);
+            judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "note", note});
         }
         // Whoever asks for more: the hand's button, or a command.
         inputs_.live = desk_.wanted();
@@ -217,8 +206,74 @@ class Session {
         }
     }
 
-    void step(const StepClock& clock) {
+    void follow_devices() {
+        const auto follow = [this](const FollowedDevice& device, FollowedState& state, RigidTransform& input,
+                                   const auto& place) {
+            if (device.pose()) {
+                if (state.presence == msg::DEVICE_NONE) {
+                    place(*device.pose());
+                }
+                input = *device.pose();
+            }
+            if (device.presence() != state.presence) {
+                say_presence(state, device.presence());
+            }
+        };
+        follow(input_->laryngoscope(), laryngoscope_, inputs_.laryngoscope,
+               [this](const RigidTransform& pose) { simulation_->scene().place_laryngoscope(pose); });
+        follow(input_->tube(), tube_, inputs_.tube_grip,
+               [this](const RigidTransform& pose) { simulation_->scene().place_tube(pose); });
+    }
+
+    void say_presence(FollowedState& state, msg::DevicePresence now) {
+        const bool back = state.presence == msg::DEVICE_SILENT;
+        state.presence = now;
+        if (now == msg::DEVICE_SILENT) {
+            spdlog::warn("the {}'s device has been silent for {} ms; {}", state.name,
+                         FollowedDevice::silence.count(),
+                         scenario_.freeze_on_silence ? "time stands still until it is back"
+                                                     : "the tool stays where it was");
+        } else if (back) {
+            spdlog::info("the {}'s device is back", state.name);
+        }
+        const char* const what = now == msg::DEVICE_SILENT ? "silent" : back ? "back" : "here";
+        judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "device",
+                                          fmt::format("{} {}", state.name, what)});
+    }
+
+    [[nodiscard]] bool frozen() const {
+        return scenario_.freeze_on_silence &&
+               (laryngoscope_.presence == msg::DEVICE_SILENT || tube_.presence == msg::DEVICE_SILENT);
+    }
+
+    void take_commands() {
+        for (const ReceivedCommand& command : input_->take_replaced()) {
+            desk_.pass_over(command);
+            output_->post_result(desk_.answer());
+        }
+        for (const ReceivedCommand& command : input_->take_commands()) {
+            desk_.handle(command);
+            output_->post_result(desk_.answer());
+            if (recorder_ && desk_.answer().accepted()) {
+                const scene::Snapshot& s = simulation_->snapshot();
+                judge_->note({s.time_ns, s.step + 1, command.name, static_cast<double>(command.value),
+                              readable(command.sender), command.id});
+            }
+        }
+    }
+
+    /// Waits for a silent device; commands are still taken.
+    void stand_still(StepClock& clock) {
+        clock.stand_still();
         latch();
+        if (output_ && stood_still_++ % steps_per_status == 0) {
+            StatusValues now = status(clock);
+            now.phase = msg::PHASE_FROZEN;
+            output_->post_status(now);
+        }
+    }
+
+    void step(const StepClock& clock) {
         simulation_->scene().step(inputs_, proxy_moved_);
         const scene::Snapshot& s = simulation_->snapshot();
         if (output_) {
@@ -251,8 +306,9 @@ class Session {
         }
     }
 
-    [[nodiscard]] static StatusValues status(const StepClock& clock) {
-        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind())};
+    [[nodiscard]] StatusValues status(const StepClock& clock) const {
+        return {msg::PHASE_RUNNING, static_cast<float>(clock.load()), static_cast<float>(clock.behind()),
+                laryngoscope_.presence, tube_.presence};
     }
 
     [[nodiscard]] bool ended() {
@@ -321,7 +377,6 @@ class Session {
     std::optional<LocalOperator> operator_;
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
-    std::optional<bus::Subscriber<msg::Annotation>> annotations_;
     std::optional<FeltOutput> felt_;
     std::optional<BusOutput> output_;
     std::optional<Recorder> recorder_;
@@ -330,7 +385,8 @@ class Session {
     std::string priority_refusal_;  // empty: none was refused
     CommandDesk desk_;
     ServiceNotify service_;
-    bool blade_present_ = false, tube_present_ = false;
+    FollowedState laryngoscope_{"laryngoscope"}, tube_{"tube"};
+    std::uint64_t stood_still_ = 0;   // steps
     double operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;
     bool warned_of_overflow_ = false;

@@ -68,6 +68,22 @@ TEST(Readout, TellsAnAttemptsEndForSomeSecondsAndTheRunsForGood) {
     EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "session: success");
 }
 
+TEST(Readout, NamesTheDeviceThatFellSilent) {
+    view::SceneView scene;
+    synthetic::fill(scene, synthetic::make_scene());
+    auto status = synthetic::status(msg::PHASE_RUNNING);
+    status.laryngoscope(msg::DEVICE_HEARD);
+    scene.apply(status);
+    EXPECT_EQ(hud::readout_of(scene, false).warning, "");
+    status.laryngoscope(msg::DEVICE_SILENT);
+    scene.apply(status);
+    EXPECT_EQ(hud::readout_of(scene, false).warning, "laryngoscope is silent");
+    status.tube(msg::DEVICE_SILENT);
+    status.phase(msg::PHASE_FROZEN);
+    scene.apply(status);
+    EXPECT_EQ(hud::readout_of(scene, false).warning, "laryngoscope and tube are silent: time stands still");
+}
+
 TEST(Readout, TellsTheScenarioWhileWaitingAndInTheFirstSeconds) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
