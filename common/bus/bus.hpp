@@ -27,7 +27,6 @@ struct Options {
     bool network = false;              ///< other machines are looked for; else this one alone
     std::vector<std::string>
         discovery_servers{};           ///< HOST or HOST:PORT; the second is the first one's backup
-    bool shared_memory = true;         ///< among processes of one user on one machine; else UDP alone
     std::filesystem::path identity{};  ///< folder of certificate and permissions; empty: no security
 };
 

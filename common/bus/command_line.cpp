@@ -31,10 +31,6 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--profile", options.profile, "Fast DDS XML profile file, for all else (see deploy/dds)")
         ->check(CLI::ExistingFile)
         ->group(group);
-    app.add_flag("!--no-shared-memory", options.shared_memory,
-                 "UDP alone: for programs of several users, or in containers, on one machine, which the "
-                 "library does not let into each other's memory (a profile says so by itself)")
-        ->group(group);
     app.add_option(
            "--identity", options.identity,
            "Folder with this program's certificate and permissions: encrypt, and admit only those with one "

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <memory>
@@ -22,7 +22,6 @@ namespace eti::bus {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 using eprosima::fastrtps::types::ReturnCode_t;
 
@@ -30,10 +29,6 @@ namespace {
 
 // Sized for a burst of 240 kB at 90 Hz, of which the kernel's default of 208 kB loses three quarters.
 constexpr std::uint32_t socket_buffer = 4u << 20;
-// Holds two of the largest scene objects (about 2 MB) beside the running traffic.
-constexpr std::uint32_t shared_segment = 8u << 20;
-// Datagrams that wait for one reader: a whole scene's (1600) and more.
-constexpr std::uint32_t shared_port_messages = 4096;
 // Participants looked for on each machine; the library's own 4 leave out a fifth program.
 constexpr std::uint32_t participants_per_machine = 32;
 constexpr std::uint16_t discovery_port = 11811;
@@ -100,6 +95,8 @@ dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
             "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/dds)",
             file.string()));
     }
+    // The library keeps the first profile of a name; another node of this process may have another file.
+    eprosima::fastrtps::xmlparser::XMLProfileManager::DeleteInstance();
     if (factory->load_XML_profiles_file(file.string()) != ReturnCode_t::RETCODE_OK) {
         throw BusError(fmt::format(
             "profile {}: not a valid Fast DDS XML profile (the lines above say where); compare deploy/dds",
@@ -114,8 +111,10 @@ dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
     return quality;
 }
 
-/// UDP, where `reaches_network` over every interface, and shared memory.
-void use_own_transports(bool reaches_network, bool shared_memory, dds::DomainParticipantQos& quality) {
+/// UDP, where `reaches_network` over every interface, else over loopback. No shared memory: a process that is
+/// killed or starved while it holds one of the library's locks there ends or stalls the others
+/// (docs/decisions/0091).
+void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality) {
     auto udp = std::make_shared<UDPv4TransportDescriptor>();
     udp->sendBufferSize = socket_buffer;
     udp->receiveBufferSize = socket_buffer;
@@ -124,13 +123,7 @@ void use_own_transports(bool reaches_network, bool shared_memory, dds::DomainPar
         udp->interfaceWhiteList.emplace_back(loopback);
     }
     quality.transport().use_builtin_transports = false;
-    if (shared_memory) {
-        auto shared = std::make_shared<SharedMemTransportDescriptor>();
-        shared->segment_size(shared_segment);
-        shared->port_queue_capacity(shared_port_messages);
-        quality.transport().user_transports.push_back(shared);
-    }
-    quality.transport().user_transports.push_back(udp);
+    quality.transport().user_transports = {udp};
     quality.transport().send_socket_buffer_size = socket_buffer;
     quality.transport().listen_socket_buffer_size = socket_buffer;
 }
@@ -177,14 +170,14 @@ dds::DomainParticipantQos participant_quality(const Options& options, std::vecto
         if (quality.transport().use_builtin_transports) {
             // The library's own would have no filter before them.
             const auto given = quality.transport().user_transports;
-            use_own_transports(true, options.shared_memory, quality);
+            use_own_transports(true, quality);
             quality.transport().user_transports.insert(quality.transport().user_transports.end(),
                                                        given.begin(), given.end());
         }
         return quality;
     }
     dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(options.network || by_peers || by_server, options.shared_memory, quality);
+    use_own_transports(options.network || by_peers || by_server, quality);
     if (by_peers) {
         add_peers(options.peers, quality);
     } else if (by_server) {

@@ -2,13 +2,16 @@
 # Copyright the NeoETI authors
 """What the system tests share: running the programs, file systems that refuse, reading pictures."""
 
+import json
 import os
 import resource
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -80,6 +83,45 @@ class Case(unittest.TestCase):
             for value in values:
                 self.assertIsInstance(value, (int, float), f"{name}: {parameters[name]}")
                 self.assertTrue(numpy.isfinite(value), f"{name}: {value}")
+
+
+class Programs(Case):
+    """Programs of one session, started one by one; each has a log and its output in the test's folder."""
+
+    def setUp(self):
+        super().setUp()
+        self.bus = ["--session", SESSION, "--domain", DOMAIN]
+        self.running = {}
+        self.addCleanup(self.kill)
+
+    def kill(self):
+        for process in self.running.values():
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+    def start(self, role, *command):
+        with (self.folder / f"{role}.log").open("wb") as log, (self.folder / f"{role}.out").open("wb") as out:
+            self.running[role] = subprocess.Popen(
+                [str(BIN / command[0]), *map(str, [*command[1:], *self.bus])], stdin=subprocess.DEVNULL,
+                stdout=out, stderr=log)
+        return self.running[role]
+
+    def log(self, role):
+        return (self.folder / f"{role}.log").read_text(errors="replace")
+
+    def wait_for(self, role, words, seconds=60):
+        end = time.monotonic() + seconds
+        while words not in self.log(role):
+            self.assertLess(time.monotonic(), end, f"{role} never said '{words}':\n{self.log(role)}")
+            self.assertIsNone(self.running[role].poll(), self.log(role))
+            time.sleep(0.05)
+
+    def end(self, role):
+        """Asks a program to end; its JSON."""
+        self.running[role].send_signal(signal.SIGINT)
+        self.assertEqual(self.running[role].wait(30), 0, self.log(role))
+        return json.loads((self.folder / f"{role}.out").read_text())
 
 
 # A shell line that runs in a mount namespace of its own, with a file system mounted on $1.

@@ -66,11 +66,23 @@ class Kill(support.Case):
         self.assert_ended_cleanly()
         self.assert_readable()
 
+    def assert_told(self, tool):
+        """Log, clients' lines and record say that its device is silent."""
+        words = f"the {tool}'s device"
+        self.assertIn(f"{words} has been silent", self.session.server.log.read_text(errors="replace"))
+        self.assertIn(f"{words} is silent", self.session.programs["controller"].log.read_text(errors="replace"))
+        with h5py.File(self.session.record, "r") as file:
+            events = [(kind.decode(), text.decode()) for kind, text in zip(file["events/kind"], file["events/text"])]
+        self.assertIn(("device", f"{tool} here"), events)
+        self.assertIn(("device", f"{tool} silent"), events)
+
     def test_without_haptics(self):
         self.others_go_on_without("haptics")
+        self.assert_told("laryngoscope")
 
     def test_without_tracker(self):
         self.others_go_on_without("tracker")
+        self.assert_told("tube")
 
     def test_without_controller(self):
         self.others_go_on_without("controller")

@@ -234,12 +234,9 @@ TEST_F(Profile, ConnectsThroughItsTransport) {
     EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
 }
 
-/// A profile that comes with the project.
-void expect_connects(const char* shipped) {
-    Options wanted = options("x");
-    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds" / shipped;
-    Node first(wanted);
-    Node second(wanted);
+void expect_connects(const Options& of_first, const Options& of_second) {
+    Node first(of_first);
+    Node second(of_second);
     Publisher<msg::Command> publisher(first, topics::command);
     Subscriber<msg::Command> subscriber(second, topics::command);
     ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
@@ -248,13 +245,28 @@ void expect_connects(const char* shipped) {
     EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
 }
 
-// Early in the program: the library numbers a process's participants on, and looks for the first ones of a machine.
-TEST(ShippedProfile, UnicastConnectsTwoNodesOfOneMachine) {
-    expect_connects("unicast.xml");
+// Early in the program: the library numbers a process's participants on, and looks for the first ones of a
+// machine.
+TEST(ShippedProfile, SharedMemoryConnectsTwoProgramsOfOneMachine) {
+    Options wanted = options("x");
+    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds/shared_memory.xml";
+    expect_connects(wanted, wanted);
 }
 
-TEST(ShippedProfile, LoopbackConnectsTwoNodesOfOneMachine) {
-    expect_connects("loopback.xml");
+TEST_F(Profile, ShippedTcpConnectsTwoPrograms) {
+    std::ifstream shipped(std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds/tcp.xml");
+    std::string text((std::istreambuf_iterator<char>(shipped)), {});
+    const auto replace_all = [&](const std::string& old, const std::string& by) {
+        for (std::size_t at = 0; (at = text.find(old, at)) != std::string::npos; at += by.size()) {
+            text.replace(at, old.size(), by);
+        }
+    };
+    const std::string port = std::to_string(20'000 + ::getpid() % 10'000);
+    replace_all("192.0.2.10", "127.0.0.1");
+    replace_all("5100", port);
+    const Options server = with(text);
+    replace_all("<port>" + port, "<port>" + std::to_string(20'000 + (::getpid() + 5'000) % 10'000));
+    expect_connects(server, with(text));
 }
 
 }  // namespace

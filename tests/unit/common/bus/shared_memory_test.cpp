@@ -22,6 +22,12 @@ using ::testing::IsSupersetOf;
 using ::testing::Not;
 
 // Those whose lock a process holds open: other processes make and lose theirs meanwhile.
+Options over_shared_memory(const std::string& name) {
+    Options wanted = options(name);
+    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds/shared_memory.xml";
+    return wanted;
+}
+
 std::vector<std::string> transport_files_of(pid_t process) {
     std::vector<std::string> names;
     std::error_code closed;
@@ -38,7 +44,7 @@ std::vector<std::string> transport_files_of(pid_t process) {
 }
 
 TEST(SharedMemory, ALivingNodesFilesAreNotStale) {
-    const Node node(options("living"));
+    const Node node(over_shared_memory("living"));
     const auto made = transport_files_of(::getpid());
     ASSERT_THAT(made, Not(IsEmpty())) << "the node made no shared memory; what is tested here?";
     for (const auto& name : find_stale_shared_memory().transport) {
@@ -52,7 +58,7 @@ TEST(SharedMemory, AKilledNodesFilesAreStale) {
     ASSERT_EQ(::pipe(ready), 0);
     const pid_t child = ::fork();
     if (child == 0) {
-        const Node node(options("killed"));
+        const Node node(over_shared_memory("killed"));
         char byte = 1;
         (void)!::write(ready[1], &byte, 1);
         ::pause();

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Datagrams that nobody sound sends, against the real programs over loopback UDP."""
+
+import socket
+import unittest
+
+import hostile_datagrams as hostile
+import support
+
+MUTANTS = 100_000
+
+
+class HostileDatagrams(support.Case):
+    def setUp(self):
+        super().setUp()
+        try:
+            self.tap = hostile.Tap(support.DOMAIN)
+        except PermissionError:
+            self.skipTest("reading the loopback interface wants root or CAP_NET_RAW")
+        self.session = hostile.Session(self.folder, support.DOMAIN, support.SESSION)
+        self.addCleanup(self.session.end)
+
+    def assert_lives(self):
+        self.assertEqual(self.session.dead(), {}, {role: self.session.log(role)[-800:] for role in self.session.dead()})
+        answered, said = self.session.answers()
+        self.assertTrue(answered, said)
+        taken = self.session.end()
+        self.assertNotIn(None, taken.values(), f"did not end within 10 s of Ctrl-C: {taken}")
+        for role, process in self.session.running.items():
+            self.assertEqual(process.returncode, 0, f"{role}: {self.session.log(role)[-800:]}")
+
+    def test_the_one_datagram_that_ends_the_library(self):
+        self.session.wait_for("haptics", "device 'simulated'", 30)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for port in hostile.ports_of(support.DOMAIN):
+                for _ in range(3):
+                    try:
+                        sender.sendto(hostile.DEADLY, ("127.0.0.1", port))
+                    except OSError:
+                        pass  # nobody listens there
+        self.session.wait_for("server", "is not sound RTPS was dropped", 5)
+        self.assert_lives()
+
+    def test_mutants_of_the_sessions_traffic(self):
+        sent = hostile.attack(self.session, self.tap, MUTANTS, seed=18)
+        self.assertEqual(sent, MUTANTS, "a program has ended")
+        self.assert_lives()
+        for role in self.session.running:
+            lines = self.session.log(role).count("\n")
+            self.assertLess(lines, 500, f"{role} wrote {lines} lines")
+
+
+if __name__ == "__main__":
+    unittest.main()

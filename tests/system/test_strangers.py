@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Programs that join a session and write what is not theirs to write, or more than anybody needs."""
+
+import json
+import os
+import subprocess
+import time
+import unittest
+
+import h5py
+
+import support
+
+STRANGER = os.environ.get("ETI_STRANGER", str(support.ROOT / "build/release/tests/stranger"))
+
+
+class Strangers(support.Programs):
+    def stranger(self, what, *options):
+        return subprocess.Popen([STRANGER, what, *map(str, [*options, *self.bus])], stdout=subprocess.PIPE, text=True)
+
+    def picture(self, name):
+        """The last one that a new observer draws, and what it said."""
+        folder = self.folder / name
+        seen = support.run("eti-client", "--observe", "--offscreen", folder, "--size", "320x240", "--every", 0.2,
+                           "--frames", 20, "--no-video", "--view", "overview", "--json", *self.bus)
+        self.assertEqual(seen.returncode, 0, seen.stderr)
+        return support.read_picture(sorted(folder.glob("*.png"))[-1]), seen.stderr
+
+    def serve(self, *options):
+        self.start("server", "eti-server", "--scenario", "term", "--json", *options)
+        self.wait_for("server", "simulation time 1 s", 120)
+
+    def test_a_strangers_proxy_moves_no_hand(self):
+        self.serve()
+        self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
+        self.wait_for("haptics", "device 'simulated'")
+        done, _ = self.stranger("pull", "--seconds", 3).communicate(timeout=60)
+        self.assertGreater(int(done), 100)
+        self.assertLess(self.end("haptics")["force_n"]["max"], 0.05, "a still hand in free air feels nothing")
+        self.assertIn("eti/proxy", self.log("haptics"))
+
+    def test_a_strangers_proxy_without_any_server_moves_no_hand(self):
+        self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
+        self.wait_for("haptics", "no server found")
+        self.stranger("pull", "--seconds", 3).communicate(timeout=60)
+        self.assertEqual(self.end("haptics")["force_n"]["max"], 0.0)
+
+    def test_a_forged_end_ends_nobody_and_takes_forces_away(self):
+        self.serve()
+        self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
+        self.start("tracker", "eti-tracker", "--device", "scripted", "--json")
+        self.start("observer", "eti-client", "--observe", "--offscreen", self.folder / "o", "--size", "64x64", "--json")
+        self.wait_for("haptics", "device 'simulated'")
+        forger = self.stranger("end", "--seconds", 4)
+        self.wait_for("haptics", "forces are off")
+        self.assertEqual(sum("forces are off" in line for line in self.log("haptics").splitlines()), 1)
+        forger.communicate(timeout=60)
+        self.wait_for("haptics", "one server again")
+        for role, process in self.running.items():
+            self.assertIsNone(process.poll(), f"{role}\n{self.log(role)}")
+        self.assertGreater(self.end("haptics")["absent_share"] + 1, 0)
+
+    def test_a_forged_scene_replaces_nothing(self):
+        forger = self.stranger("scene", "--seconds", 12)
+        self.serve()
+        beside, said = self.picture("beside")
+        self.assertIn("eti/scene", said)
+        forger.kill()
+        forger.communicate(timeout=60)
+        alone, said = self.picture("alone")
+        self.assertNotIn("eti/scene", said)
+        # Nobody moves, so that only the numbers on the screen differ; a forged scene is one triangle.
+        self.assertGreater((alone.std(axis=(0, 1)) > 5).sum(), 0, "the picture is empty")
+        self.assertLess((abs(beside.astype(int) - alone) > 40).any(axis=2).mean(), 0.05)
+
+    def test_a_forged_status_keeps_no_server_out(self):
+        forger = self.stranger("end", "--seconds", 20)
+        self.serve()
+        self.assertIsNone(self.running["server"].poll())
+        forger.kill()
+        forger.communicate()
+
+    def test_a_second_device_moves_nothing_while_the_first_is_there(self):
+        record = self.folder / "a.eti.h5"
+        self.serve("--record", record)
+        self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
+        self.wait_for("haptics", "device 'simulated'")
+        time.sleep(1)
+        self.stranger("move", "--seconds", 2).communicate(timeout=60)
+        self.end("haptics")
+        self.end("server")
+        with h5py.File(record, "r") as file:
+            places = file["inputs/laryngoscope_pose"][:, :3]
+        self.assertLess(abs(places).max(), 0.9, "the stranger's pose is 1 m away on each axis")
+
+    def test_ten_thousand_commands_a_second_take_nothing_from_the_simulation(self):
+        record = self.folder / "a.eti.h5"
+        self.serve("--record", record)
+        start = time.monotonic()
+        done, _ = self.stranger("command", "--seconds", 5, "--rate", 10000).communicate(timeout=60)
+        self.assertGreater(int(done), 10_000, "the flood itself was slow")
+        answered = support.run("eti-controller", "--set", "head_elevation_deg=5", *self.bus)
+        self.assertEqual(answered.returncode, 0, answered.stderr)
+        took = time.monotonic() - start
+        result = self.end("server")
+        # The share of the flood's time that the simulation lost; it was all of it and more.
+        self.assertLess(result["behind_s"], 0.5 * took, self.log("server"))
+        self.assertLess(self.log("server").count("\n"), 60, self.log("server"))
+        with h5py.File(record, "r") as file:
+            names = [name.decode() for name in file["inputs/commands/kind"][:]]
+        self.assertLessEqual(names.count("suction"), 20 * (took + 1) + 20)
+        self.assertIn("head_elevation", names)
+
+
+if __name__ == "__main__":
+    unittest.main()
