@@ -27,16 +27,24 @@ function(eti_library name)
   target_link_libraries(${name} PUBLIC eti_options Eigen3::Eigen ${ARG_LINK})
 endfunction()
 
-# A program in build/<preset>/bin. ASIDE: no session needs it, so it is not among `programs`.
+# A program in build/<preset>/bin. ASIDE: no session needs it, so it is not among `programs`. PACKAGE: the Debian package
+# that it goes into, see cmake/package.cmake.
 function(eti_program name)
-  cmake_parse_arguments(ARG "ASIDE" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "ASIDE" "PACKAGE" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE eti_options ${ARG_LINK})
   target_include_directories(${name} SYSTEM PRIVATE ${CLI11_INCLUDE_DIR})
   if(NOT ARG_ASIDE)
     add_dependencies(programs ${name})
   endif()
-  install(TARGETS ${name} RUNTIME DESTINATION bin)
+  if(NOT ARG_PACKAGE)
+    set(ARG_PACKAGE tools)
+  endif()
+  # What is not a part of `programs` need not be there when the others are installed.
+  if(ARG_ASIDE)
+    set(optional OPTIONAL)
+  endif()
+  install(TARGETS ${name} RUNTIME DESTINATION bin COMPONENT ${ARG_PACKAGE} ${optional})
 endfunction()
 
 # The first folder under tests/ that the current folder lies in: the label of its ctest cases.

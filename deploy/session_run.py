@@ -22,6 +22,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SPACE_NEEDED = 200e6     # [bytes] session file, pictures and video of a demo, with room to spare
+FIRST_SCENE = 120        # [s] that clients wait for it: a patient that is not in the cache is built first
 STALL_LIMIT = 180.0      # [s] without any simulation time passing before a server counts as hung
 END_BY_ITSELF = 60.0     # [s] that processes have to notice the session's end (a lease on the bus lasts 1.5 s), and
                          # clients, which yield to others, to draw their last pictures
@@ -137,8 +138,8 @@ class Session:
             "tracker": ["eti-tracker", "--device", "scripted", "--operator", operator,
                         "--calibration", self.folder / "scripted.yaml"],
             "controller": ["eti-controller", "--device", "gamepad", "--source", self.folder / "pad", "--json"],
-            "trainee": ["eti-client", "--offscreen", self.folder / "trainee"],
-            "observer": ["eti-client", "--observe", "--view", "all", "--offscreen", self.folder / "observer"],
+            "trainee": ["eti-client", "--wait", FIRST_SCENE, "--offscreen", self.folder / "trainee"],
+            "observer": ["eti-client", "--wait", FIRST_SCENE, "--observe", "--view", "all", "--offscreen", self.folder / "observer"],
         }
         self.programs = {
             role: Program(role, [self.bin / command[0], *command[1:], *bus, *(extra or {}).get(role, [])], self.folder)

@@ -24,7 +24,6 @@ std::vector<std::filesystem::path> data_folders(const std::string& kind) {
     if (!error) {
         folders.push_back(program.parent_path().parent_path() / "share" / "neoeti" / kind);
     }
-    folders.push_back(std::filesystem::path(ETI_SOURCE_DIR) / "deploy" / kind);
     return folders;
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/process/priority.hpp"
+#include "common/process/service_notify.hpp"
 #include "devices/app/program.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/sensor/terminal.hpp"
@@ -169,12 +170,21 @@ int run(const ProgramOptions& options, RenderSettings settings) {
         !refusal.empty()) {
         spdlog::warn("{}", refusal);
     }
+    ServiceNotify service;
+    std::uint64_t seen_cycles = 0;
     while (!program.should_end()) {
         std::this_thread::sleep_for(poll_interval);
+        // A device that runs the loop itself stops it when it is unplugged, which is no fault of this
+        // process.
+        if (const std::uint64_t now = loop.cycles(); now != seen_cycles || loop.on_servo()) {
+            seen_cycles = now;
+            service.alive();
+        }
         watch.tend();
         program.report(watch);
         heed_panic(terminal, loop);
     }
+    service.ending();
     loop.stop();
     spdlog::info("ended: {}", program.ended());
     const auto result = statistics(program, program.link(), loop, watch);

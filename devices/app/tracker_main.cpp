@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/convert.hpp"
+#include "common/process/service_notify.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
 #include "devices/haptics/haptic_loop.hpp"
@@ -35,10 +36,12 @@ class TubeTracker {
             if (++cycles_ % cycles_per_report == 0) {
                 program_.report(watch_);
             }
+            service_.alive();
             intervals_.record(now - last);
             last = now;
             next += period_ns * (1 + (now - next) / period_ns);
         }
+        service_.ending();
     }
 
     [[nodiscard]] nlohmann::ordered_json statistics() const {
@@ -98,6 +101,7 @@ class TubeTracker {
     SimulationTime time_;
     CycleStatistics intervals_;
     ServoReading servo_{watch_};
+    ServiceNotify service_;
     std::uint64_t published_ = 0;
     std::uint64_t cycles_ = 0;
 };

@@ -130,6 +130,7 @@ void HapticLoop::cycle(std::int64_t now) {
         posted_.release();
     }
     force_.store(cycle_.wrench().force.norm(), std::memory_order_relaxed);
+    cycles_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void HapticLoop::servo_cycle() noexcept {

@@ -99,6 +99,8 @@ class HapticLoop final : private ServoCycle {
 
     /// [N], that the hand feels now.
     [[nodiscard]] float force() const { return force_.load(std::memory_order_relaxed); }
+    /// Cycles so far; who watches sees by them that the loop does not hang.
+    [[nodiscard]] std::uint64_t cycles() const { return cycles_.load(std::memory_order_relaxed); }
     /// After stop().
     [[nodiscard]] const HapticCycle& cycle() const { return cycle_; }
     [[nodiscard]] std::uint64_t published() const { return published_; }
@@ -120,6 +122,7 @@ class HapticLoop final : private ServoCycle {
     std::counting_semaphore<> posted_{0};
     std::atomic<bool> ending_{false}, panic_{false};
     std::atomic<float> force_{0.0f};
+    std::atomic<std::uint64_t> cycles_{0};
     bool on_servo_ = false;
     std::string priority_refusal_;
     std::uint64_t published_ = 0;

@@ -17,6 +17,7 @@
 #include "common/model/parameters_json.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/service_notify.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
@@ -128,6 +129,7 @@ class Session {
         {
             const Foremost foremost(live_);
             while (!ended()) {
+                service_.alive();
                 if (frozen()) {
                     stand_still(clock);
                     continue;
@@ -139,6 +141,7 @@ class Session {
                 say(clock);
             }
         }
+        service_.ending();
         judge_->finish();
         const bool kept = !recorder_ || recorder_->finish();
         if (output_) {
@@ -296,7 +299,10 @@ class Session {
         }
         // The demo reads its progress from this line.
         if (!options_.fast && simulation_->snapshot().step % steps_per_second == 0) {
-            spdlog::info("simulation time {:.0f} s, {:.1f} s behind the clock", simulation_->time(), behind);
+            const std::string pace = fmt::format("simulation time {:.0f} s, {:.1f} s behind the clock",
+                                                 simulation_->time(), behind);
+            spdlog::info("{}", pace);
+            service_.say(pace);
         }
     }
 
@@ -378,6 +384,7 @@ class Session {
     std::function<void(const scene::ProxySnapshot&)> proxy_moved_;
     std::string priority_refusal_;  // empty: none was refused
     CommandDesk desk_;
+    ServiceNotify service_;
     FollowedState laryngoscope_{"laryngoscope"}, tube_{"tube"};
     std::uint64_t stood_still_ = 0;   // steps
     double operator_done_at_ = -1.0;  // [s], simulation time

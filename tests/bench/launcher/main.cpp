@@ -19,13 +19,14 @@ struct Command {
     const char* description;
 };
 
-constexpr std::array<Command, 7> commands = {{
+constexpr std::array<Command, 8> commands = {{
     {"speed", "eti-bench-physics", "Cost of the solver's parts"},
     {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
     {"calibration", "eti-bench-physics", "What modulus bodies of clusters have, against the modulus put in"},
     {"stability", "eti-bench-physics", "Where every method survives, recovers or fails"},
     {"sufficiency", "eti-bench-physics", "How the outcome of an intubation changes as the model shrinks"},
     {"sleep", "eti-bench-physics", "What is lost and saved where tissue at rest sleeps"},
+    {"merge", "eti-bench-physics", "The tables of a sweep's shards (--shard I/N) put together"},
     {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
 }};
 

@@ -36,7 +36,7 @@ void press_blocks(AccuracyTable& table, Table& forces, bool quick) {
     const std::vector<Setting> all = settings(quick);
     for (const auto& block : block_cases(quick)) {
         for (const Setting& setting : all) {
-            if (!block->fits(setting)) {
+            if (!block->fits(setting) || !table.shard().takes_next()) {
                 continue;
             }
             const std::string name = block->name();
@@ -76,15 +76,18 @@ std::vector<std::string> accuracy_group_names() {
 }
 
 int accuracy(const AccuracyOptions& options) {
-    AccuracyTable table(options.out);
-    Table forces(options.out, "accuracy-forces.csv",
-                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n");
+    Shard shard = options.shard;
+    const std::filesystem::path folder = shard.begin(options.out);
+    AccuracyTable table(folder, shard);
+    Table forces(folder, "accuracy-forces.csv",
+                 "case,method,spacing_mm,substeps,iterations,depth_mm,force_n,reference_n", &shard);
     for (const auto& [name, run] : groups) {
         if (options.only.empty() || options.only == name) {
             run(table, forces, options.quick);
             spdlog::info("{} done", name);
         }
     }
+    shard.finish(folder, "accuracy", {{"quick", options.quick ? "yes" : "no"}, {"only", options.only}});
     spdlog::info("wrote {} and {}", table.path().string(), forces.path().string());
     return 0;
 }

@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/server/shard.hpp"
+
 namespace eti::bench {
 
 struct AccuracyOptions {
     std::filesystem::path out = "out/bench";
     bool quick = false;  ///< a corner of the sweep, for tests
     std::string only;    ///< one of accuracy_group_names(); all if empty
+    Shard shard;         ///< which of the runs
 };
 
 /// Groups of cases, in the order in which they run.

@@ -26,9 +26,14 @@ struct AccuracyRow {
 /// accuracy.csv.
 class AccuracyTable {
   public:
-    explicit AccuracyTable(const std::filesystem::path& folder)
-        : table_(folder, "accuracy.csv",
-                 "case,method,spacing_mm,substeps,iterations,particles,relative_error,ms_per_frame") {}
+    AccuracyTable(const std::filesystem::path& folder, Shard& shard)
+        : shard_(shard),
+          table_(folder, "accuracy.csv",
+                 "case,method,spacing_mm,substeps,iterations,particles,relative_error,ms_per_frame", &shard) {
+    }
+
+    /// Which runs of the sweep are this process's.
+    [[nodiscard]] Shard& shard() { return shard_; }
 
     void add(const AccuracyRow& r) {
         table_.row(fmt::format("{},\"{}\",{:g},{},{},{},{},{:.6g}", r.name, r.method, 1e3 * r.spacing,
@@ -38,6 +43,7 @@ class AccuracyTable {
     [[nodiscard]] const std::filesystem::path& path() const { return table_.path(); }
 
   private:
+    Shard& shard_;
     Table table_;
 };
 

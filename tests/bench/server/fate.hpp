@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <span>
 #include <string>
@@ -118,13 +119,21 @@ class Follower {
 /// The maps, written cell by cell.
 class Maps {
   public:
-    explicit Maps(const std::filesystem::path& folder)
-        : table_(folder, "stability.csv",
-                 "figure,map,method,row,column,fate,return_s,residual,kinetic_growth,rotation_error") {}
+    Maps(const std::filesystem::path& folder, Shard& shard)
+        : shard_(shard),
+          table_(folder, "stability.csv",
+                 "figure,map,method,row,column,fate,return_s,residual,kinetic_growth,rotation_error",
+                 &shard) {}
 
-    /// `figure` holds the panels of its maps, one line of panels per map, one panel per method.
+    /// `figure` holds the panels of its maps, one line of panels per map, one panel per method. `course`
+    /// makes the cell's Course, where it is this process that does.
+    template <std::invocable Work>
     void add(std::string_view figure, std::string_view map, std::string_view method, std::string_view row,
-             std::string_view column, const Course& c) {
+             std::string_view column, const Work& course) {
+        if (!shard_.takes_next()) {
+            return;
+        }
+        const Course c = course();
         table_.row(fmt::format("{},\"{}\",\"{}\",\"{}\",{},{},{},{},{},{}", figure, map, method, row, column,
                                name_of(c.fate), number(c.return_time), number(c.residual),
                                number(c.kinetic_growth), number(c.rotation_error)));
@@ -136,6 +145,7 @@ class Maps {
     [[nodiscard]] static std::string number(double value) {
         return std::isnan(value) ? "" : fmt::format("{:.3g}", value);
     }
+    Shard& shard_;
     Table table_;
 };
 

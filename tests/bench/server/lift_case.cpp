@@ -50,6 +50,9 @@ struct LiftSetup {
 }  // namespace
 
 void lift_tongue(AccuracyTable& table, bool quick) {
+    if (!table.shard().takes_next()) {  // one run: its cost is that of the references
+        return;
+    }
     const LiftSetup setup(quick);
     // What holds the tongue differs from model to model, and is not what is judged.
     const Surroundings of_xpbd = setup.surroundings(TissueMethod::tetrahedra, quick ? 12 : finest);
@@ -114,11 +117,15 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
     if (quick) {  // whose steps are too long to tell
         return;
     }
+    Table variants(table.path().parent_path(), "lift-reference.csv",
+                   "variant,force_n,force_difference,shape_difference,view_percent,steps,iterations",
+                   &table.shard());
+    if (!table.shard().takes_next()) {
+        return;
+    }
     const LiftSetup setup(quick);
     const Surroundings usual = setup.surroundings(TissueMethod::tetrahedra, finest);
     const LiftReference reference = setup.reference(usual, setup.choice);
-    Table variants(table.path().parent_path(), "lift-reference.csv",
-                   "variant,force_n,force_difference,shape_difference,view_percent,steps,iterations");
     const auto add = [&](std::string_view name, const LiftReference& of) {
         const double apart = (of.lift.force - reference.lift.force).norm() / reference.lift.force.norm();
         variants.row(fmt::format("{},{:.5g},{:.4g},{:.4g},{:.4g},{},{}", name, of.lift.force.norm(), apart,
@@ -135,8 +142,12 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
 void lift_with_other_tremors(AccuracyTable& table, bool quick) {
     Table tremors(table.path().parent_path(), "lift-tremors.csv",
                   "tremor,force_n,force_expected_n,force_difference,shape_difference,view_percent,view_"
-                  "expected_percent");
+                  "expected_percent",
+                  &table.shard());
     for (std::uint64_t tremor = 0; tremor < (quick ? 1 : 4); ++tremor) {
+        if (!table.shard().takes_next()) {
+            continue;
+        }
         const LiftSetup setup(quick, tremor);
         const Surroundings own = setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
         const LiftReference reference = setup.reference(own, setup.choice);

@@ -9,6 +9,7 @@
 
 #include "tests/bench/server/accuracy.hpp"
 #include "tests/bench/server/calibration.hpp"
+#include "tests/bench/server/shard.hpp"
 #include "tests/bench/server/sleep.hpp"
 #include "tests/bench/server/speed.hpp"
 #include "tests/bench/server/stability.hpp"
@@ -54,6 +55,21 @@ int main(int argc, char** argv) {
     limits->add_flag("--quick", stability.quick, "The shipped methods and substep only");
     limits->add_option("--only", stability.only, "One part of the maps")
         ->check(CLI::IsMember(eti::bench::stability_part_names()));
+    std::string shard;
+    for (CLI::App* sweep : {shrink, errors, limits}) {
+        sweep->add_option(
+            "--shard", shard,
+            "I/N, as 0/4 to 3/4: only a share of the runs, into OUT/shard-I-of-N; 'merge' puts the "
+            "shares together");
+    }
+    std::filesystem::path merged;
+    std::vector<std::filesystem::path> shares;
+    CLI::App* together =
+        app.add_subcommand("merge", "The tables of a sweep's shards as one process would have written them");
+    together->add_option("out", merged, "Folder for the tables")->required();
+    together->add_option("shards", shares, "Folders of all shards")
+        ->required()
+        ->check(CLI::ExistingDirectory);
     eti::bench::SpeedOptions speed;
     CLI::App* costs = app.add_subcommand(
         "speed", "Cost of the solver's parts, with one thread and two, or with as many as --threads says");
@@ -75,6 +91,12 @@ int main(int argc, char** argv) {
         tbb::global_control::max_allowed_parallelism,
         threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency()));
     try {
+        if (!shard.empty()) {
+            accuracy.shard = stability.shard = sufficiency.shard = eti::bench::Shard(shard);
+        }
+        if (together->parsed()) {
+            return eti::bench::merge(merged, shares);
+        }
         if (errors->parsed()) {
             return eti::bench::accuracy(accuracy);
         }

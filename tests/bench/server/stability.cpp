@@ -34,7 +34,9 @@ std::vector<std::string> stability_part_names() {
 }
 
 int stability(const StabilityOptions& options) {
-    Maps maps(options.out);
+    Shard shard = options.shard;
+    const std::filesystem::path folder = shard.begin(options.out);
+    Maps maps(folder, shard);
     Sweep sweep{.quick = options.quick};
     if (options.quick) {
         sweep.methods = {Method::shape_matching_xpbd, Method::tetrahedra, Method::tetrahedra_implicit};
@@ -47,6 +49,7 @@ int stability(const StabilityOptions& options) {
             spdlog::info("{}: done", name);
         }
     }
+    shard.finish(folder, "stability", {{"quick", options.quick ? "yes" : "no"}, {"only", options.only}});
     spdlog::info(
         "wrote {}; the scenarios ship implicit tetrahedra, one solve per {}, and clusters, XPBD, at {}",
         maps.path().string(), step_name(steps_per_second), step_name(shipped_rate()));

@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/server/shard.hpp"
+
 namespace eti::bench {
 
 struct StabilityOptions {
     std::filesystem::path out = "out/bench";
     bool quick = false;  ///< the shipped setting only, for tests
     std::string only;    ///< one part by name; empty: all
+    Shard shard;         ///< which of the runs
 };
 
 /// What `only` may name.

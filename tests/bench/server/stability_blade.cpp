@@ -189,7 +189,9 @@ void blade_into_tissue_on_bone(const Sweep& sweep, Maps& maps) {
                  {Push{"5 N", 5.0, 0.0}, Push{"50 N", 50.0, 0.0}, Push{"0.1 m/s", 0.0, 0.1},
                   Push{"1 m/s", 0.0, 1.0}, Push{"10 m/s", 0.0, 10.0}}) {
                 maps.add("contacts", "blade into tissue on bone", name_of(method), push.name, column,
-                         drive(with_rate(method, rate), column == as_cut, push));
+                         [&, &column = column, rate = rate] {
+                             return drive(with_rate(method, rate), column == as_cut, push);
+                         });
             }
         }
     }

@@ -101,26 +101,27 @@ void blocks_thrown_and_released(const Sweep& sweep, Maps& maps) {
     for (const Method method : sweep.methods) {
         for (const auto& [column, rate] : columns_of(sweep, method)) {
             const auto add = [&, &column = column](std::string_view map, std::string_view row,
-                                                   const Course& course) {
+                                                   const auto& course) {
                 maps.add(figure, map, name_of(method), row, column, course);
             };
             for (const double modulus : {8e1, 8e2, 8e3, 8e4, 8e5, 8e6, 8e7}) {
                 const Setting setting = with_rate(method, rate, modulus);
                 const std::string row = fmt::format("{:g} kPa", 1e-3 * modulus);
-                add("stiffness", row, release(setting, {}));
-                add("undamped: kinetic energy", row, undamped(setting));
+                add("stiffness", row, [&] { return release(setting, {}); });
+                add("undamped: kinetic energy", row, [&] { return undamped(setting); });
             }
             for (const double ratio : {1.0, 10.0, 100.0, 1e3, 1e4}) {
                 add("mass ratio", fmt::format("1:{:g}", ratio),
-                    release(with_rate(method, rate), {.mass_ratio = ratio}));
+                    [&, rate = rate] { return release(with_rate(method, rate), {.mass_ratio = ratio}); });
             }
             for (const double share : {0.1, 0.5, 0.9}) {
                 add("static among moving", fmt::format("{:g} % static", 100.0 * share),
-                    release(with_rate(method, rate), {.static_share = share}));
+                    [&, rate = rate] { return release(with_rate(method, rate), {.static_share = share}); });
             }
             for (const Disturbance& disturbance : disturbances()) {
-                add("disturbance", disturbance.name,
-                    release(with_rate(method, rate), {.disturbance = disturbance}));
+                add("disturbance", disturbance.name, [&, rate = rate] {
+                    return release(with_rate(method, rate), {.disturbance = disturbance});
+                });
             }
         }
     }

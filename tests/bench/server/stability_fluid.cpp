@@ -121,7 +121,7 @@ void fluid_in_a_closing_gap(const Sweep& sweep, Maps& maps) {
                              two ? "fluid between two capsules" : "fluid between capsule and floor",
                              as_in_the_scene ? "saliva" : "saliva, all its surface tension",
                              fmt::format("{:g} m/s", speed), step_name(rate),
-                             squeeze(rate, speed, two, as_in_the_scene));
+                             [&] { return squeeze(rate, speed, two, as_in_the_scene); });
                 }
             }
         }

@@ -91,14 +91,15 @@ void head_in_one_step(const Sweep& sweep, Maps& maps) {
         }
         for (const int substeps : sweep.quick ? std::vector{shipped} : std::vector{1, 2, 4, shipped, 16}) {
             maps.add("scene", "head in one step", "coarse patient", m.name,
-                     step_name(steps_per_second * substeps), move(test::coarse_newborn(), m, substeps));
+                     step_name(steps_per_second * substeps),
+                     [&] { return move(test::coarse_newborn(), m, substeps); });
         }
     }
     if (!sweep.quick) {
         const anatomy::Patient shipped_model = anatomy::build_patient({}, {});
         for (const Move& m : moves) {
             maps.add("scene", "head in one step", "shipped patient", m.name,
-                     step_name(steps_per_second * shipped), move(shipped_model, m, shipped));
+                     step_name(steps_per_second * shipped), [&] { return move(shipped_model, m, shipped); });
         }
     }
 }

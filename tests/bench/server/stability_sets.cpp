@@ -200,7 +200,7 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps) {
     for (const Method method : sweep.methods) {
         for (const auto& [column, rate] : columns_of(sweep, method)) {
             const auto add = [&, &column = column](std::string_view map, std::string_view row,
-                                                   const Course& course) {
+                                                   const auto& course) {
                 maps.add(figure, map, name_of(method), row, column, course);
             };
             if (method != Method::tetrahedra &&
@@ -208,20 +208,20 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps) {
                 for (const Shape& shape : shapes()) {
                     for (const Placement& placement : placements) {
                         add("clusters without volume", shape.name + ", " + placement.name,
-                            lone_cluster(shape, placement, method, rate));
+                            [&, rate = rate] { return lone_cluster(shape, placement, method, rate); });
                     }
                 }
             }
             for (const float stiffness : {1.0f, 1e2f, 1e4f, 1e6f}) {
                 add("links against the body", fmt::format("{:g} N/m", stiffness),
-                    links_against_body(method, rate, stiffness));
+                    [&, rate = rate] { return links_against_body(method, rate, stiffness); });
             }
         }
     }
     for (const double rate : sweep.rates) {
         for (const float ratio : {1.0f, 1e2f, 1e4f}) {
             maps.add(figure, "two links, 10 and 20 mm", "links, XPBD", fmt::format("1:{:g}", ratio),
-                     step_name(rate), two_links(ratio, rate));
+                     step_name(rate), [&] { return two_links(ratio, rate); });
         }
     }
 }

@@ -363,11 +363,12 @@ void tools_against_thin_walls(const Sweep& sweep, Maps& maps) {
                             fmt::format("{} mm, {}", thickness, end_on ? "end on" : "broadside");
                         const std::string column = fmt::format("{:g} m/s", speed);
                         const std::string step = step_name(steps_per_second * count);
-                        maps.add("walls", "tube on " + name_of(target), step, row, column, Run(c).tube());
+                        maps.add("walls", "tube on " + name_of(target), step, row, column,
+                                 [&] { return Run(c).tube(); });
                         // The rigid layer, which has tests of its own, keeps the blade out of the shell.
                         if (target != Target::shell) {
                             maps.add("walls", "blade on " + name_of(target), step, row, column,
-                                     Run(c).blade());
+                                     [&] { return Run(c).blade(); });
                         }
                     }
                 }

@@ -71,10 +71,13 @@ void write_row(Table& table, const std::string& scenario, const Variant& v, std:
 }  // namespace
 
 int sufficiency(const SufficiencyOptions& options) {
-    Table table(options.out, "sufficiency.csv",
+    Shard shard = options.shard;
+    const std::filesystem::path folder = shard.begin(options.out);
+    Table table(folder, "sufficiency.csv",
                 "scenario,variant,seed,substeps,spacing_mm,fine_spacing_mm,region_mm,particles,success,"
                 "glottic_opening_max_percent,glottic_opening_mean_percent,gum_force_max_n,tongue_force_max_n,"
-                "epiglottis_force_max_n,blade_force_max_n,time_s,step_ms");
+                "epiglottis_force_max_n,blade_force_max_n,time_s,step_ms",
+                &shard);
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     for (const std::string& name : options.scenarios) {
         const Scenario shipped = load_scenario(find_data_file(name, "scenarios"));
@@ -84,6 +87,9 @@ int sufficiency(const SufficiencyOptions& options) {
             // The tremor's scatter is that of the shipped model.
             const int seeds = all[k].name == "default" ? std::max(1, options.seeds) : 1;
             for (int s = 0; s < seeds; ++s) {
+                if (!shard.takes_next()) {
+                    continue;
+                }
                 Scenario scenario = shipped;
                 scenario.physics = all[k].physics;
                 scenario.saliva = all[k].saliva;
@@ -92,7 +98,7 @@ int sufficiency(const SufficiencyOptions& options) {
                     trial = perform(scenario, script, seed + static_cast<std::uint64_t>(s));
                 } catch (const InputError& refusal) {
                     spdlog::warn("'{}' is left out: {}", all[k].name, refusal.what());
-                    break;
+                    continue;
                 }
                 write_row(table, shipped.name, all[k], seed + static_cast<std::uint64_t>(s), trial);
                 spdlog::info("{} {}/{} '{}': {}, view {:.0f} %, {:.1f} ms a step", shipped.name, k + 1,
@@ -101,6 +107,10 @@ int sufficiency(const SufficiencyOptions& options) {
             }
         }
     }
+    shard.finish(folder, "sufficiency",
+                 {{"quick", options.quick ? "yes" : "no"},
+                  {"scenarios", fmt::format("{}", fmt::join(options.scenarios, ", "))},
+                  {"seeds", std::to_string(options.seeds)}});
     spdlog::info("wrote {}", table.path().string());
     return 0;
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/server/shard.hpp"
+
 namespace eti::bench {
 
 struct SufficiencyOptions {
@@ -13,6 +15,7 @@ struct SufficiencyOptions {
     std::vector<std::string> scenarios = {"term", "premature"};
     bool quick = false;  ///< two variants instead of all, for tests
     int seeds = 3;       ///< of the operator's tremor, for the scatter
+    Shard shard;         ///< which of the runs
 };
 
 /// How the outcome of a scripted intubation changes as the model shrinks: writes sufficiency.csv, one

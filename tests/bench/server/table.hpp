@@ -7,27 +7,37 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/bench/server/shard.hpp"
+
 namespace eti::bench {
 
 /// A table that a command writes row by row, so that what is done is kept when it is stopped.
 class Table {
   public:
-    /// Makes the folder and begins the file anew with `header`. Throws when it cannot be written.
-    Table(const std::filesystem::path& folder, const std::string& name, const std::string& header)
-        : path_(folder / name) {
+    /// Makes the folder and begins the file anew with `header`. Throws when it cannot be written. Rows are of
+    /// the run that `shard`, if any, is at.
+    Table(const std::filesystem::path& folder, const std::string& name, const std::string& header,
+          const Shard* shard = nullptr)
+        : path_(folder / name), shard_(shard != nullptr && shard->sharded() ? shard : nullptr) {
         std::filesystem::create_directories(folder);
         stream_.open(path_);
         if (!stream_) {
             throw std::runtime_error("cannot write " + path_.string() + "; choose another folder with --out");
         }
-        row(header);
+        stream_ << (shard_ != nullptr ? "run," : "") << header << std::endl;
     }
 
-    void row(const std::string& text) { stream_ << text << std::endl; }
+    void row(const std::string& text) {
+        if (shard_ != nullptr) {
+            stream_ << shard_->run() << ',';
+        }
+        stream_ << text << std::endl;
+    }
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
   private:
     std::filesystem::path path_;
+    const Shard* shard_;
     std::ofstream stream_;
 };
 

@@ -4,12 +4,14 @@
 """Builds newborns of random shape, checks each model and, if asked, lets the scripted expert intubate it.
 
 Usage: [ETI_BIN=FOLDER] sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--jobs N] [--out FILE.csv]
+       [--shard I/N | --merge FILE.csv...]
 
 Shapes are drawn evenly from the ranges of common/model/newborn_shape.cpp, every fourth with one of the named
 variants; the age follows the weight. --grid takes usual newborns of every weight and age that go together instead.
 ETI_BIN is the folder with the programs (default: build/release/bin).
 Prints one line per newborn and a JSON summary. Rows that the CSV file already holds are not computed again, so an
-interrupted sweep goes on where it was.
+interrupted sweep goes on where it was. With --shard I/N (0/4 to 3/4) only every N-th newborn is examined. --merge, with
+the same options, puts the files of all shards together as one process would have written them, and sums up.
 
 Whoever sees enough of the glottis and does not get the tube in may try again, up to three times, each with another
 tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
@@ -225,6 +227,32 @@ def rows_of(file):
         return {int(row["number"]): row for row in csv.DictReader(text)}
 
 
+def shard(text):
+    """(I, N) of "I/N"."""
+    index, slash, number = text.partition("/")
+    if not (slash and index.isdecimal() and number.isdecimal() and int(index) < int(number)):
+        raise argparse.ArgumentTypeError(f"'{text}' is no shard I/N, with I from 0 to N - 1")
+    return int(index), int(number)
+
+
+def merge(files, shapes, out):
+    """Rows of all shards, in order and written to `out`; ends the program where some are missing or there twice."""
+    rows = {}
+    for file in files:
+        for number, row in rows_of(file).items():
+            if number in rows:
+                sys.exit(f"sweep: newborn {number} of {file} is in another shard's file, too; give each shard once")
+            rows[number] = row
+    if missing := [number for number in range(1, len(shapes) + 1) if number not in rows]:
+        sys.exit(f"sweep: {len(missing)} of {len(shapes)} newborns are in none of the files, first number "
+                 f"{missing[0]}; run that shard again, and give the options that the shards had")
+    if out:
+        out.unlink(missing_ok=True)
+        for number in sorted(rows):
+            write_row(out, rows[number])
+    return rows
+
+
 def words(row):
     said = [str(row["because"])] if row.get("because") else ["sound"]
     if row.get("intubated") not in (None, ""):
@@ -247,9 +275,14 @@ def main():
     parser.add_argument("--grid", action="store_true", help="usual newborns of every weight and age, none at random")
     parser.add_argument("--jobs", type=int, default=1, help="newborns at a time")
     parser.add_argument("--out", type=Path, help="CSV file of all newborns; goes on where it ends")
+    share = parser.add_mutually_exclusive_group()
+    share.add_argument("--shard", type=shard, default=(0, 1), help="I/N: only every N-th newborn, from the I-th on")
+    share.add_argument("--merge", type=Path, nargs="+", help="examine none; put these files of all shards together")
     arguments = parser.parse_args()
     shapes = shapes_of(arguments)
-    rows = rows_of(arguments.out)
+    rows = merge(arguments.merge, shapes, arguments.out) if arguments.merge else rows_of(arguments.out)
+    index, shards = arguments.shard
+    numbers = [number for number in range(1, len(shapes) + 1) if (number - 1) % shards == index]
     told = threading.Lock()
 
     def one(number):
@@ -265,8 +298,8 @@ def main():
             print(f"{number}/{len(shapes)} {json.dumps(shape)} {words(rows[number])}", flush=True)
 
     with ThreadPoolExecutor(arguments.jobs) as workers:
-        list(workers.map(one, range(1, len(shapes) + 1)))
-    kept = [rows[number] for number in range(1, len(shapes) + 1)]
+        list(workers.map(one, numbers))
+    kept = [rows[number] for number in numbers]
     born = [row for row in kept if not str(row.get("because")).startswith(NO_SUCH)]
     faults = [row for row in born if str(row.get("because")).startswith(FAULT)]
     summary = {"newborns": len(born), "sound": count(born, "sound"), "faults": len(faults)}

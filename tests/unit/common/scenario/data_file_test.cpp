@@ -50,7 +50,8 @@ TEST_F(DataFile, PathIsTakenAsGiven) {
 }
 
 TEST_F(DataFile, NameIsSoughtInTheUsersFolderBeforeTheShippedOnes) {
-    EXPECT_EQ(find_data_file("term", "scenarios"), fs::path(ETI_SOURCE_DIR) / "deploy/scenarios/term.yaml");
+    EXPECT_EQ(fs::canonical(find_data_file("term", "scenarios")),
+              fs::canonical(fs::path(ETI_SOURCE_DIR) / "deploy/scenarios/term.yaml"));
     const fs::path own = write("scenarios/term.yaml", "seed: 4\n");
     EXPECT_EQ(find_data_file("term", "scenarios"), own);
 }

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""The services: what systemd says of their files, and that programs tell it how they are, and nothing when they hang.
+
+Reference: sd_notify(3), systemd.service(5).
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import time
+import unittest
+
+import support
+from support import BIN, DOMAIN, ROOT, SESSION
+
+UNITS = ROOT / "deploy/systemd"
+SERVICES = ("server", "haptics", "tracker")
+SPAN = 0.4              # [s], in which the watchdog wants to hear
+EXPOSURE = 25           # most of systemd-analyze's 0 (none) to 100
+PATIENT_IS_BUILT = 120  # [s]
+
+
+class Units(support.Case):
+    def setUp(self):
+        super().setUp()
+        if shutil.which("systemd-analyze") is None:
+            self.skipTest("no systemd-analyze here")
+
+    def unit(self, service):
+        """The unit's file with the programs under test in the place of installed ones."""
+        text = (UNITS / f"eti-{service}@.service").read_text()
+        self.assertEqual(text.count("/usr/bin/"), 1)
+        file = self.folder / f"eti-{service}@.service"
+        file.write_text(text.replace("/usr/bin", str(BIN)))
+        return file
+
+    def test_systemd_understands_every_line(self):
+        for service in SERVICES:
+            done = subprocess.run(["systemd-analyze", "verify", "--man=no", self.unit(service)], capture_output=True,
+                                  text=True)
+            self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""), service)
+        broken = self.unit("server")
+        broken.write_text(broken.read_text().replace("WatchdogSec=5", "WatchdogSeconds=5"))
+        done = subprocess.run(["systemd-analyze", "verify", "--man=no", broken], capture_output=True, text=True)
+        self.assertIn("WatchdogSeconds", done.stderr)
+
+    def test_services_are_exposed_no_more_than_they_need(self):
+        for service in SERVICES:
+            done = subprocess.run(["systemd-analyze", "security", "--offline=true", f"--threshold={EXPOSURE}",
+                                   self.unit(service)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout[-300:] + done.stderr)
+
+    def test_rights_and_shared_memory_are_left_to_them(self):
+        for service in SERVICES:
+            text = (UNITS / f"eti-{service}@.service").read_text()
+            for line in ("Restart=on-failure", "LimitRTPRIO=80", "LimitMEMLOCK=infinity", "Type=notify",
+                         "User=neoeti", f"EnvironmentFile=-/etc/neoeti/conf.d/{service}.conf"):
+                self.assertIn(f"\n{line}\n", text, service)
+            self.assertRegex(text, r"\nWatchdogSec=[1-9]")
+            self.assertNotRegex(text, r"RestrictRealtime=yes|PrivateIPC=yes|RemoveIPC=yes|PrivateNetwork=yes|"
+                                      r"InaccessiblePaths=.*shm|TemporaryFileSystem=")
+            # A device's files are the service's business, the server needs none.
+            self.assertEqual("PrivateDevices=yes" in text, service == "server")
+
+    def test_options_in_settings_are_options_of_the_programs(self):
+        for service in SERVICES:
+            offered = support.run(f"eti-{service}", "--help").stdout
+            text = (UNITS / f"conf.d/{service}.conf").read_text() + (UNITS / f"eti-{service}@.service").read_text()
+            options = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", text)) - {"--help"}
+            self.assertGreaterEqual(len(options), 2)
+            for option in options:
+                self.assertIn(option, offered)
+
+
+class Manager:
+    """The service manager's end of the socket."""
+
+    def __init__(self, folder):
+        self.path = str(folder / "notify")
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.socket.bind(self.path)
+        self.heard = []
+
+    def environment(self):
+        return {**os.environ, "NOTIFY_SOCKET": self.path, "WATCHDOG_USEC": str(int(1e6 * SPAN))}
+
+    def listen(self, seconds, until=None):
+        """What arrives in a time, or up to a line."""
+        end, lines = time.monotonic() + seconds, []
+        while (left := end - time.monotonic()) > 0:
+            self.socket.settimeout(left)
+            try:
+                lines.append(self.socket.recv(4096).decode())
+            except socket.timeout:
+                break
+            if lines[-1] == until:
+                break
+        self.heard += lines
+        return lines
+
+
+class Notifications(support.Case):
+    def start(self, program, *arguments):
+        self.manager = Manager(self.folder)
+        self.addCleanup(self.manager.socket.close)
+        process = subprocess.Popen([BIN / program, *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                   env=self.manager.environment())
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def assert_watched(self, process, ready_within):
+        """READY, then a sign of life in every span; none while it is stopped; STOPPING at the end."""
+        self.assertIn("READY=1", self.manager.listen(ready_within, until="READY=1"))
+        self.assertEqual(self.manager.heard[0], "READY=1", "said nothing before it was ready")
+        self.assertGreaterEqual(self.manager.listen(5 * SPAN).count("WATCHDOG=1"), 5)
+        process.send_signal(signal.SIGSTOP)
+        self.manager.listen(SPAN)
+        self.assertEqual(self.manager.listen(3 * SPAN), [], "speaks though it hangs")
+        process.send_signal(signal.SIGCONT)
+        self.assertIn("WATCHDOG=1", self.manager.listen(5 * SPAN))
+        process.send_signal(signal.SIGTERM)
+        self.assertIn("STOPPING=1", self.manager.listen(10, until="STOPPING=1"))
+        self.assertEqual(process.wait(60), 0)
+        self.assertEqual(self.manager.heard.count("READY=1"), 1)
+
+    def test_server_says_that_it_is_ready_goes_on_and_ends(self):
+        server = self.start("eti-server", "--session", SESSION, "--domain", DOMAIN)
+        self.assert_watched(server, PATIENT_IS_BUILT)
+        self.assertTrue(any(line.startswith("STATUS=simulation time") for line in self.manager.heard))
+
+    def test_services_are_heard_by_another_users_programs(self):
+        """The library's shared memory is closed to other users: with it nothing would arrive."""
+        if os.geteuid() != 0 or shutil.which("setpriv") is None:
+            self.skipTest("needs root and setpriv, to be two users")
+        def as_user(number):
+            return ["setpriv", f"--reuid={number}", f"--regid={number}", "--clear-groups"]
+        programs = self.folder / "bin"
+        programs.mkdir()
+        for program in ("eti-server", "eti-tracker"):
+            shutil.copy(BIN / program, programs)
+        shutil.copytree(ROOT / "deploy", self.folder / "share/neoeti")
+        self.folder.chmod(0o777)
+        options = ["--session", SESSION, "--domain", str(DOMAIN)]
+        server = subprocess.Popen([*as_user(65533), programs / "eti-server", *options], stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                  env={**os.environ, "ETI_CACHE": str(self.folder / "cache")})
+        self.addCleanup(server.wait)
+        self.addCleanup(server.kill)
+        end, heard = time.monotonic() + PATIENT_IS_BUILT, 0
+        while heard == 0 and time.monotonic() < end:
+            done = subprocess.run([*as_user(65532), programs / "eti-tracker", *options, "--device", "scripted",
+                                   "--duration", "2", "--json"], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            heard = json.loads(done.stdout)["states_received"]
+        self.assertGreater(heard, 0)
+
+    def test_server_that_refuses_its_input_never_says_ready(self):
+        server = self.start("eti-server", "--session", SESSION, "--domain", DOMAIN, "--scenario", "nobody")
+        self.assertEqual(server.wait(60), 1)
+        self.assertEqual(self.manager.listen(0.2), [])
+
+    def test_haptics_say_so_of_their_loop(self):
+        self.assert_watched(self.start("eti-haptics", "--session", SESSION, "--domain", DOMAIN, "--device",
+                                       "simulated"), 30)
+
+    def test_tracker_says_so_of_its_loop(self):
+        self.assert_watched(self.start("eti-tracker", "--session", SESSION, "--domain", DOMAIN, "--device",
+                                       "scripted"), 30)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""package.sh and try_packages.sh: what they refuse, and with what remedy."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class PackageScripts(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.bin = self.folder / "bin"
+        self.bin.mkdir()
+
+    def program(self, name, text):
+        file = self.bin / name
+        file.write_text(f"#!/bin/sh\n{text}\n")
+        file.chmod(0o755)
+
+    def run_script(self, script, *arguments):
+        return subprocess.run([ROOT / "deploy" / script, *arguments], capture_output=True, text=True,
+                              env={**os.environ, "PATH": f"{self.bin}:{os.environ['PATH']}"})
+
+    def test_both_explain_themselves_and_refuse_what_they_do_not_know(self):
+        for script in ("package.sh", "try_packages.sh"):
+            self.assertIn("--no-install", self.run_script(script, "--help").stdout)
+            self.assertEqual(self.run_script(script, "--bogus").returncode, 2)
+
+    def test_a_failed_cpack_is_told_and_leaves_no_packages(self):
+        self.program("cpack", "echo 'no such program'; exit 1")
+        done = self.run_script("package.sh", "--no-build", "--no-install", "--out", self.folder / "out")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no such program", done.stderr)
+        self.assertIn("without --no-build", done.stderr)
+        self.assertEqual(list((self.folder / "out").iterdir()), [])
+
+    def test_trying_needs_root(self):
+        self.program("id", "echo 1000")
+        done = self.run_script("try_packages.sh", "--no-install")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("needs root", done.stderr)
+
+    def test_trying_needs_namespaces_and_a_mirror(self):
+        self.program("id", "echo 0")
+        self.program("unshare", "exit 1")
+        self.assertIn("mount namespaces", self.run_script("try_packages.sh", "--no-install").stderr)
+        self.program("unshare", "exit 0")
+        self.program("apt-get", "exit 1")
+        done = self.run_script("try_packages.sh", "--no-install")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--mirror", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
