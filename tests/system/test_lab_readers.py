@@ -81,7 +81,8 @@ class LabReaders(support.Case):
     def setUpClass(cls):
         cls.programs = Path(tempfile.mkdtemp(prefix="eti-examples-"))
         cls.addClassCleanup(shutil.rmtree, cls.programs, ignore_errors=True)
-        built = subprocess.run([support.ROOT / "deploy/examples/build.sh", cls.programs], capture_output=True, text=True)
+        built = subprocess.run([support.ROOT / "deploy/examples/build.sh", cls.programs], capture_output=True,
+                               text=True)
         assert built.returncode == 0 and not built.stderr, built.stderr
 
     def start_server(self, *arguments):
