@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -34,6 +36,9 @@ class BusError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// Tells participants apart; the library's own.
+using ParticipantId = std::array<std::uint8_t, 12>;
+
 /// Options::name of the server, by which the others know it while it is still loading.
 inline constexpr std::string_view server_name = "eti-server";
 
@@ -51,6 +56,9 @@ class Node {
     struct Impl;
     [[nodiscard]] Impl& impl() const { return *impl_; }
     [[nodiscard]] const Options& options() const;
+    /// A second participant writes this session's status beside its owner: nobody's forces are to be
+    /// believed.
+    [[nodiscard]] bool contested() const;
 
   private:
     std::unique_ptr<Impl> impl_;
@@ -109,7 +117,11 @@ class Subscriber {
     [[nodiscard]] bool take_latest(Message& message);
     /// Waits until there is something to take.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
-    void ring(Bell& bell);              ///< at every sample from now on
+    void ring(Bell& bell);  ///< at every sample from now on
+    /// Who sent what was taken last.
+    [[nodiscard]] const ParticipantId& sender() const;
+    /// Of a topic with one writer at a time: this one is followed no more, because it is silent.
+    void let_go();
     [[nodiscard]] int matched() const;  ///< writers now matched
     [[nodiscard]] bool alive() const;   ///< some writer is matched and, where liveliness is asked for, alive
 

@@ -125,9 +125,8 @@ bool Publisher<Message>::wait_until_received(std::chrono::milliseconds timeout) 
     return impl_->writer->wait_for_acknowledgments(longest) == ReturnCode_t::RETCODE_OK;
 }
 
-/// The library calls it on its own thread, where it does no more than wake the one that waits.
-struct Bell::Impl : dds::DataReaderListener {
-    void on_data_available(dds::DataReader* /*reader*/) override {
+struct Bell::Impl {
+    void ring() {
         {
             const std::lock_guard lock(mutex);
             rung = true;
@@ -148,10 +147,42 @@ bool Bell::wait(std::chrono::milliseconds timeout) {
     return impl_->changed.wait_for(lock, timeout, [this] { return std::exchange(impl_->rung, false); });
 }
 
+namespace {
+
+/// The library calls it on its own threads, where it does no more than wake the one that waits and pass on
+/// who is heard.
+class ReaderListener final : public dds::DataReaderListener {
+  public:
+    explicit ReaderListener(Participant& participant) : participant_(participant) {}
+
+    void ring(Bell::Impl& bell) { bell_ = &bell; }
+
+    void on_data_available(dds::DataReader* /*reader*/) override { bell_->ring(); }
+
+    void on_liveliness_changed(dds::DataReader* /*reader*/,
+                               const dds::LivelinessChangedStatus& status) override {
+        const auto writer = eprosima::fastrtps::rtps::iHandle2GUID(status.last_publication_handle);
+        participant_.heard(writer, status.alive_count_change > 0);
+    }
+
+  private:
+    Participant& participant_;
+    Bell::Impl* bell_ = nullptr;
+};
+
+}  // namespace
+
 template <class Message>
 struct Subscriber<Message>::Impl {
+    explicit Impl(std::shared_ptr<Participant> its_participant)
+        : participant(std::move(its_participant)), listener(*participant) {}
+
     std::shared_ptr<Participant> participant;
+    ReaderListener listener;
     dds::DataReader* reader = nullptr;
+    dds::StatusMask mask = dds::StatusMask::none();
+    std::string_view topic;
+    ParticipantId sender{};
     bool manual_liveliness = false;
     Message newest;  // kept to spare allocations
 
@@ -164,15 +195,19 @@ struct Subscriber<Message>::Impl {
 };
 
 template <class Message>
-Subscriber<Message>::Subscriber(Node& node, const Topic<Message>& topic) : impl_(std::make_unique<Impl>()) {
-    impl_->participant = node.impl().participant;
+Subscriber<Message>::Subscriber(Node& node, const Topic<Message>& topic)
+    : impl_(std::make_unique<Impl>(node.impl().participant)) {
+    impl_->topic = topic.name;
+    if (topic.quality.manual_liveliness) {
+        impl_->mask = dds::StatusMask::liveliness_changed();
+    }
     impl_->manual_liveliness = topic.quality.manual_liveliness;
     const dds::TypeSupport type(new typename Wire<Message>::Type());
     dds::DataReaderQos quality = dds::DATAREADER_QOS_DEFAULT;
     apply(topic.quality, type->m_isGetKeyDefined, quality);
     quality.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
     impl_->reader = impl_->participant->subscriber->create_datareader(
-        impl_->participant->topic(topic.name, type), quality, nullptr, dds::StatusMask::none());
+        impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);
     if (impl_->reader == nullptr) {
         throw BusError(
             fmt::format("cannot read topic {}: the DDS library refused it; see the lines above", topic.name));
@@ -190,6 +225,7 @@ bool Subscriber<Message>::take(Message& message) {
     // Samples without data (a writer went away) are passed over.
     while (impl_->reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
         if (info.valid_data) {
+            std::ranges::copy(info.sample_identity.writer_guid().guidPrefix.value, impl_->sender.begin());
             return true;
         }
     }
@@ -216,7 +252,19 @@ bool Subscriber<Message>::wait(std::chrono::milliseconds timeout) {
 
 template <class Message>
 void Subscriber<Message>::ring(Bell& bell) {
-    impl_->reader->set_listener(&bell.impl(), dds::StatusMask::data_available());
+    impl_->listener.ring(bell.impl());
+    impl_->mask << dds::StatusMask::data_available();
+    impl_->reader->set_listener(&impl_->listener, impl_->mask);
+}
+
+template <class Message>
+const ParticipantId& Subscriber<Message>::sender() const {
+    return impl_->sender;
+}
+
+template <class Message>
+void Subscriber<Message>::let_go() {
+    impl_->participant->let_go(impl_->topic);
 }
 
 template <class Message>

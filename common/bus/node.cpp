@@ -10,6 +10,7 @@
 
 #include "common/bus/convert.hpp"
 #include "common/bus/participant.hpp"
+#include "common/bus/receive_filter.hpp"
 #include "common/bus/transport.hpp"
 
 namespace eti::bus {
@@ -68,6 +69,45 @@ std::string field_of(const std::string& text, std::string_view key) {
     return text.substr(from, text.find(';', from) - from);
 }
 
+// A hostile network must not grow this without end.
+constexpr std::size_t most_peers = 256;
+
+ParticipantId id_of(const eprosima::fastrtps::rtps::GuidPrefix_t& prefix) {
+    ParticipantId id{};
+    std::ranges::copy(prefix.value, id.begin());
+    return id;
+}
+
+WriterId writer_id(const eprosima::fastrtps::rtps::GUID_t& guid) {
+    WriterId id{id_of(guid.guidPrefix), {}};
+    std::ranges::copy(guid.entityId.value, id.entity.begin());
+    return id;
+}
+
+/// What a participant's user data say, if it is a program of this project.
+std::optional<Peer> introduced(const std::string& text, std::string name,
+                               const eprosima::fastrtps::rtps::GuidPrefix_t& prefix) {
+    if (!text.starts_with("eti;")) {
+        return std::nullopt;
+    }
+    const std::string started = field_of(text, ";started=");
+    std::uint64_t started_ns = 0;
+    std::from_chars(started.data(), started.data() + started.size(), started_ns);
+    // Programs before protocol 2 did not say what they speak.
+    const std::string said = field_of(text, ";protocol=");
+    int spoken = 1;
+    std::from_chars(said.data(), said.data() + said.size(), spoken);
+    const std::string version = field_of(text, ";version=");
+    Peer peer;
+    peer.name = std::move(name);
+    peer.session = field_of(text, ";session=");
+    peer.process = field_of(text, ";process=");
+    peer.protocol = spoken;
+    peer.version = version.empty() ? "unknown" : version;
+    peer.started = {started_ns, prefix};
+    return peer;
+}
+
 }  // namespace
 
 std::string process_name() {
@@ -77,10 +117,14 @@ std::string process_name() {
     return std::string(host).substr(0, 63 - pid.size()) + ":" + pid;
 }
 
-Participant::Participant(const Options& wanted) : options(wanted) {
+Participant::Participant(const Options& wanted)
+    : options(wanted), admission_(std::make_shared<Admission>(wanted.name == server_name)) {
     check_names(options);
     set_up_library();
     auto quality = participant_quality(options, warnings_);
+    for (auto& transport : quality.transport().user_transports) {
+        transport = filtered(transport, largest_datagram, admission_);
+    }
     auto& discovery = quality.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
@@ -155,44 +199,87 @@ std::vector<Peer> Participant::peers() const {
     std::vector<Peer> all;
     for (const auto& [prefix, peer] : peers_) {
         all.push_back(peer);
+        all.back().serves = admission_->serves(id_of(prefix));
     }
     return all;
+}
+
+void Participant::heard(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive) {
+    admission_->heard(writer_id(writer), alive);
+    say_news();
+}
+
+void Participant::let_go(std::string_view topic) {
+    admission_->let_go(topic);
+}
+
+void Participant::say_news() {
+    for (const std::string& line : admission_->news()) {
+        if (const auto kept_back = lines_.allow(line)) {
+            bus_log().warn("{}{}", line, and_more(*kept_back));
+        }
+    }
 }
 
 void Participant::on_participant_discovery(dds::DomainParticipant*,
                                            eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) {
     using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    constexpr std::size_t most = 256;  // a hostile network must not grow this without end
-    const std::lock_guard lock(peers_mutex_);
     const auto& prefix = info.info.m_guid.guidPrefix;
     if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
-        peers_.erase(prefix);
+        {
+            const std::lock_guard lock(peers_mutex_);
+            peers_.erase(prefix);
+        }
+        admission_->gone(id_of(prefix));
+        say_news();
         return;
     }
     const auto& data = info.info.m_userData.data_vec();
-    const std::string text(data.begin(), data.end());
-    if (text.starts_with("eti;") && peers_.size() < most) {
-        const std::string started = field_of(text, ";started=");
-        std::uint64_t started_ns = 0;
-        std::from_chars(started.data(), started.data() + started.size(), started_ns);
-        // Programs before protocol 2 did not say what they speak.
-        const std::string said = field_of(text, ";protocol=");
-        int spoken = 1;
-        std::from_chars(said.data(), said.data() + said.size(), spoken);
-        const std::string version = field_of(text, ";version=");
-        peers_[prefix] = {std::string(info.info.m_participantName.c_str()),
-                          field_of(text, ";session="),
-                          field_of(text, ";process="),
-                          spoken,
-                          version.empty() ? "unknown" : version,
-                          {started_ns, prefix}};
+    const std::optional<Peer> peer = introduced(std::string(data.begin(), data.end()),
+                                                std::string(info.info.m_participantName.c_str()), prefix);
+    if (peer) {
+        const std::lock_guard lock(peers_mutex_);
+        if (peers_.size() < most_peers) {
+            peers_.insert_or_assign(prefix, *peer);
+        }
     }
+    const bool as_server =
+        peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
+    admission_->found(id_of(prefix), peer ? fmt::format("'{}' {}", peer->name, peer->process) : "",
+                      as_server);
+    say_news();
+}
+
+bool Participant::in_session(const dds::PartitionQosPolicy& partitions) const {
+    const std::string own = partition_of(options.session);
+    // A pattern may fit; fnmatch's letters, as the library takes them.
+    return std::ranges::any_of(partitions.getNames(), [&](const std::string& name) {
+        return name == own || name.find_first_of("*?[") != std::string::npos;
+    });
+}
+
+void Participant::on_publisher_discovery(dds::DomainParticipant* self,
+                                         eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
+    using Info = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
+    if (info.info.guid().guidPrefix == self->guid().guidPrefix) {
+        return;  // the library tells of its own, too
+    }
+    const WriterId writer = writer_id(info.info.guid());
+    if (info.status == Info::REMOVED_WRITER) {
+        admission_->gone(writer);
+    } else if (in_session(info.info.m_qos.m_partition)) {
+        admission_->found(writer, info.info.topicName().c_str());
+    }
+    say_news();
 }
 
 Node::Node(const Options& options) : impl_(new Impl{std::make_shared<Participant>(options)}) {}
 Node::~Node() = default;
 const Options& Node::options() const {
     return impl_->participant->options;
+}
+bool Node::contested() const {
+    return impl_->participant->contested();
 }
 
 }  // namespace eti::bus

@@ -16,8 +16,10 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/admission.hpp"
 #include "common/bus/bus.hpp"
 #include "common/bus/library_log.hpp"
+#include "common/process/line_limit.hpp"
 
 namespace eti::bus {
 
@@ -29,6 +31,7 @@ struct Peer {
     std::string session;
     std::string process;  ///< host:pid
     int protocol = 0;     ///< that it speaks; see bus::protocol
+    bool serves = false;  ///< it writes the status of this node's session
     std::string version;  ///< of its program
     /// When it joined [ns, its system clock] and, to tell two of one instant apart, its identity.
     std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started;
@@ -47,6 +50,10 @@ class Participant final : public dds::DomainParticipantListener {
     [[nodiscard]] dds::Topic* topic(std::string_view name, dds::TypeSupport type);
 
     [[nodiscard]] std::vector<Peer> peers() const;
+    /// Of a writer that a reader here matches: it has been heard, or has fallen silent.
+    void heard(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive);
+    void let_go(std::string_view topic);
+    [[nodiscard]] bool contested() const { return admission_->contested(); }
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
     /// Comparable with Peer::started.
     [[nodiscard]] std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started() const;
@@ -59,8 +66,14 @@ class Participant final : public dds::DomainParticipantListener {
   private:
     void on_participant_discovery(dds::DomainParticipant* participant,
                                   eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+    void on_publisher_discovery(dds::DomainParticipant* participant,
+                                eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+    [[nodiscard]] bool in_session(const dds::PartitionQosPolicy& partitions) const;
+    void say_news();
     void close();
 
+    std::shared_ptr<Admission> admission_;
+    LineLimit lines_;
     std::mutex topics_mutex_;
     std::map<std::string, dds::Topic*, std::less<>> topics_;
     mutable std::mutex peers_mutex_;

@@ -21,16 +21,13 @@ constexpr std::chrono::milliseconds poll_interval{20};
                     options.session, options.domain, owner));
 }
 
-/// Throws when another server owns the session, or started on it before this one.
-void refuse_second_server(const Participant& self, Subscriber<msg::SessionStatus>& statuses) {
-    msg::SessionStatus status;
-    if (statuses.take_latest(status) && statuses.matched() > 0) {
-        refuse(self.options, std::string(status.server().c_str()));
-    }
-    // Two servers that start together are both silent still: the one that started first stays.
+/// Throws when another server owns the session, or started on it before this one. Who writes a status without
+/// introducing itself as a server keeps nobody out.
+void refuse_second_server(const Participant& self) {
     for (const Peer& peer : self.peers()) {
+        // Two servers that start together are both silent still: the one that started first stays.
         if (peer.name == self.options.name && peer.session == self.options.session &&
-            peer.started < self.started()) {
+            (peer.serves || peer.started < self.started())) {
             refuse(self.options, peer.process);
         }
     }
@@ -122,7 +119,7 @@ SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait)
     while (!found && Clock::now() < end) {
         std::this_thread::sleep_for(std::min<Clock::duration>(poll_interval, end - Clock::now()));
         if (is_server) {
-            refuse_second_server(self, statuses);
+            refuse_second_server(self);
         } else {
             refuse_other_protocol(node);
             found = statuses.matched() > 0 || server_is_starting(self);

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include "idl/eti_wire.hpp"
@@ -15,12 +16,20 @@ namespace msg = ::eti::msg;
 /// count.
 inline constexpr int protocol = 3;
 
+/// From whom samples of a topic are taken.
+enum class Source : std::uint8_t {
+    anybody,
+    server,  ///< the participant that owns the session, alone
+    first,   ///< one writer at a time: whoever was found first, until it falls silent or goes
+};
+
 /// How a topic travels.
 struct Quality {
     bool reliable = false;
     bool transient_local = false;    ///< late joiners get the last sample of each key
     int depth = 1;                   ///< samples kept per key
     bool manual_liveliness = false;  ///< a hung loop shows within 300 ms
+    Source from = Source::server;
 };
 
 template <class Message>
@@ -29,14 +38,19 @@ struct Topic {
     Quality quality;
 };
 
+struct TopicSource {
+    std::string_view name;
+    Source from;
+};
+
 /// Every topic: X(name, message, members of Quality...). A new topic is a struct in eti.idl and a row here.
 // Best effort with room for the chunks of a few states: keep last 1 would drop all but the last chunk.
 #define ETI_TOPICS(X)                                                                     \
     X(session_description, SessionDescription, .reliable = true, .transient_local = true) \
     X(scene, SceneDescription, .reliable = true, .transient_local = true)                 \
-    X(laryngoscope_pose, ToolPose)                                                        \
-    X(tube_pose, ToolPose)                                                                \
-    X(eye_pose, EyePose)                                                                  \
+    X(laryngoscope_pose, ToolPose, .from = Source::first)                                 \
+    X(tube_pose, ToolPose, .from = Source::first)                                         \
+    X(eye_pose, EyePose, .from = Source::first)                                           \
     X(proxy, ProxyState)                                                                  \
     X(tissue_contacts, TissueContacts)                                                    \
     X(tube_force, TubeForce)                                                              \
@@ -45,18 +59,21 @@ struct Topic {
     X(fluid, FluidState, .depth = 128)                                                    \
     X(particle_state, ParticleState, .depth = 1024)                                       \
     X(mesh_state, MeshState, .depth = 1024)                                               \
-    X(command, Command, .reliable = true, .depth = 64)                                    \
+    X(command, Command, .reliable = true, .depth = 64, .from = Source::anybody)           \
     X(command_result, CommandResult, .reliable = true, .depth = 64)                       \
-    X(annotation, Annotation, .reliable = true, .depth = 64)                              \
+    X(annotation, Annotation, .reliable = true, .depth = 64, .from = Source::anybody)     \
     X(live_metrics, LiveMetrics)                                                          \
     X(attempt_summary, AttemptSummary, .reliable = true, .transient_local = true)         \
-    X(echo_question, Echo, .depth = 16)                                                   \
-    X(echo_answer, Echo, .depth = 64)                                                     \
+    X(echo_question, Echo, .depth = 16, .from = Source::anybody)                          \
+    X(echo_answer, Echo, .depth = 64, .from = Source::anybody)                            \
     X(session_status, SessionStatus, .reliable = true, .transient_local = true, .manual_liveliness = true)
 
 namespace topics {
 #define ETI_TOPIC(name, message, ...) inline constexpr Topic<msg::message> name{"eti/" #name, {__VA_ARGS__}};
 ETI_TOPICS(ETI_TOPIC)
+#undef ETI_TOPIC
+#define ETI_TOPIC(topic, ...) {topics::topic.name, topics::topic.quality.from},
+inline constexpr TopicSource all[] = {ETI_TOPICS(ETI_TOPIC)};
 #undef ETI_TOPIC
 }  // namespace topics
 

@@ -170,7 +170,15 @@ dds::DomainParticipantQos participant_quality(const Options& options, std::vecto
             "--peer together with --discovery-server: the server tells who is there; give one of the two");
     }
     if (!options.profile.empty()) {
-        return profile_quality(options.profile);
+        dds::DomainParticipantQos quality = profile_quality(options.profile);
+        if (quality.transport().use_builtin_transports) {
+            // The library's own would have no filter before them.
+            const auto given = quality.transport().user_transports;
+            use_own_transports(true, quality);
+            quality.transport().user_transports.insert(quality.transport().user_transports.end(),
+                                                       given.begin(), given.end());
+        }
+        return quality;
     }
     dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
     use_own_transports(options.network || by_peers || by_server, quality);

@@ -57,7 +57,7 @@ class SyntheticServer {
   private:
     void run() {
         const Scene scene = make_scene();
-        bus::Node node(bus_options("synthetic-server"));
+        bus::Node node(bus_options("eti-server"));
         bus::Publisher<msg::SessionDescription> description(node, bus::topics::session_description);
         bus::Publisher<msg::SceneDescription> objects(node, bus::topics::scene);
         bus::Publisher<msg::DeformationState> fast(node, bus::topics::deformation);

@@ -11,7 +11,7 @@ namespace {
 // More objects than the DDS library's default limit of 10 keys; a real scene has about 15.
 TEST(Quality, LateJoinerGetsTheLastOfEveryKey) {
     constexpr int objects = 30;
-    Node server(options("server"));
+    Node server(options("eti-server"));
     Publisher<msg::SceneDescription> publisher(server, topics::scene);
     for (const std::uint32_t revision : {1u, 2u}) {
         for (int i = 0; i < objects; ++i) {
@@ -42,7 +42,7 @@ TEST(Quality, WhatWasReceivedOutlivesItsWriter) {
     Node client(options("client"));
     Subscriber<msg::SessionStatus> subscriber(client, topics::session_status);
     {
-        Node server(options("server"));
+        Node server(options("eti-server"));
         Publisher<msg::SessionStatus> publisher(server, topics::session_status);
         EXPECT_TRUE(publisher.wait_until_received(0ms)) << "nobody has to receive anything";
         ASSERT_TRUE(eventually([&] { return publisher.matched() == 1; }));
@@ -58,7 +58,7 @@ TEST(Quality, WhatWasReceivedOutlivesItsWriter) {
 }
 
 TEST(Quality, SessionsDoNotHearEachOther) {
-    Node a(options("a", "first"));
+    Node a(options("eti-server", "first"));
     Node b(options("b", "second"));
     Node c(options("c", "first"));
     Publisher<msg::LiveMetrics> publisher(a, topics::live_metrics);
@@ -75,7 +75,7 @@ TEST(Quality, SessionsDoNotHearEachOther) {
 
 /// A connected writer and reader of commands (reliable, keep last 64).
 struct CommandPair {
-    Node sender{options("sender")};
+    Node sender{options("eti-server")};
     Node receiver{options("receiver")};
     Publisher<msg::Command> publisher{sender, topics::command};
     Subscriber<msg::Command> subscriber{receiver, topics::command};
@@ -143,7 +143,7 @@ TEST(Quality, WaitReturnsOnArrivalAndOnTimeout) {
 }
 
 TEST(Quality, ABellRingsForWhicheverTopicHasASample) {
-    Node sender(options("sender"));
+    Node sender(options("eti-server"));
     Node receiver(options("receiver"));
     Bell bell;
     Publisher<msg::Command> commands(sender, topics::command);
@@ -180,7 +180,7 @@ TEST(Quality, AStuckReliableReaderDoesNotHoldTheWriter) {
 }
 
 TEST(Quality, AHungWriterShowsWithinItsLease) {
-    Node server(options("server"));
+    Node server(options("eti-server"));
     Node client(options("client"));
     Publisher<msg::SessionStatus> publisher(server, topics::session_status);
     Subscriber<msg::SessionStatus> subscriber(client, topics::session_status);
@@ -214,7 +214,7 @@ TEST(Quality, AWriterThatLeavesIsNoLongerMatched) {
     Node client(options("client"));
     Subscriber<msg::SessionStatus> subscriber(client, topics::session_status);
     {
-        Node server(options("server"));
+        Node server(options("eti-server"));
         Publisher<msg::SessionStatus> publisher(server, topics::session_status);
         ASSERT_TRUE(eventually([&] { return subscriber.matched() == 1; }));
     }

@@ -10,7 +10,7 @@ namespace {
 template <class Message>
 void expect_round_trip(const Topic<Message>& topic) {
     SCOPED_TRACE(topic.name);
-    Node sender(options("sender"));
+    Node sender(options("eti-server"));
     Node receiver(options("receiver"));
     Publisher<Message> publisher(sender, topic);
     Subscriber<Message> subscriber(receiver, topic);
@@ -36,7 +36,7 @@ TEST(RoundTrip, EveryTopic) {
 
 // A scene object larger than any datagram arrives whole.
 TEST(RoundTrip, TwoMegabytes) {
-    Node sender(options("sender"));
+    Node sender(options("eti-server"));
     Node receiver(options("receiver"));
     Publisher<msg::SceneDescription> publisher(sender, topics::scene);
     Subscriber<msg::SceneDescription> subscriber(receiver, topics::scene);
@@ -53,7 +53,7 @@ TEST(RoundTrip, TwoMegabytes) {
 }
 
 TEST(RoundTrip, BothToolsShareOneType) {
-    Node node(options("devices"));
+    Node node(options("eti-server"));
     Publisher<msg::ToolPose> scope(node, topics::laryngoscope_pose);
     Publisher<msg::ToolPose> tube(node, topics::tube_pose);
     Subscriber<msg::ToolPose> scope_reader(node, topics::laryngoscope_pose);
@@ -76,7 +76,7 @@ TEST(RoundTrip, EndpointsMayOutliveTheirNode) {
 }
 
 TEST(RoundTrip, ABrokenBoundIsNotSent) {
-    Node node(options("sender"));
+    Node node(options("eti-server"));
     Publisher<msg::ProxyState> proxy(node, topics::proxy);
     msg::ProxyState message = example<msg::ProxyState>();
     EXPECT_TRUE(proxy.publish(message));

@@ -143,7 +143,8 @@ class RawType : public msg::SessionStatusPubSubType {
 };
 
 TEST(MalformedOnTheBus, IsDroppedAndTheNextGoodSampleIsRead) {
-    const Options wanted = options("hostile");
+    // A server, because no reader listens to anybody else's status.
+    const Options wanted = options("eti-server");
     Participant hostile(wanted);
     const dds::TypeSupport raw(new RawType);
     dds::DataWriterQos quality = dds::DATAWRITER_QOS_DEFAULT;

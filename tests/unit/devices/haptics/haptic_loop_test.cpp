@@ -87,7 +87,7 @@ class Answering {
         contacts.torque(bus::to_msg(torque));
     }
 
-    bus::Node node_{options("answering")};
+    bus::Node node_{options("eti-server")};
     bus::Subscriber<msg::ToolPose> tools_{node_, bus::topics::laryngoscope_pose};
     bus::Publisher<msg::ProxyState> proxies_{node_, bus::topics::proxy};
     bus::Publisher<msg::TissueContacts> tissues_{node_, bus::topics::tissue_contacts};

@@ -15,7 +15,7 @@ constexpr std::uint64_t step_ns = 1'000'000'000 / 180;
 
 /// What a server publishes, one piece at a time.
 struct Server {
-    bus::Node node{options("server")};
+    bus::Node node{options("eti-server")};
     bus::Publisher<msg::ProxyState> proxy{node, bus::topics::proxy};
     bus::Publisher<msg::TissueContacts> tissue{node, bus::topics::tissue_contacts};
     bus::Publisher<msg::LiveMetrics> live{node, bus::topics::live_metrics};

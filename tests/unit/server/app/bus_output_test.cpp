@@ -17,7 +17,7 @@ using std::chrono_literals::operator""ms;
 class BusOutputTest : public ::testing::Test {
   protected:
     BusOutputTest()
-        : server_(bus::options("server")),
+        : server_(bus::options("eti-server")),
           client_(bus::options("client")),
           fluid_(client_, bus::topics::fluid),
           live_(client_, bus::topics::live_metrics) {}

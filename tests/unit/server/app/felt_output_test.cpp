@@ -13,7 +13,7 @@ using bus::eventually;
 class FeltOutputTest : public ::testing::Test {
   protected:
     FeltOutputTest()
-        : server_(bus::options("server")),
+        : server_(bus::options("eti-server")),
           hand_(bus::options("hand")),
           proxies_(hand_, bus::topics::proxy),
           contacts_(hand_, bus::topics::tissue_contacts),

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/admission.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace eti::bus {
+
+namespace {
+
+// A hostile network must not grow these without end. What is found beyond is refused.
+constexpr std::size_t most_participants = 256, most_writers = 4096, most_news = 16;
+
+Source source_of(std::string_view topic) {
+    const auto known = std::ranges::find(topics::all, topic, &TopicSource::name);
+    return known != std::end(topics::all) ? known->from : Source::anybody;
+}
+
+}  // namespace
+
+void Admission::found(const ParticipantId& participant, const std::string& name, bool as_server) {
+    const std::lock_guard lock(mutex_);
+    if (candidates_.size() < most_participants) {
+        candidates_.try_emplace(participant, Candidate{name, as_server, ++order_});
+        judge();
+    }
+}
+
+void Admission::gone(const ParticipantId& participant) {
+    const std::lock_guard lock(mutex_);
+    candidates_.erase(participant);
+    told_.erase(participant);
+    std::erase_if(writers_, [&](const auto& writer) { return writer.first.participant == participant; });
+    judge();
+}
+
+void Admission::found(const WriterId& writer, std::string_view topic) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find(topics::all, topic, &TopicSource::name);
+    if (known == std::end(topics::all) || known->from == Source::anybody) {
+        return;
+    }
+    if (writers_.size() >= most_writers) {
+        refused_.insert(writer);
+        return;
+    }
+    writers_.try_emplace(writer, Writer{known->name, source_of(topic), ++order_, false});
+    judge();
+}
+
+void Admission::gone(const WriterId& writer) {
+    const std::lock_guard lock(mutex_);
+    writers_.erase(writer);
+    judge();
+}
+
+void Admission::heard(const WriterId& writer, bool alive) {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = writers_.find(writer); known != writers_.end()) {
+        known->second.lost = !alive;
+        judge();
+    }
+}
+
+void Admission::let_go(std::string_view topic) {
+    const std::lock_guard lock(mutex_);
+    if (const auto followed = followed_.find(topic); followed != followed_.end()) {
+        // The last in the order, so that another one is followed if there is one.
+        if (const auto writer = writers_.find(followed->second); writer != writers_.end()) {
+            writer->second.order = ++order_;
+        }
+        followed_.erase(followed);
+        judge();
+    }
+}
+
+bool Admission::refuses(const WriterId& writer) const {
+    if (!any_refused_.load(std::memory_order_acquire)) {
+        return false;
+    }
+    const std::lock_guard lock(mutex_);
+    return refused_.contains(writer);
+}
+
+std::optional<ParticipantId> Admission::owner() const {
+    const std::lock_guard lock(mutex_);
+    return owner_;
+}
+
+bool Admission::serves(const ParticipantId& participant) const {
+    const std::lock_guard lock(mutex_);
+    return std::ranges::any_of(writers_, [&](const auto& writer) {
+        return writer.first.participant == participant && writer.second.topic == topics::session_status.name;
+    });
+}
+
+std::vector<std::string> Admission::news() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(news_, {});
+}
+
+bool Admission::silent(const ParticipantId& participant) const {
+    return std::ranges::any_of(writers_, [&](const auto& writer) {
+        return writer.first.participant == participant && writer.second.lost;
+    });
+}
+
+std::string Admission::name_of(const ParticipantId& participant) const {
+    const auto known = candidates_.find(participant);
+    return known != candidates_.end() && !known->second.name.empty()
+               ? known->second.name
+               : "a participant that does not introduce itself";
+}
+
+void Admission::choose_owner() {
+    if (self_) {
+        return;
+    }
+    if (owner_ && candidates_.contains(*owner_) && !silent(*owner_)) {
+        return;
+    }
+    const Candidate* best = nullptr;
+    std::optional<ParticipantId> chosen;
+    for (const auto& [id, candidate] : candidates_) {
+        if (candidate.as_server && !silent(id) && (best == nullptr || candidate.order < best->order)) {
+            best = &candidate;
+            chosen = id;
+        }
+    }
+    // One that is silent may come back; it stays the owner until there is another or it is gone.
+    if (chosen || (owner_ && !candidates_.contains(*owner_))) {
+        owner_ = chosen;
+    }
+}
+
+bool Admission::may_write(const WriterId& id, const Writer& writer) const {
+    if (writer.source == Source::first) {
+        const auto followed = followed_.find(writer.topic);
+        return followed == followed_.end() || followed->second == id;
+    }
+    if (self_) {
+        return false;
+    }
+    const auto candidate = candidates_.find(id.participant);
+    const bool introduced = candidate != candidates_.end() && candidate->second.as_server;
+    return owner_ ? id.participant == *owner_ : introduced;
+}
+
+/// Works out anew who owns, who is followed and who is refused.
+void Admission::judge() {
+    choose_owner();
+    std::erase_if(followed_, [&](const auto& entry) { return !writers_.contains(entry.second); });
+    for (const auto& [id, writer] : writers_) {
+        if (writer.source != Source::first) {
+            continue;
+        }
+        const auto followed = followed_.find(writer.topic);
+        if (followed == followed_.end() || (writers_.at(followed->second).order > writer.order)) {
+            followed_[writer.topic] = id;
+        }
+    }
+
+    std::set<WriterId> refused;
+    std::optional<ParticipantId> second;
+    for (const auto& [id, writer] : writers_) {
+        if (may_write(id, writer)) {
+            continue;
+        }
+        refused.insert(id);
+        // One that has fallen silent is a server that was killed, not a second one.
+        const bool contests =
+            writer.topic == topics::session_status.name && !writer.lost && (owner_ || self_);
+        if (contests) {
+            second = id.participant;
+        } else if (candidates_.contains(id.participant) && !writer.lost && news_.size() < most_news &&
+                   told_.insert(id.participant).second) {
+            news_.push_back(fmt::format("{} writes {}, which is {}: not listened to", name_of(id.participant),
+                                        writer.topic,
+                                        writer.source == Source::first ? "another's while that one is heard"
+                                                                       : "the server's alone to write"));
+        }
+    }
+    if (second.has_value() != contested_.load() && news_.size() < most_news) {
+        news_.push_back(
+            second ? fmt::format("{} writes this session's status beside its server{}: it is not listened "
+                                 "to, and forces are off until it is gone",
+                                 name_of(*second), owner_ ? fmt::format(" {}", name_of(*owner_)) : "")
+                   : "the session has one server again");
+    }
+    contested_.store(second.has_value(), std::memory_order_relaxed);
+    refused_ = std::move(refused);
+    any_refused_.store(!refused_.empty(), std::memory_order_release);
+}
+
+}  // namespace eti::bus

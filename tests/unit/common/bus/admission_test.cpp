@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/admission.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/common/bus/bus_fixture.hpp"
+#include "tests/unit/common/bus/messages.hpp"
+
+namespace eti::bus {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr ParticipantId a{1}, b{2}, stranger{9};
+
+WriterId writer(const ParticipantId& participant, std::uint8_t number) {
+    return {participant, {0, 0, number, 3}};
+}
+
+class AnAdmission : public testing::Test {
+  protected:
+    AnAdmission() {
+        admission_.found(a, "'eti-server' host:1", true);
+        admission_.found(writer(a, 1), topics::session_status.name);
+        admission_.found(writer(a, 2), topics::proxy.name);
+    }
+    Admission admission_{false};
+};
+
+TEST_F(AnAdmission, FollowsTheServerFoundFirst) {
+    EXPECT_EQ(admission_.owner(), a);
+    EXPECT_FALSE(admission_.refuses(writer(a, 1)));
+    EXPECT_FALSE(admission_.refuses(writer(a, 2)));
+    EXPECT_FALSE(admission_.contested());
+}
+
+TEST_F(AnAdmission, TakesWhatIsTheServersFromNobodyElse) {
+    admission_.found(stranger, "", false);
+    admission_.found(writer(stranger, 7), topics::proxy.name);
+    admission_.found(writer(stranger, 8), topics::command.name);
+    EXPECT_TRUE(admission_.refuses(writer(stranger, 7)));
+    EXPECT_FALSE(admission_.refuses(writer(stranger, 8))) << "commands are anybody's";
+    EXPECT_FALSE(admission_.contested()) << "nobody's status is doubted";
+    EXPECT_THAT(admission_.news(), Contains(HasSubstr("eti/proxy")));
+    EXPECT_TRUE(admission_.news().empty()) << "once";
+}
+
+TEST_F(AnAdmission, ASecondStatusMakesTheSessionContestedUntilItIsGone) {
+    admission_.found(writer(stranger, 7), topics::session_status.name);
+    EXPECT_TRUE(admission_.contested());
+    EXPECT_TRUE(admission_.refuses(writer(stranger, 7)));
+    EXPECT_EQ(admission_.owner(), a);
+    EXPECT_THAT(admission_.news(), Contains(HasSubstr("forces are off")));
+    admission_.gone(stranger);
+    EXPECT_FALSE(admission_.contested());
+    EXPECT_THAT(admission_.news(), Contains(HasSubstr("one server again")));
+}
+
+TEST_F(AnAdmission, AServerThatComesBackAfterAKillIsFollowedAtOnce) {
+    admission_.heard(writer(a, 1), true);
+    admission_.found(b, "'eti-server' host:2", true);
+    admission_.found(writer(b, 1), topics::session_status.name);
+    EXPECT_EQ(admission_.owner(), a);
+    EXPECT_TRUE(admission_.contested());
+    admission_.heard(writer(a, 1), false);
+    EXPECT_EQ(admission_.owner(), b);
+    EXPECT_FALSE(admission_.contested()) << "a killed server contests nothing";
+    EXPECT_FALSE(admission_.refuses(writer(b, 1)));
+    EXPECT_TRUE(admission_.refuses(writer(a, 2)));
+}
+
+TEST_F(AnAdmission, AServerThatOnlyPausesStaysTheOwner) {
+    admission_.heard(writer(a, 1), true);
+    admission_.heard(writer(a, 1), false);
+    EXPECT_EQ(admission_.owner(), a);
+    EXPECT_FALSE(admission_.refuses(writer(a, 2)));
+}
+
+TEST(Admission, BeforeAServerIsThereNobodyElseIsHeard) {
+    Admission admission(false);
+    admission.found(writer(stranger, 7), topics::scene.name);
+    EXPECT_TRUE(admission.refuses(writer(stranger, 7)));
+    EXPECT_FALSE(admission.contested()) << "there is nothing to contest";
+    admission.found(a, "'eti-server' host:1", true);
+    admission.found(writer(a, 1), topics::scene.name);
+    EXPECT_FALSE(admission.refuses(writer(a, 1)));
+    EXPECT_TRUE(admission.refuses(writer(stranger, 7)));
+}
+
+TEST(Admission, AServerFollowsOneWriterOfEachPose) {
+    Admission server(true);
+    server.found(writer(a, 1), topics::laryngoscope_pose.name);
+    server.found(writer(b, 1), topics::laryngoscope_pose.name);
+    server.found(writer(b, 2), topics::tube_pose.name);
+    EXPECT_FALSE(server.refuses(writer(a, 1)));
+    EXPECT_TRUE(server.refuses(writer(b, 1)));
+    EXPECT_FALSE(server.refuses(writer(b, 2)));
+    server.let_go(topics::laryngoscope_pose.name);
+    EXPECT_TRUE(server.refuses(writer(a, 1)));
+    EXPECT_FALSE(server.refuses(writer(b, 1)));
+    server.gone(writer(b, 1));
+    EXPECT_FALSE(server.refuses(writer(a, 1)));
+}
+
+TEST(Admission, WhatIsFoundBeyondItsBoundsIsRefused) {
+    Admission admission(false);
+    for (std::uint32_t i = 0; i < 10'000; ++i) {
+        admission.found(WriterId{{3}, {std::uint8_t(i), std::uint8_t(i >> 8), 1, 3}}, topics::proxy.name);
+    }
+    EXPECT_TRUE(admission.refuses(WriterId{{3}, {0, 0, 1, 3}}));
+    EXPECT_TRUE(
+        admission.refuses(WriterId{{3}, {std::uint8_t(9'999 & 0xff), std::uint8_t(9'999 >> 8), 1, 3}}));
+}
+
+TEST(AdmissionOnTheBus, AStrangersSceneDoesNotTakeTheServersPlace) {
+    Node stranger_node(options("stranger"));
+    Publisher<msg::SceneDescription> forged(stranger_node, topics::scene);
+    auto object = example<msg::SceneDescription>();
+    object.object("frames");
+    object.tissue(99);
+    ASSERT_TRUE(forged.publish(object));
+
+    Node client(options("eti-client"));
+    Subscriber<msg::SceneDescription> scene(client, topics::scene);
+    std::this_thread::sleep_for(300ms);
+
+    Node server(options("eti-server"));
+    Publisher<msg::SceneDescription> true_scene(server, topics::scene);
+    object.tissue(1);
+    ASSERT_TRUE(true_scene.publish(object));
+    std::this_thread::sleep_for(300ms);
+    object.tissue(98);
+    ASSERT_TRUE(forged.publish(object));
+
+    msg::SceneDescription received;
+    ASSERT_TRUE(eventually([&] { return scene.take(received); }));
+    EXPECT_EQ(received.tissue(), 1u);
+    std::this_thread::sleep_for(300ms);
+    EXPECT_FALSE(scene.take(received)) << "the forged ones come after nothing";
+}
+
+TEST(AdmissionOnTheBus, ASecondStatusIsSeenAndNotHeard) {
+    Node server(options("eti-server")), client(options("eti-client"));
+    Publisher<msg::SessionStatus> status(server, topics::session_status);
+    Subscriber<msg::SessionStatus> heard(client, topics::session_status);
+    auto own = example<msg::SessionStatus>();
+    own.phase(msg::PHASE_RUNNING);
+    msg::SessionStatus received;
+    ASSERT_TRUE(eventually([&] { return status.publish(own) && heard.take(received); }));
+    EXPECT_FALSE(client.contested());
+    {
+        Node forger(options("forger"));
+        Publisher<msg::SessionStatus> forged(forger, topics::session_status);
+        auto end = own;
+        end.phase(msg::PHASE_FINISHED);
+        ASSERT_TRUE(forged.publish(end));
+        EXPECT_TRUE(eventually([&] { return client.contested(); }));
+        ASSERT_TRUE(forged.publish(end));
+        std::this_thread::sleep_for(300ms);
+        while (heard.take(received)) {
+            EXPECT_EQ(received.phase(), msg::PHASE_RUNNING);
+        }
+    }
+    EXPECT_TRUE(eventually([&] { return !client.contested(); }));
+}
+
+}  // namespace
+}  // namespace eti::bus

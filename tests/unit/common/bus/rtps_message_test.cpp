@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+//
+// Reference: OMG DDSI-RTPS 2.5, chapter 9.4, whose layouts the messages below are written after.
+#include "common/bus/rtps_message.hpp"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <vector>
+
+#include "common/math/random.hpp"
+
+namespace eti::bus {
+namespace {
+
+/// Little-endian bytes of an RTPS message.
+class Message {
+  public:
+    Message() { put({'R', 'T', 'P', 'S', 2, 3, 1, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}); }
+
+    Message& put(std::initializer_list<int> bytes) {
+        for (const int byte : bytes) {
+            bytes_.push_back(static_cast<std::uint8_t>(byte));
+        }
+        return *this;
+    }
+    Message& u16(std::uint32_t value) { return put({int(value & 0xff), int(value >> 8 & 0xff)}); }
+    Message& u32(std::uint32_t value) { return u16(value & 0xffff).u16(value >> 16); }
+    Message& number(std::int64_t value) {
+        return u32(static_cast<std::uint32_t>(value >> 32)).u32(static_cast<std::uint32_t>(value));
+    }
+    Message& zeros(std::size_t count) {
+        bytes_.resize(bytes_.size() + count);
+        return *this;
+    }
+    Message& submessage(int kind, std::uint32_t length, int flags = 1) {
+        return put({kind, flags}).u16(length);
+    }
+    Message& reader() { return put({0, 0, 1, 4}); }
+    Message& writer() { return put({0, 0, 1, 3}); }
+
+    Message& data(std::int64_t number_of = 1) {
+        return submessage(0x15, 28, 5)
+            .u16(0)
+            .u16(16)
+            .reader()
+            .writer()
+            .number(number_of)
+            .put({0, 1, 0, 0})
+            .u32(7);
+    }
+    Message& heartbeat(std::int64_t first, std::int64_t last) {
+        return submessage(0x07, 28).reader().writer().number(first).number(last).u32(1);
+    }
+    Message& gap(std::int64_t start, std::int64_t base, std::uint32_t bits = 0) {
+        submessage(0x08, 28 + 4 * ((bits + 31) / 32)).reader().writer().number(start).number(base).u32(bits);
+        return zeros(4 * ((bits + 31) / 32));
+    }
+    Message& acknack(std::int64_t base, std::uint32_t bits = 0) {
+        submessage(0x06, 24 + 4 * ((bits + 31) / 32)).reader().writer().number(base).u32(bits);
+        return zeros(4 * ((bits + 31) / 32)).u32(1);
+    }
+    Message& fragment(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t whole,
+                      std::uint32_t payload) {
+        submessage(0x16, 32 + payload)
+            .u16(0)
+            .u16(28)
+            .reader()
+            .writer()
+            .number(1)
+            .u32(first)
+            .u16(count)
+            .u16(size);
+        return u32(whole).zeros(payload);
+    }
+
+    [[nodiscard]] bool passes() const { return bearable(bytes_); }
+    [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
+
+  private:
+    std::vector<std::uint8_t> bytes_;
+};
+
+TEST(RtpsMessage, WhatASessionSendsPasses) {
+    EXPECT_TRUE(Message().passes());
+    EXPECT_TRUE(Message().data().heartbeat(1, 5).passes());
+    EXPECT_TRUE(Message().heartbeat(8, 7).passes()) << "nothing in the history";
+    EXPECT_TRUE(Message().gap(3, 9, 40).passes());
+    EXPECT_TRUE(Message().acknack(0).acknack(17, 256).passes());
+    EXPECT_TRUE(Message().fragment(1, 1, 100, 150, 100).fragment(2, 1, 100, 150, 50).passes());
+    EXPECT_TRUE(Message().submessage(0x0e, 12).zeros(12).submessage(0x09, 8).zeros(8).data().passes());
+    EXPECT_TRUE(Message().data().submessage(0x80, 56, 0).zeros(0).passes() == false) << "cut short";
+    auto told = Message().data();
+    told.put({0x80, 0, 56, 0}).zeros(56);
+    EXPECT_FALSE(told.passes()) << "the library writes this length in big-endian order";
+    EXPECT_TRUE(Message().data().put({0x80, 0, 0, 56}).zeros(56).passes()) << "statistics are the last";
+}
+
+// 84 bytes that end a process of Fast DDS 2.9.1 by an assertion (RTPSStatisticsMessages.hpp).
+TEST(RtpsMessage, StatisticsThatAreNotTheLastAreRefused) {
+    auto deadly = Message();
+    deadly.submessage(0x80, 56).zeros(56).submessage(0x01, 0);
+    EXPECT_EQ(deadly.bytes().size(), 84u);
+    EXPECT_FALSE(deadly.passes());
+    EXPECT_FALSE(Message().submessage(0x80, 60).zeros(60).passes());
+}
+
+TEST(RtpsMessage, RangesThatTheLibraryWouldLoopOverAreRefused) {
+    EXPECT_TRUE(Message().heartbeat(1, longest_range - 1).passes());
+    EXPECT_FALSE(Message().heartbeat(1, longest_range + 1).passes());
+    EXPECT_FALSE(Message().heartbeat(0, 3).passes());
+    EXPECT_FALSE(Message().heartbeat(9, 3).passes());
+    EXPECT_FALSE(Message().gap(1, 2 + longest_range).passes());
+    EXPECT_FALSE(Message().gap(5, 4).passes());
+    EXPECT_FALSE(Message().gap(1, 2, 257).passes());
+    EXPECT_FALSE(Message().acknack(-1).passes());
+    EXPECT_FALSE(Message().acknack(largest_number + 1).passes());
+    EXPECT_FALSE(Message().acknack(1, 300).passes());
+    EXPECT_FALSE(Message().data(0).passes());
+    EXPECT_FALSE(Message().data(largest_number + 1).passes());
+}
+
+TEST(RtpsMessage, FragmentsThatDoNotLieInTheirSampleAreRefused) {
+    EXPECT_FALSE(Message().fragment(0, 1, 100, 150, 100).passes());
+    EXPECT_FALSE(Message().fragment(3, 1, 100, 150, 100).passes());
+    EXPECT_FALSE(Message().fragment(1, 2, 100, 150, 100).passes()) << "fewer bytes than fragments";
+    EXPECT_FALSE(Message().fragment(1, 1, 0, 150, 100).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 100, largest_sample + 1, 100).passes());
+}
+
+TEST(RtpsMessage, WhatIsNoRtpsIsRefused) {
+    EXPECT_FALSE(bearable({}));
+    auto bytes = Message().data().bytes();
+    bytes[0] = 'X';
+    EXPECT_FALSE(bearable(bytes));
+    bytes[0] = 'R';
+    bytes[4] = 3;
+    EXPECT_FALSE(bearable(bytes)) << "another major version";
+    EXPECT_FALSE(Message().submessage(0x0c, 20).zeros(20).data().passes()) << "speaks for another";
+    EXPECT_FALSE(Message().submessage(0x07, 8).zeros(8).passes()) << "too short";
+    EXPECT_FALSE(Message().submessage(0x15, 400).zeros(24).passes()) << "longer than the datagram";
+}
+
+TEST(RtpsMessage, DiscoveryIsAListOfParametersThatEnds) {
+    const auto announcement = [](std::initializer_list<int> parameters) {
+        Message message;
+        message.submessage(0x15, static_cast<std::uint32_t>(24 + parameters.size()), 5).u16(0).u16(16);
+        message.put({0, 1, 0, 0xc7}).put({0, 1, 0, 0xc2}).number(1).put({0, 3, 0, 0}).put(parameters);
+        return message.passes();
+    };
+    EXPECT_TRUE(announcement({0x15, 0, 4, 0, 2, 3, 0, 0, 1, 0, 0, 0}));
+    EXPECT_FALSE(announcement({0x15, 0, 4, 0, 2, 3, 0, 0})) << "no end";
+    EXPECT_FALSE(announcement({0x15, 0, 3, 0, 2, 3, 0, 0, 1, 0, 0, 0})) << "not a multiple of four";
+    EXPECT_FALSE(announcement({0x15, 0, 200, 0, 2, 3, 0, 0, 1, 0, 0, 0})) << "beyond the end";
+}
+
+TEST(RtpsMessage, ARefusedWriterMakesTheDatagramUnbearable) {
+    const auto message = Message().acknack(1).data().bytes();
+    const WriterId writer{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, {0, 0, 1, 3}};
+    EXPECT_FALSE(bearable(message, [&](const WriterId& asked) { return asked == writer; }));
+    EXPECT_TRUE(bearable(message, [&](const WriterId& asked) { return asked != writer; }));
+    EXPECT_TRUE(bearable(Message().acknack(1).bytes(), [](const WriterId&) { return true; }))
+        << "readers are not writers";
+}
+
+// Under the address sanitizer this tells whether anything is read beyond the datagram.
+TEST(RtpsMessage, MutantsAreJudgedWithoutReadingBeyondThem) {
+    const auto whole =
+        Message().data().heartbeat(1, 5).gap(3, 9, 40).acknack(2, 33).fragment(1, 1, 90, 150, 90).bytes();
+    Random random(18);
+    std::size_t passed = 0;
+    for (int i = 0; i < 100'000; ++i) {
+        std::vector<std::uint8_t> mutant(
+            whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(random.bits() % whole.size()));
+        for (std::uint64_t n = random.bits() % 4; n > 0 && !mutant.empty(); --n) {
+            mutant[random.bits() % mutant.size()] = static_cast<std::uint8_t>(random.bits());
+        }
+        passed += bearable(mutant) ? 1 : 0;
+    }
+    EXPECT_GT(passed, 0u);
+    EXPECT_LT(passed, 50'000u);
+}
+
+}  // namespace
+}  // namespace eti::bus
