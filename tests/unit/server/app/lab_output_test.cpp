@@ -45,7 +45,7 @@ anatomy::Patient small_patient() {
 class LabOutputTest : public ::testing::Test {
   protected:
     LabOutputTest()
-        : server_(bus::options("server")),
+        : server_(bus::options("eti-server")),
           client_(bus::options("client")),
           patient_(small_patient()),
           output_(server_, patient_) {
