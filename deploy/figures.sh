@@ -6,11 +6,12 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics anatomy pictures)
+PARTS=(accuracy calibration stability sufficiency sleep haptics anatomy pictures readers)
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
-                  [anatomy]="a minute" [pictures]="a minute")
+                  [anatomy]="a minute" [pictures]="a minute"
+                  [readers]="five minutes")
 PICTURES=(laryngoscope section overview)
 CHARTS=$ETI_ROOT/docs/charts
 OUT=$ETI_ROOT/out/figures
@@ -29,7 +30,8 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --no-install  do not look for missing packages
   --list        name the files that it makes, and make none
   --help        print this
-Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads.
+Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, readers what a
+lab's own program reads and what that costs.
 USAGE
 }
 
@@ -98,12 +100,26 @@ pictures() {
     done
 }
 
+# What a lab's reader gets while the blade lifts the tongue, and what reading costs the server.
+readers() {
+    local folder=$OUT/readers bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 96) server read
+    mkdir -p "$folder" && "$ETI_ROOT/deploy/examples/build.sh" "$folder" >&2 || return 1
+    "$bin/eti-server" --scenario term --operator expert "${place[@]}" >&2 &
+    server=$!
+    "$folder/surface_reader" "${place[@]}" --out "$folder" --seconds 7 >&2
+    read=$?
+    kill -INT $server && wait $server
+    [ $read = 0 ] && "$python" -B "$ETI_ROOT/deploy/examples/draw_state.py" "$folder" "$ETI_ROOT/docs/lab_readers.png" &&
+        "$python" -B "$ETI_ROOT/tests/bench/lab_readers.py" --examples "$folder" >"$folder/lab-readers.csv" &&
+        cp "$folder/lab-readers.csv" "$CHARTS"
+}
+
 measure() {
     case $1 in
         accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
-        anatomy | pictures) "$1" ;;
+        anatomy | pictures | readers) "$1" ;;
     esac
 }
 
@@ -113,6 +129,7 @@ if [ $list = yes ]; then
         case $part in
             anatomy) printf '%s\n' "$ETI_ROOT"/docs/anatomy/{phantom,cranium}.png ;;
             pictures) printf "$ETI_ROOT/docs/%s.png\n" "${PICTURES[@]}" ;;
+            readers) printf '%s\n' "$ETI_ROOT/docs/lab_readers.png" ;;
         esac
     done | sed "s|^$ETI_ROOT/||"
     exit 0

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/bus/places.hpp"
 #include "common/math/transform.hpp"
 #include "idl/eti.h"
 
@@ -18,8 +19,8 @@ struct Liquid {
     std::span<const Vec3f> positions;
 };
 
-/// Particles in a chunk; 6 bytes each and 56 for the rest fit one datagram of 1300 bytes.
-inline constexpr std::size_t fluid_chunk_particles = 192;
+/// Particles in a chunk.
+inline constexpr std::size_t fluid_chunk_particles = chunk_positions;
 /// Chunks of a state at most: 49 thousand particles.
 inline constexpr std::size_t most_fluid_chunks = 256;
 

@@ -27,6 +27,7 @@
 #include "server/app/command_desk.hpp"
 #include "server/app/felt_output.hpp"
 #include "server/app/judge.hpp"
+#include "server/app/lab_output.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/recorder.hpp"
 #include "server/app/simulation.hpp"
@@ -144,6 +145,7 @@ class Session {
         service_.ending();
         judge_->finish();
         const bool kept = !recorder_ || recorder_->finish();
+        lab_.reset();
         if (output_) {
             felt_->finish();
             output_->finish(status(clock));
@@ -170,6 +172,7 @@ class Session {
             // Ordinary, it could be held up while it holds the bus's locks, and what is felt with it.
             const RealTimeThreads real_time(priority::step, live_);
             output_.emplace(*bus_, scenario_, patient_, simulation_->scope(), inputs_.live);
+            lab_.emplace(*bus_, patient_, live_);
             proxy_moved_ = [this](const scene::ProxySnapshot& proxy) { felt_->post_proxy(proxy); };
         }
         const RealTimeThreads real_time(priority::beside, live_);
@@ -279,6 +282,7 @@ class Session {
         if (output_) {
             felt_->post_forces(s);
             output_->post(s, status(clock));
+            lab_->post(s, simulation_->scene().tissue().body().particles.position);
         }
         judge_->take(s, input_ ? input_->eye() : std::nullopt);
     }
@@ -379,6 +383,7 @@ class Session {
     std::optional<BusInput> input_;
     std::optional<FeltOutput> felt_;
     std::optional<BusOutput> output_;
+    std::optional<LabOutput> lab_;
     std::optional<Recorder> recorder_;
     std::optional<Judge> judge_;
     std::function<void(const scene::ProxySnapshot&)> proxy_moved_;

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+//
+// A place on the bus of a running session, with Cyclone DDS. Errors end the program with a line that says
+// what to do.
+#pragma once
+
+#include <dds/dds.h>
+#include <stdbool.h>
+
+struct session {
+    dds_entity_t participant, publisher, subscriber;
+};
+
+// How a topic travels: as common/bus/topics.hpp has it, or the two sides do not match.
+enum travel {
+    state,    // best effort: the newest counts
+    event,    // reliable
+    lasting,  // reliable, and kept for those who join late
+};
+
+// `name` and `domain` as the programs' --session and --domain. Over loopback, as they do by default, unless
+// `network` or CYCLONEDDS_URI says otherwise.
+struct session join(const char* name, unsigned domain, bool network);
+
+dds_entity_t reader_of(struct session session, const dds_topic_descriptor_t* type, const char* topic,
+                       enum travel how, int depth);
+dds_entity_t writer_of(struct session session, const dds_topic_descriptor_t* type, const char* topic,
+                       enum travel how);
+
+// Waits until the writer has a reader.
+void wait_for_reader(dds_entity_t writer);
+
+void give_up(const char* what, const char* remedy);

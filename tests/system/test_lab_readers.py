@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""A lab's own programs, in C with Cyclone DDS: what they read is what the server recorded, what they write is heard."""
+
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+import support
+
+sys.path.insert(0, str(support.ROOT / "deploy/examples"))
+from vtk_state import State  # noqa: E402
+
+SECONDS_TO_START = 120
+RECORDED_EVERY = 12  # steps; surfaces come every 6
+STEPS_PER_SECOND = 180
+
+# What the record leaves out: a frame that moved by less since it was last recorded (common/mesh/skinning.hpp), and
+# what its grid rounds (server/app/recorder.cpp).
+FRAME_SHIFT, FRAME_TURN = 0.02e-3, 0.05 * numpy.pi / 180  # [m], [rad]
+GRID_SHIFT, GRID_TURN = 0.5 * 2**-20, 4 * 0.5 * 2**-15
+# Floats of up to 0.3 m, summed over four frames.
+ROUNDING = 8 * 0.3 * 2**-24
+
+
+def turned(rotation, points):
+    """Rotates points by unit quaternions w x y z, row by row."""
+    w, v = rotation[:, :1], rotation[:, 1:]
+    t = 2 * numpy.cross(v, points)
+    return points + w * t + numpy.cross(v, t)
+
+
+class Record:
+    """Frames and surfaces of a session file, skinned as its documentation says."""
+
+    def __init__(self, path):
+        with h5py.File(path, "r") as file:
+            self.rest_centre = file["scene/frame_rest_centre"][:].astype(float)
+            self.surfaces = {s.attrs["name"]: {key: s[key][:] for key in s}
+                             for s in file["scene/surfaces"].values()}
+            self.moved = {key: file["deformation"][key][:] for key in file["deformation"]}
+
+    def frames_at(self, time_ns):
+        """Centre and rotation of each frame as last recorded by then."""
+        last = numpy.searchsorted(self.moved["time_ns"], time_ns, side="right") - 1
+        rows = slice(0, int(self.moved["first_row"][last] + self.moved["row_count"][last]))
+        centre, rotation = self.rest_centre.copy(), numpy.tile([1.0, 0, 0, 0], (len(self.rest_centre), 1))
+        frame = self.moved["frame"][rows]
+        for values, key in ((centre, "centre"), (rotation, "rotation")):
+            values[frame] = self.moved[key][rows]  # of several rows of a frame the last counts
+        return centre, rotation / numpy.linalg.norm(rotation, axis=1, keepdims=True)
+
+    def skinned(self, name, time_ns):
+        """Vertices of a surface, and how far the record may be off at each [m]."""
+        centre, rotation = self.frames_at(time_ns)
+        surface = self.surfaces[name]
+        rest = surface["vertices"].astype(float)
+        place, off = numpy.zeros_like(rest), numpy.zeros(len(rest))
+        for k in range(4):
+            frame, weight = surface["skin_frame"][:, k], surface["skin_weight"][:, k].astype(float)
+            arm = rest - self.rest_centre[frame]
+            place += weight[:, None] * (turned(rotation[frame], arm) + centre[frame])
+            off += weight * (FRAME_SHIFT + GRID_SHIFT + (FRAME_TURN + GRID_TURN) * numpy.linalg.norm(arm, axis=1))
+        return place, off
+
+
+@unittest.skipUnless(shutil.which("idlc"), "there is no idlc: apt-get install cyclonedds-dev libddsc0debian "
+                                           "cyclonedds-tools")
+class LabReaders(support.Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.programs = Path(tempfile.mkdtemp(prefix="eti-examples-"))
+        cls.addClassCleanup(shutil.rmtree, cls.programs, ignore_errors=True)
+        built = subprocess.run([support.ROOT / "deploy/examples/build.sh", cls.programs], capture_output=True,
+                               text=True)
+        assert built.returncode == 0 and not built.stderr, built.stderr
+
+    def start_server(self, *arguments):
+        self.log, self.record = self.folder / "server.log", self.folder / "lab.eti.h5"
+        with self.log.open("wb") as file:
+            self.server = subprocess.Popen(
+                [support.BIN / "eti-server", "--scenario", "term", "--record", self.record, "--session",
+                 support.SESSION, "--domain", str(support.DOMAIN), *arguments],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
+        self.addCleanup(self.server.wait, 30)
+        self.addCleanup(self.server.kill)
+        self.wait_for("runs scenario")
+
+    def wait_for(self, words):
+        deadline = time.monotonic() + SECONDS_TO_START
+        while not re.search(words, self.log.read_text(errors="replace")):
+            self.assertIsNone(self.server.poll(), self.log.read_text())
+            self.assertLess(time.monotonic(), deadline, self.log.read_text())
+            time.sleep(0.1)
+
+    def stop_server(self):
+        self.server.send_signal(signal.SIGINT)
+        self.assertEqual(self.server.wait(30), 0, self.log.read_text())
+
+    def example(self, program, *arguments):
+        done = subprocess.run([self.programs / program, "--session", support.SESSION, "--domain",
+                               str(support.DOMAIN), *map(str, arguments)],
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr + self.log.read_text())
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def read_at_a_recorded_time(self):
+        """Every second state is one that the record has."""
+        for _ in range(20):
+            counts = self.example("surface_reader", "--out", self.folder, "--seconds", "0.3")
+            states = [State(self.folder / f"{name}.vtk") for name in ("surfaces", "particles")]
+            if all(round(state.time_ns * STEPS_PER_SECOND / 1e9) % RECORDED_EVERY == 0 for state in states):
+                return counts, *states
+        return self.fail("no state at a recorded time in twenty")
+
+    def test_a_reader_in_c_gets_what_the_server_recorded(self):
+        self.start_server("--operator", "expert")
+        self.wait_for(r"simulation time [5-9] s")  # the blade lifts the tongue
+        counts, surfaces, particles = self.read_at_a_recorded_time()
+        self.assertEqual([row["topic"] for row in counts], ["eti/mesh_state", "eti/particle_state"])
+        self.stop_server()
+
+        record = Record(self.record)
+        self.assertEqual(sorted(set(surfaces.objects)), sorted(record.surfaces))
+        moved_most = 0.0
+        for name, surface in record.surfaces.items():
+            own = surfaces.objects == name
+            expected, off = record.skinned(name, surfaces.time_ns)
+            bound = off + numpy.sqrt(3) * surfaces.values["half_quantum"][own] + ROUNDING
+            error = numpy.linalg.norm(surfaces.points[own] - expected, axis=1)
+            self.assertTrue((error <= bound).all(), f"{name}: {1e6 * (error - bound).max():.1f} um beyond the bound")
+            moved_most = max(moved_most, numpy.linalg.norm(expected - surface["vertices"], axis=1).max())
+            begin = numpy.flatnonzero(own)[0]
+            triangles = surfaces.triangles[surfaces.triangles[:, 0] >= begin][:len(surface["triangles"])] - begin
+            numpy.testing.assert_array_equal(triangles, surface["triangles"])
+        # Else rest shapes would pass, too: the head is raised and the jaw open.
+        self.assertGreater(moved_most, 10e-3)
+        numpy.testing.assert_array_equal(
+            surfaces.values["tissue"], numpy.concatenate([record.surfaces[name]["triangle_tissue"] for name in
+                                                          dict.fromkeys(surfaces.objects)]))
+        self.check_particles(record, particles)
+
+    def check_particles(self, record, particles):
+        """The record has no particles, but one frame that is the mean of known ones: the epiglottis is one cluster over
+        exactly its particles (server/patient/newborn/build_particles.cpp)."""
+        kinds = particles.values["tissue"]
+        for tissue in (0, 1, 2, 3):  # soft, tongue, epiglottis, larynx
+            self.assertGreater((kinds == tissue).sum(), 100, tissue)
+        surface = record.surfaces["epiglottis"]
+        frame = numpy.bincount(surface["skin_frame"].ravel(), surface["skin_weight"].ravel()).argmax()
+        centre = record.frames_at(particles.time_ns)[0][frame]
+        # The frame's mean is by mass, this one is not.
+        spare = 0.5e-3
+        self.assertLess(numpy.linalg.norm(particles.points[kinds == 2].mean(axis=0) - centre), spare)
+        self.assertGreater(numpy.linalg.norm(centre - record.rest_centre[frame]), 10 * spare)
+
+    def test_a_writer_in_c_is_heard_and_answered(self):
+        self.start_server()
+        at = (0.01, -0.15, 0.25)
+        said, = self.example("tool_writer", "--at", *at, "--set", "table_angle", "-0.1")
+        numpy.testing.assert_array_equal(numpy.float32(said["device"]), numpy.float32(at))
+        self.assertTrue(said["answered"] and said["accepted"], said)
+        refused, = self.example("tool_writer", "--at", *at, "--set", "table_angle", "-9")
+        self.assertTrue(refused["answered"] and not refused["accepted"], refused)
+        self.assertIn("expected -20 to 20", refused["reason"])
+        self.stop_server()
+        with h5py.File(self.record, "r") as file:
+            self.assertEqual([sender.decode() for sender in file["inputs/commands/sender"]], ["tool_writer"])
+            numpy.testing.assert_allclose(file["inputs/commands/value"][:], [-0.1], rtol=1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
