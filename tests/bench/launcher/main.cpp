@@ -19,7 +19,7 @@ struct Command {
     const char* description;
 };
 
-constexpr std::array<Command, 7> commands = {{
+constexpr std::array<Command, 8> commands = {{
     {"speed", "eti-bench-physics", "Cost of the solver's parts"},
     {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
     {"calibration", "eti-bench-physics", "What modulus bodies of clusters have, against the modulus put in"},
@@ -27,6 +27,7 @@ constexpr std::array<Command, 7> commands = {{
     {"sufficiency", "eti-bench-physics", "How the outcome of an intubation changes as the model shrinks"},
     {"sleep", "eti-bench-physics", "What is lost and saved where tissue at rest sleeps"},
     {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
+    {"bus", "eti-bench-bus", "Latency, joins, loss, observers and endurance of the bus"},
 }};
 
 void usage(std::FILE* to) {
