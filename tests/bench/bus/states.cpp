@@ -54,6 +54,9 @@ class Reader {
 
     void follow(double seconds) {
         const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+        // What has waited for the scene was late by that, not by the bus.
+        while (states_.take(state_message_) || proxies_.take(proxy_message_)) {
+        }
         auto picture = Clock::now() + picture_every;
         while (Clock::now() < end && !stop_asked()) {
             // A picture shows what has come until it is drawn; until then what comes is only taken.
