@@ -147,6 +147,13 @@ class Lab(session_run.Session):
         if "controller" in self.programs:
             super().assist(time_s)
 
+    def abandon(self):
+        """Ends a lab that did not come to its start."""
+        self.programs = {role: program for role, program in self.programs.items() if program.process}
+        for program in self.programs.values():
+            program.send(signal.SIGTERM)
+        self.finish()
+
     def close(self):
         """Ends what is left of it. Not before finish()."""
         for program in self.discovery:
@@ -251,7 +258,7 @@ def main():
         lab.host("server").fetch(lab.record)
     except (LabError, subprocess.CalledProcessError) as error:
         lab.stop(str(error))
-        lab.finish()
+        lab.abandon()
         return 1
     finally:
         lab.close()

@@ -23,17 +23,20 @@ LAB = [str(support.ROOT / "deploy/lab.sh"), "--no-build"]
 JOINS = 7
 DELAY = 20              # [ms]
 PATIENCE = 240          # [s] for a lab on a busy machine
-# Everything of a lab runs inside: afterwards only the shell's own may be there. ps and ip are what would show it.
+# Everything of a lab runs inside; afterwards all must be as it was before: processes, interfaces, shared memory, and
+# where namespaces with names would be.
 ALONE = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc", "--net", "--mount", "sh", "-c"]
 REMAINS = """
-mount -t tmpfs tmpfs /dev/shm && mount -t tmpfs tmpfs /run && ip link set lo up
-{command}
-for tenth in $(seq 150); do
-    left=$(for p in /proc/[0-9]*; do [ "${{p#/proc/}}" = $$ ] || tr '\\0' ' ' <$p/cmdline; done 2>/dev/null | grep -v '^sh -c')
-    [ -z "$left" ] && break
+mount -t tmpfs tmpfs /dev/shm && mount -t tmpfs tmpfs /run && mkdir /run/netns && ip link set lo up
+state() { echo $(cat /proc/[0-9]*/comm | grep -vx -e sh -e cat -e grep) / $(ip -o link | cut -d: -f2) / $(ls /dev/shm /run/netns); }
+before=$(state)
+COMMAND
+for tenth in $(seq 200); do
+    after=$(state)
+    [ "$before" = "$after" ] && exit 0
     sleep 0.1
 done
-echo "processes: $left"; echo "interfaces: $(ls /sys/class/net)"; echo "shm: $(ls /dev/shm)"; echo "run: $(ls /run)"
+echo "before: $before"; echo "after: $after"; exit 1
 """
 
 
@@ -64,9 +67,9 @@ class Links(support.Case):
         file = self.folder / "states"
         with runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place:
             place.server("server", "--operator", "expert")
-            how = ["--seconds", seconds, "--every-state"]
-            beside = place.part("server", "read-states", *how, "--other", file)
-            place.part("client", "read-states", *how, "--keep", file).result(PATIENCE)
+            beside = place.part("server", "read-states", "--every-state", "--other", file)
+            self.assertIsNotNone(beside.line()["scene_ms"])
+            place.part("client", "read-states", "--every-state", "--seconds", seconds, "--keep", file).result(PATIENCE)
             return beside.result(PATIENCE)["other"]
 
     def test_chunks_stand_alone(self):
@@ -86,14 +89,12 @@ class Links(support.Case):
         self.assertEqual(drawn["largest_error_mm"]["max"], 0.0, drawn)
 
     def test_two_networks_by_peers(self):
-        with runs.Place(support.BIN, ("server", "router", "client"), None) as place:
+        with runs.Place(support.BIN, ("server", "router", "client"), None, runs.NETWORK) as place:
             server, router, client = place.hosts.values()
             media = [runs.hosts.Medium(support.BIN, pair, subnet=f"10.77.{number}", interface=f"eth{number}")
                      for number, pair in enumerate(((router, server), (router, client)))]
             runs.hosts.route_between(router, {"10.77.0.1": [server], "10.77.1.1": [client]})
-            place.meet = ["--peer", client.address]
             place.server("server")
-            place.meet = runs.NETWORK
             self.assertFalse(place.part("client", "join", "--drive", "--wait", 3).result(30)["joined"],
                              "multicast passed a router")
             place.meet = ["--peer", server.address]
@@ -144,13 +145,11 @@ class Lab(support.Case):
         share = lost / (lost + came)
         self.assertAlmostEqual(share, 0.01, delta=5 * (0.01 / (lost + came)) ** 0.5)
 
-    def what_remains(self, command):
-        return subprocess.run([*ALONE, REMAINS.format(command=command)], capture_output=True, text=True, timeout=PATIENCE)
-
     def assert_nothing_remains(self, command):
-        done = self.what_remains(command)
-        self.assertEqual(done.stdout.splitlines()[-4:], ["processes: ", "interfaces: lo", "shm: ", "run: "],
-                         f"{done.stdout}\n{done.stderr}")
+        done = subprocess.run([*ALONE, REMAINS.replace("COMMAND", command)], capture_output=True, text=True,
+                              timeout=PATIENCE)
+        self.assertEqual(done.returncode, 0, f"{done.stdout}\n{done.stderr}")
+        self.assertTrue(list(self.folder.glob("lab-*/logs/server.log")), "there was no lab")
 
     def test_nothing_remains_at_its_end(self):
         self.assert_nothing_remains(" ".join(self.lab("--duration", 2)) + " >/dev/null 2>&1")

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -18,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds picture_every{16'667};  // a display of 60 Hz
-constexpr std::chrono::seconds other_within{60};
+constexpr std::chrono::minutes other_within{5};
 
 double age_ms(const msg::Header& header) {
     return 1e-6 * (static_cast<double>(bus::wall_clock_ns()) - static_cast<double>(header.send_time_ns()));
@@ -52,13 +55,13 @@ class Reader {
         return true;
     }
 
-    void follow(double seconds) {
-        const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+    template <class Until>
+    void follow(const Until& over) {
         // What has waited for the scene was late by that, not by the bus.
         while (states_.take(state_message_) || proxies_.take(proxy_message_)) {
         }
         auto picture = Clock::now() + picture_every;
-        while (Clock::now() < end && !stop_asked()) {
+        while (!over() && !stop_asked()) {
             // A picture shows what has come until it is drawn; until then what comes is only taken.
             (void)states_.wait(
                 std::max(1ms, std::chrono::duration_cast<std::chrono::milliseconds>(picture - Clock::now())));
@@ -124,20 +127,26 @@ nlohmann::json read_states(const PartOptions& options) {
     if (!reader.wait_for_scene(options.wait_s)) {
         return {{"scene_ms", nullptr}};
     }
-    reader.follow(options.seconds);
+    if (options.other.empty()) {
+        const auto end = Clock::now() + std::chrono::duration<double>(options.seconds);
+        reader.follow([&] { return Clock::now() >= end; });
+    } else {
+        fmt::print("{}\n", reader.report().dump());
+        std::fflush(stdout);
+        const auto end = Clock::now() + other_within;
+        reader.follow([&] {
+            if (Clock::now() > end) {
+                throw std::runtime_error(options.other.string() +
+                                         ": the other reader left no file within 5 minutes");
+            }
+            return std::filesystem::exists(options.other);
+        });
+    }
     nlohmann::json out = reader.report();
     if (!options.keep.empty()) {
         keep(options.keep, reader.chunks());
     }
     if (!options.other.empty()) {
-        const auto end = Clock::now() + other_within;
-        while (!std::filesystem::exists(options.other)) {
-            if (stop_asked() || Clock::now() > end) {
-                throw std::runtime_error(options.other.string() +
-                                         ": the other reader left no file within 60 s");
-            }
-            std::this_thread::sleep_for(20ms);
-        }
         out["other"] = drawn_error(reader.rest(), reader.chunks(), kept(options.other));
     }
     return out;
