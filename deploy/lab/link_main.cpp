@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
 #include "deploy/lab/medium.hpp"
 #include "deploy/lab/tap.hpp"
@@ -31,6 +32,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t largest_frame = 16384;  // [bytes], of an interface with a large MTU
 constexpr int frames_at_once = 64;            // from one host, before the others have their turn
+
+constexpr int as_hardware = eti::priority::loop + 5;
 
 std::chrono::nanoseconds from_ms(double ms) {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(1e6 * ms));
@@ -158,8 +161,12 @@ int main(int argc, char** argv) {
         ->required();
     CLI11_PARSE(app, argc, argv);
     eti::catch_stop_signals();
-    // The kernel would else wake this thread up to 50 us late.
+    // The kernel would else wake this thread up to 50 us late, and let the hosts' programs go before it: it
+    // stands for hardware, from which no program takes time.
     ::prctl(PR_SET_TIMERSLACK, 1UL);
+    if (const std::string refusal = eti::become_real_time(as_hardware); !refusal.empty()) {
+        fmt::print(stderr, "eti-lab-link: {}\n", refusal);
+    }
     try {
         std::vector<Host> hosts;
         std::vector<Tap> taps;
