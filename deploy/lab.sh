@@ -17,7 +17,7 @@ for option in "$@"; do
 done
 
 if [ $build = yes ]; then
-    eti_install build client
+    eti_install build client lab
     eti_say "Building build/release ..."
     eti_build release programs eti-lab-link || exit 1
 fi

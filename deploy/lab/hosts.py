@@ -149,7 +149,7 @@ class Medium:
 
 def route_between(router, networks):
     """Makes `router` pass packets between its networks; networks: {gateway address: [hosts behind it]}."""
-    router.run("sysctl", "-qw", "net.ipv4.ip_forward=1")
+    router.run("sh", "-c", "echo 1 >/proc/sys/net/ipv4/ip_forward")
     for gateway, hosts in networks.items():
         for host in hosts:
             host.run("ip", "route", "add", "default", "via", gateway)

@@ -145,6 +145,14 @@ class Lab(support.Case):
         share = lost / (lost + came)
         self.assertAlmostEqual(share, 0.01, delta=5 * (0.01 / (lost + came)) ** 0.5)
 
+    def test_secured(self):
+        if not (support.ROOT / "deploy/security/make_lab.sh").exists():
+            self.skipTest("deploy/security/make_lab.sh, which makes identities, is not there")
+        seen, said = self.run_lab("--duration", 4, "--security")
+        self.assertIn("secured", said)
+        for role in ("trainee", "observer", "observer-2"):
+            self.assertGreater(seen["programs"][role]["frames"], 10, seen["programs"][role])
+
     def assert_nothing_remains(self, command):
         done = subprocess.run([*ALONE, REMAINS.replace("COMMAND", command)], capture_output=True, text=True,
                               timeout=PATIENCE)

@@ -6,6 +6,7 @@ import runs
 
 STEADY_AFTER = 0.5      # [s] that a program which is to be killed has run
 GIVEN_UP_AFTER = 15.0   # [s]
+QUIET = 3.0             # [s] after all of them
 
 # As in the places where a program runs: (name, delay [ms], loss [%]).
 LINKS = (("1 ms", 1, 0), ("20 ms, 1 %", 20, 1), ("20 ms, 5 %", 20, 5))
@@ -30,7 +31,7 @@ def in_turn(place, host, count, killed):
     return times
 
 
-def row(where, how, times, files):
+def row(where, how, times):
     joined = [at for at in times if at["joined"]]
     out = {"where": where, "how": how, "tries": len(times), "joined": len(joined)}
     for what in ("scene", "answered"):
@@ -38,7 +39,6 @@ def row(where, how, times, files):
         for name, share in (("p50", 0.5), ("p90", 0.9), ("max", 1.0)):
             out[f"{what}_{name}_ms"] = round(runs.percentile(of_all, share), 1) if of_all else ""
     out["within_1_s"] = sum(max(at["scene"], at["answered"]) < 1000 for at in joined)
-    out["shared_memory_files_left"] = files
     return out
 
 
@@ -54,9 +54,13 @@ def measure(bin_folder, count, links=LINKS):
             before = len(place.hosts[host].shared_memory_files())
             for how, killed in (("joins", False), ("takes the place of one killed", True)):
                 times = in_turn(place, host, count, killed)
-                runs.pause(2.0)
+                # Those that are gone should cost nothing any more.
+                cost = server.processor_seconds()
+                runs.pause(QUIET)
+                cost = 100 * (server.processor_seconds() - cost) / QUIET
                 left = len(place.hosts[host].shared_memory_files()) - before
-                rows.append(row(where, how, times, left))
+                rows.append({**row(where, how, times), "server_core_percent_afterwards": round(cost),
+                             "shared_memory_files_left": left})
                 runs.say(f"joins: {rows[-1]}")
             if not server.running():
                 raise RuntimeError("the server ended by itself while others joined")
