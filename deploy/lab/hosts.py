@@ -123,8 +123,8 @@ def processes_of(host):
 class Medium:
     """What joins hosts: a switch with delay, loss, limited rate. Interfaces are up once it is made."""
 
-    def __init__(self, bin_folder, hosts, subnet="10.77.0", interface=INTERFACE, delay=0.0, jitter=0.0, loss=0.0, rate=0.0,
-                 multicast=True, seed=1, worse=None):
+    def __init__(self, bin_folder, hosts, subnet="10.77.0", interface=INTERFACE, delay=0.0, jitter=0.0, loss=0.0,
+                 rate=0.0, multicast=True, seed=1, worse=None):
         """`worse`: for single hosts by name, {"loss": 5} and the like."""
         ports = []
         for host in hosts:

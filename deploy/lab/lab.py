@@ -55,10 +55,10 @@ class Lab(session_run.Session):
         observer = ["--observe", "--json", "--offscreen", folder / "observer-2", *quiet]
         super().__init__(options.bin_there, folder, options.scenario, options.operator, options.domain, say=say,
                          name=f"lab-{os.getpid()}",
-                         extra={"trainee": ["--json", *quiet], "observer": ["--json", *quiet], "haptics": [], "tracker": []})
+                         extra={"trainee": ["--json", *quiet], "observer": ["--json", *quiet]})
         self.options = options
-        self.programs["observer-2"] = session_run.Program(
-            "observer-2", [self.bin / "eti-client", *observer, "--session", self.name, "--domain", options.domain], folder)
+        command = [self.bin / "eti-client", *observer, "--session", self.name, "--domain", options.domain]
+        self.programs["observer-2"] = session_run.Program("observer-2", command, folder)
         if options.duration:
             at = self.server.command.index("--duration") + 1
             self.server.command[at] = str(options.duration)
@@ -107,7 +107,8 @@ class Lab(session_run.Session):
             raise LabError(f"--security: {script} is not there, which makes the lab's identities")
         folder = self.folder / "security"
         wanted = [word for role in self.programs for word in ("--role", f"{IDENTITY[role]}:{role}")]
-        subprocess.run([script, "--out", folder, "--session", self.name, *wanted], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([script, "--out", folder, "--session", self.name, *wanted], check=True,
+                       stdout=subprocess.DEVNULL)
         for role in self.programs:
             self.host(role).send_folder(folder / role)
 
@@ -171,7 +172,8 @@ class Lab(session_run.Session):
         """What each program says of its session and what passed between the hosts, for printing as JSON."""
         programs = {}
         for role, program in self.programs.items():
-            programs[role] = {**self.said(role), "process": program.how_it_ended() if program.process else "not started"}
+            how = program.how_it_ended() if program.process else "not started"
+            programs[role] = {**self.said(role), "process": how}
         return {"session": self.name, "programs": programs, "medium": self.passed}
 
 
@@ -186,12 +188,13 @@ def lines_of(seen):
             parts += [f"forces whole {100 * (1 - said['stale_share']):.1f} % of the time",
                       f"at most {said['force_n']['max']:.1f} N"]
         if "step_ms" in said and said.get("steps"):
-            parts += [f"{said['steps']} steps", f"a step {said['step_ms']['p50']:.1f} ms, p99 {said['step_ms']['p99']:.1f}",
+            parts += [f"{said['steps']} steps",
+                      f"a step {said['step_ms']['p50']:.1f} ms, p99 {said['step_ms']['p99']:.1f}",
                       f"{said['behind_s']:.1f} s behind"]
         yield f"{role:<12}{'; '.join(parts)}"
     for host, count in seen["medium"].items():
-        yield (f"{host:<12}sent {1e-6 * count['sent']['bytes']:.1f} MB, received {1e-6 * count['received']['bytes']:.1f} MB; "
-               f"{count['lost']} frames lost on the way to it")
+        yield (f"{host:<12}sent {1e-6 * count['sent']['bytes']:.1f} MB, "
+               f"received {1e-6 * count['received']['bytes']:.1f} MB; {count['lost']} frames lost on the way to it")
 
 
 def parse():
@@ -203,8 +206,8 @@ def parse():
     link.add_argument("--rate", type=float, default=0.0, metavar="MBIT", help="of each host each way; 0: no limit")
     link.add_argument("--no-multicast", action="store_true", help="multicast does not pass")
     link.add_argument("--seed", type=int, default=1, help="of what gets lost (default: %(default)s)")
-    parser.add_argument("--meet", choices=MEETINGS, help="how programs find each other (default: by a discovery server; "
-                        "with --security by multicast, or by peers where it does not pass)")
+    parser.add_argument("--meet", choices=MEETINGS, help="how programs find each other (default: by a discovery "
+                        "server; with --security by multicast, or by peers where it does not pass)")
     parser.add_argument("--discovery-servers", type=int, choices=(1, 2), default=1, help="the second is a backup")
     parser.add_argument("--security", action="store_true", help="encrypted, every role with an identity of its own")
     parser.add_argument("--hosts", type=Path, metavar="FILE", help="on real machines over ssh; lines 'ROLE MACHINE', "
@@ -251,8 +254,8 @@ def main():
     late = []
     try:
         lab.start()
-        lab.say(f"Lab {lab.name}: {', '.join(lab.hosts)}; found by {options.meet}; {options.delay:g} ms, {options.loss:g} % lost"
-                f"{', secured' if options.security else ''}.")
+        lab.say(f"Lab {lab.name}: {', '.join(lab.hosts)}; found by {options.meet}; {options.delay:g} ms, "
+                f"{options.loss:g} % lost{', secured' if options.security else ''}.")
         lab.watch()
         late = lab.finish()
         lab.host("server").fetch(lab.record)

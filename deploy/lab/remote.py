@@ -101,7 +101,8 @@ def read_hosts(file, roles):
         if not words:
             continue
         if len(words) != 2 or words[1].startswith("-"):
-            raise LabError(f"{file}:{number}: '{line.strip()}'; expected a role and a machine, e.g. 'server alice@rack1'")
+            raise LabError(f"{file}:{number}: '{line.strip()}'; expected a role and a machine, e.g. "
+                           "'server alice@rack1'")
         if words[0] not in roles:
             raise LabError(f"{file}:{number}: no role '{words[0]}'; expected one of {', '.join(roles)}")
         if words[0] in found:

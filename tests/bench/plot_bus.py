@@ -51,8 +51,8 @@ def draw_joins(file, to):
         own = [row for row in rows if row["how"] == way]
         for number, what in enumerate(("scene", "answered")):
             for marker, share in zip(("o", "_", "^"), ("p50", "p90", "max")):
-                axes.plot([at + 0.2 * (number - 0.5) for at in range(len(own))], numbers(own, f"{what}_{share}_ms"), marker,
-                          color=f"C{number}", label=f"{what}, {'most' if share == 'max' else share}")
+                axes.plot([at + 0.2 * (number - 0.5) for at in range(len(own))], numbers(own, f"{what}_{share}_ms"),
+                          marker, color=f"C{number}", label=f"{what}, {'most' if share == 'max' else share}")
         axes.axhline(JOIN_WITHIN, color="gold", lw=4, zorder=0)
         label_places(axes, [row["where"] for row in own])
         axes.set_title(way, fontsize=9)
@@ -73,7 +73,8 @@ def draw_scenes(file, to):
     age.set(ylim=(0, None), ylabel="age of the state in a picture [ms]")
     age.legend(fontsize=8)
     links = [row for row in rows if row["largest_error_max_mm"]]
-    for number, (share, text) in enumerate((("p50", "median state"), ("p99", "99 % of states"), ("max", "worst state"))):
+    shares = (("p50", "median state"), ("p99", "99 % of states"), ("max", "worst state"))
+    for number, (share, text) in enumerate(shares):
         values = [max(value, ON_A_LOG_AXIS) for value in numbers(links, f"largest_error_{share}_mm")]
         error.plot(range(len(links)), values, MARKERS[number], color=f"C{number}", label=text)
     label_places(error, [place(row) for row in links])
@@ -109,8 +110,9 @@ def draw_soak(file, to):
     plt = pyplot()
     rows = rows_of(file)
     minutes = numbers(rows, "time_s", 1 / 60)
-    parts = (("memory_mb", "memory [MB]"), ("threads", "threads"), ("files", "open files"), ("log_lines", "lines of the log"),
-             ("shared_memory_files", "files in shared memory"), ("joined", "programs that joined"))
+    parts = (("memory_mb", "memory [MB]"), ("threads", "threads"), ("files", "open files"),
+             ("log_lines", "lines of the log"), ("shared_memory_files", "files in shared memory"),
+             ("joined", "programs that joined"))
     figure, panels = plt.subplots(2, 3, figsize=(10, 5), sharex=True)
     for axes, (name, text) in zip(panels.flat, parts):
         axes.plot(minutes, numbers(rows, name), lw=1)

@@ -28,7 +28,8 @@ PATIENCE = 240          # [s] for a lab on a busy machine
 ALONE = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc", "--net", "--mount", "sh", "-c"]
 REMAINS = """
 mount -t tmpfs tmpfs /dev/shm && mount -t tmpfs tmpfs /run && mkdir /run/netns && ip link set lo up
-state() { echo $(cat /proc/[0-9]*/comm | grep -vx -e sh -e cat -e grep) / $(ip -o link | cut -d: -f2) / $(ls /dev/shm /run/netns); }
+processes() { cat /proc/[0-9]*/comm | grep -vx -e sh -e cat -e grep; }
+state() { echo $(processes) / $(ip -o link | cut -d: -f2) / $(ls /dev/shm /run/netns); }
 before=$(state)
 COMMAND
 for tenth in $(seq 200); do
@@ -129,7 +130,8 @@ class Lab(support.Case):
                 *map(str, arguments)]
 
     def run_lab(self, *arguments, **options):
-        done = subprocess.run(self.lab("--json", *arguments), capture_output=True, text=True, timeout=PATIENCE, **options)
+        done = subprocess.run(self.lab("--json", *arguments), capture_output=True, text=True, timeout=PATIENCE,
+                              **options)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout), done.stderr
 
@@ -138,7 +140,7 @@ class Lab(support.Case):
         for role in ("trainee", "observer", "observer-2"):
             said = seen["programs"][role]
             self.assertGreater(said["frames"], 10, said)
-            self.assertGreater(said["state_age_ms"]["mean"], DELAY, "the link's delay is missing: another way was taken")
+            self.assertGreater(said["state_age_ms"]["mean"], DELAY, "without the link's delay: another way was taken")
         self.assertLess(seen["programs"]["haptics"]["stale_share"], 0.5, seen["programs"]["haptics"])
         lost = sum(host["lost"] for host in seen["medium"].values())
         came = sum(host["received"]["frames"] for host in seen["medium"].values())
@@ -206,8 +208,8 @@ class Lab(support.Case):
         stand_in.chmod(0o755)
         table = self.folder / "hosts"
         table.write_text("server here\n")
-        command = (f"PATH={stand_in.parent}:$PATH; export PATH; "
-                   f"{' '.join(self.lab('--duration', 60, '--hosts', table, '--meet', 'multicast'))} >/dev/null 2>&1 & lab=$!; "
+        lab = " ".join(self.lab("--duration", 60, "--hosts", table, "--meet", "multicast"))
+        command = (f"PATH={stand_in.parent}:$PATH; export PATH; {lab} >/dev/null 2>&1 & lab=$!; "
                    f"until grep -qs 'simulation time' {self.folder}/lab-*/logs/server.log; do sleep 0.1; done; "
                    "kill -s KILL $lab; wait $lab 2>/dev/null")
         self.assert_nothing_remains(command)

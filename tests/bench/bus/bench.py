@@ -16,9 +16,9 @@ import soak
 
 # Each: rows of a table, from the options.
 TABLES = {
-    "latency": lambda o: latency.measure(o.bin, 2, (20,), (0, 5)) if o.quick else latency.measure(o.bin, 20),
+    "latency": lambda o: latency.measure(o.bin, 2, (20,), (0, 5)) if o.quick else latency.measure(o.bin, 10),
     "joins": lambda o: joins.measure(o.bin, 3, joins.LINKS[1:2]) if o.quick else joins.measure(o.bin, o.tries),
-    "scenes": lambda o: scenes.measure(o.bin, 6, (20,), (5,)) if o.quick else scenes.measure(o.bin, 20),
+    "scenes": lambda o: scenes.measure(o.bin, 6, (20,), (5,)) if o.quick else scenes.measure(o.bin, 12),
     "observers": lambda o: observers.measure(o.bin, 3, (0, 2)) if o.quick else observers.measure(o.bin, 15),
     "soak": lambda o: soak.measure(o.bin, o.soak, o.out / "bus-soak.log"),
 }
@@ -27,7 +27,8 @@ TABLES = {
 def main():
     parser = argparse.ArgumentParser(prog="eti-bench bus", description=__doc__)
     parser.add_argument("--bin", type=Path, default=runs.ROOT / "build/release/bin", help=argparse.SUPPRESS)
-    parser.add_argument("--out", type=Path, default=Path("out/bench"), help="folder for the tables (default: %(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("out/bench"),
+                        help="folder for the tables (default: %(default)s)")
     parser.add_argument("--only", choices=TABLES, action="append", help="this table; may be given several times")
     parser.add_argument("--tries", type=int, default=50, metavar="N", help="joins of each kind (default: %(default)s)")
     parser.add_argument("--soak", type=float, metavar="MINUTES", help="how long programs come and go (default: 2; with "

@@ -46,7 +46,8 @@ def measure(bin_folder, count, links=LINKS):
     """Rows for every place, joins and rejoins."""
     rows = []
     places = [(name, ("alone",), None, meet, "alone") for name, meet in runs.LOCAL.items()]
-    places += [(name, ("server", "device"), {"delay": delay, "loss": loss}, None, "device") for name, delay, loss in links]
+    places += [(name, ("server", "device"), {"delay": delay, "loss": loss}, None, "device")
+               for name, delay, loss in links]
     for where, names, medium, meet, host in places:
         with runs.Place(bin_folder, names, medium, meet) as place:
             server = place.server(names[0])

@@ -34,8 +34,9 @@ def measure(bin_folder, seconds, counts=COUNTS):
             raise RuntimeError(f"{count - len(ages)} of {count} observers saw nothing")
         rows.append({"observers": count, "server_mbit_per_s": round(8e-6 * sent / elapsed, 2),
                      "server_core_percent": round(100 * cost / elapsed, 1),
-                     "step_p50_ms": round(steps["step_ms"]["p50"], 2), "step_p99_ms": round(steps["step_ms"]["p99"], 2),
-                     "behind_s": round(steps["behind_s"], 2), "drawn_p99_worst_ms": round(max(ages), 1) if ages else ""})
+                     "step_p50_ms": round(steps["step_ms"]["p50"], 2),
+                     "step_p99_ms": round(steps["step_ms"]["p99"], 2), "behind_s": round(steps["behind_s"], 2),
+                     "drawn_p99_worst_ms": round(max(ages), 1) if ages else ""})
         first = rows[0]
         for name in ("server_mbit_per_s", "server_core_percent"):
             rows[-1][f"{name}_each"] = round((rows[-1][name] - first[name]) / count, 2) if count else ""

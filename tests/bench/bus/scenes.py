@@ -10,7 +10,8 @@ import runs
 
 
 def age(said, name):
-    return {f"{name}_{share}_ms": round(said[f"{name}_age_ms"].get(share, float("nan")), 2) for share in ("p50", "p99", "max")}
+    ages = said[f"{name}_age_ms"]
+    return {f"{name}_{share}_ms": round(ages.get(share, float("nan")), 2) for share in ("p50", "p99", "max")}
 
 
 def measure(bin_folder, seconds, delays=latency.DELAYS, losses=latency.LOSSES):
