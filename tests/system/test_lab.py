@@ -67,7 +67,7 @@ class Links(support.Case):
         """What the reader on a poor link drew, against the one beside the server."""
         file = self.folder / "states"
         with runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place:
-            place.server("server", "--operator", "expert")
+            place.server("server", "--operator", runs.restless(self.folder))
             beside = place.part("server", "read-states", "--every-state", "--other", file)
             self.assertIsNotNone(beside.line()["scene_ms"])
             place.part("client", "read-states", "--every-state", "--seconds", seconds, "--keep", file).result(PATIENCE)

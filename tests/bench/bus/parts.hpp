@@ -33,9 +33,9 @@ struct PartOptions {
 [[nodiscard]] nlohmann::json write_poses(const PartOptions& options);
 /// Reads them; how old they arrive [us].
 [[nodiscard]] nlohmann::json read_poses(const PartOptions& options);
-/// Follows the scene as a client does, without drawing; with `other`, also what a client draws wrongly that
-/// lacks what that reader did not
-/// get: then it follows until the other's file is there, and says at once when it has the scene.
+/// Follows the scene as a client does, without drawing; reports when it has the scene, and at its end. With
+/// `other` it follows until that file is there, and says what a client draws wrongly that lacks what the
+/// other reader did not get.
 [[nodiscard]] nlohmann::json read_states(const PartOptions& options);
 /// Of this process's beginning until now [ms].
 [[nodiscard]] double since_start_ms();

@@ -51,11 +51,11 @@ class Process:
         return json.loads(text)
 
     def result(self, timeout):
-        """What it prints until its end, as JSON."""
+        """The last line that it prints, as JSON."""
         said, _ = self.process.communicate(timeout=timeout)
         if self.process.returncode != 0:
             raise RuntimeError(f"{self.process.args}: exit status {self.process.returncode}")
-        return json.loads(said)
+        return json.loads(said.splitlines()[-1])
 
     def end(self, number=signal.SIGTERM):
         """What it had printed, if anything; kills it if it does not end."""
@@ -127,6 +127,15 @@ class Place:
         if not self.part(host, "join", *wait).result(LOADED_WITHIN + 10)["joined"]:
             raise RuntimeError("the server showed no scene within 180 s")
         return process
+
+
+def restless(folder):
+    """An operator file: goes in as the novice does, then levers on the gum and lets go for two minutes."""
+    into, _, lever = (ROOT / "deploy/operators/novice.yaml").read_text().partition("  - stage: lever on the gum 1\n")
+    lever = "  - stage: lever on the gum 1\n" + lever.partition("  - stage: lever on the gum 2\n")[0]
+    file = Path(folder) / "restless.yaml"
+    file.write_text(into + "".join(lever.replace(" 1\n", f" {number}\n") for number in range(1, 101)))
+    return file
 
 
 def percentile(values, share):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A client that follows an intubation: when it has the scene, how old what it draws is, and what it draws wrongly."""
+"""A client that follows a blade that levers and lets go: when it has the scene, how old what it draws is, and what it draws wrongly."""
 
 import tempfile
 from pathlib import Path
@@ -21,7 +21,7 @@ def measure(bin_folder, seconds, delays=latency.DELAYS, losses=latency.LOSSES):
     rows = []
     for where, delay, loss, names, medium, meet in places:
         with tempfile.TemporaryDirectory() as folder, runs.Place(bin_folder, names, medium, meet) as place:
-            server = place.server("server", "--operator", "expert")
+            server = place.server("server", "--operator", runs.restless(folder))
             file = Path(folder) / "states"
             beside = None
             if medium:

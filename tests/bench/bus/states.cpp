@@ -22,6 +22,8 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds picture_every{16'667};  // a display of 60 Hz
 constexpr std::chrono::minutes other_within{5};
+// States that came while the scene still did waited for it; their age says nothing of those that follow.
+constexpr std::chrono::seconds settling{2};
 
 double age_ms(const msg::Header& header) {
     return 1e-6 * (static_cast<double>(bus::wall_clock_ns()) - static_cast<double>(header.send_time_ns()));
@@ -57,17 +59,17 @@ class Reader {
 
     template <class Until>
     void follow(const Until& over) {
-        // What has waited for the scene was late by that, not by the bus.
-        while (states_.take(state_message_) || proxies_.take(proxy_message_)) {
-        }
+        steady_at_ = Clock::now() + settling;
         auto picture = Clock::now() + picture_every;
         while (!over() && !stop_asked()) {
             // A picture shows what has come until it is drawn; until then what comes is only taken.
             (void)states_.wait(
                 std::max(1ms, std::chrono::duration_cast<std::chrono::milliseconds>(picture - Clock::now())));
             take();
-            if (Clock::now() >= picture && newest_.send_time_ns() > 0) {
-                drawn_.push_back(age_ms(newest_));
+            if (Clock::now() >= picture) {
+                if (steady() && newest_.send_time_ns() > 0) {
+                    drawn_.push_back(age_ms(newest_));
+                }
                 picture += picture_every;
             }
         }
@@ -85,16 +87,22 @@ class Reader {
     [[nodiscard]] const Chunks& chunks() const { return chunks_; }
 
   private:
+    [[nodiscard]] bool steady() const { return Clock::now() >= steady_at_; }
+    void note(std::vector<double>& ages, const msg::Header& header) const {
+        if (steady()) {
+            ages.push_back(age_ms(header));
+        }
+    }
     void take() {
         while (states_.take(state_message_)) {
-            arrived_.push_back(age_ms(state_message_.header()));
+            note(arrived_, state_message_.header());
             if (state_message_.header().number() >= newest_.number()) {
                 newest_ = state_message_.header();
             }
             chunks_.push_back(state_message_);
         }
         while (proxies_.take(proxy_message_)) {
-            proxy_ages_.push_back(age_ms(proxy_message_.header()));
+            note(proxy_ages_, proxy_message_.header());
         }
         while (status_.take(status_message_)) {
             phase_ = status_message_.phase();
@@ -117,6 +125,7 @@ class Reader {
     Chunks chunks_;
     msg::Header newest_;
     double scene_ms_ = 0.0;
+    Clock::time_point steady_at_ = Clock::time_point::max();
     std::vector<double> arrived_, drawn_, proxy_ages_;
 };
 
@@ -127,12 +136,12 @@ nlohmann::json read_states(const PartOptions& options) {
     if (!reader.wait_for_scene(options.wait_s)) {
         return {{"scene_ms", nullptr}};
     }
+    fmt::print("{}\n", reader.report().dump());
+    std::fflush(stdout);
     if (options.other.empty()) {
         const auto end = Clock::now() + std::chrono::duration<double>(options.seconds);
         reader.follow([&] { return Clock::now() >= end; });
     } else {
-        fmt::print("{}\n", reader.report().dump());
-        std::fflush(stdout);
         const auto end = Clock::now() + other_within;
         reader.follow([&] {
             if (Clock::now() > end) {
