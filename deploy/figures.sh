@@ -10,7 +10,7 @@ PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pict
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
-                  [bus]="an hour and a half" [anatomy]="a minute" [pictures]="a minute")
+                  [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute")
 PICTURES=(laryngoscope section overview)
 CHARTS=$ETI_ROOT/docs/charts
 OUT=$ETI_ROOT/out/figures

@@ -115,9 +115,9 @@ def draw_soak(file, to):
              ("joined", "programs that joined"))
     figure, panels = plt.subplots(2, 3, figsize=(10, 5), sharex=True)
     for axes, (name, text) in zip(panels.flat, parts):
-        axes.plot(minutes, numbers(rows, name), lw=1)
-        axes.set_ylabel(text)
-        axes.set_ylim(bottom=0)
+        values = numbers(rows, name)
+        axes.plot(minutes, values, lw=1)
+        axes.set(ylabel=text, ylim=(0, 1.2 * max(values) or 1))
     for axes in panels[-1]:
         axes.set_xlabel("minutes")
     figure.tight_layout()

@@ -20,8 +20,8 @@ LOADED_WITHIN = 180.0    # [s] for a server to build its patient on a busy machi
 ENDED_WITHIN = 20.0      # [s] after SIGTERM
 SESSION = "bench"
 DOMAIN = 101 + os.getpid() % 100
-# How programs of one machine meet: as they do by themselves, or by UDP alone.
-LOCAL = {"shared memory": [], "UDP, loopback": ["--profile", ROOT / "deploy/dds/loopback.xml"]}
+# How programs of one machine meet: as they do by themselves, or by shared memory.
+LOCAL = {"UDP, loopback": [], "shared memory": ["--profile", ROOT / "deploy/dds/shared_memory.xml"]}
 NETWORK = ["--network"]
 
 
