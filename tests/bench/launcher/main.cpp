@@ -28,6 +28,7 @@ constexpr std::array<Command, 8> commands = {{
     {"sleep", "eti-bench-physics", "What is lost and saved where tissue at rest sleeps"},
     {"merge", "eti-bench-physics", "The tables of a sweep's shards (--shard I/N) put together"},
     {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
+    {"bus", "eti-bench-bus", "Latency, joins, loss, observers and endurance of the bus"},
 }};
 
 void usage(std::FILE* to) {

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-TOP = ("common", "server", "devices", "client", "idl")
+TOP = ("common", "server", "devices", "client", "deploy", "idl")
 NOT_SOURCE = {"build", "out", ".git", "__pycache__"}
 
 # Folders that the files of a folder may include, besides their own. The longest matching folder
@@ -37,6 +37,7 @@ MAY_INCLUDE = {
                    "server/rigid", "server/scene", "server/metrics"),
     "devices": ("common", "idl"),
     "client": ("common", "idl"),
+    "deploy": ("common/process",),
     "tests/unit/common": ("common", "idl", "tests"),
     "tests/unit/server": ("common", "idl", "server", "tests"),
     "tests/unit/devices": ("common", "idl", "devices", "tests"),

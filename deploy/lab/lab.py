@@ -1,0 +1,275 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""A whole lab: every program on a host of its own, in namespaces of this machine or on real machines over ssh."""
+
+import argparse
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import hosts
+import remote
+import session_run
+from hosts import LabError
+
+ROOT = session_run.ROOT
+DISCOVERY_PORT = 11811
+# Roles of a session, and what each may do where the lab is secured (deploy/security).
+IDENTITY = {"server": "server", "haptics": "laryngoscope", "tracker": "tube", "controller": "instructor",
+            "trainee": "trainee", "observer": "observer", "observer-2": "observer"}
+ROLES = (*IDENTITY, "discovery", "discovery-2")
+# The controller belongs to the assistant, who stands beside the trainee.
+HOST_OF = {"controller": "trainee"}
+MEETINGS = ("discovery", "multicast", "peers")
+
+
+def discovery_command(number, address):
+    """A discovery server; `number`: its place in what programs are given."""
+    return ["fast-discovery-server", "-i", number, "-l", address, "-p", DISCOVERY_PORT]
+
+
+class Namespace(hosts.Host):
+    """A host on this machine, as a lab uses it."""
+
+    def program(self, role, command, folder):
+        return session_run.Program(role, [*self.enter(), *command], folder)
+
+    def send_folder(self, folder):
+        pass
+
+    def fetch(self, file):
+        pass
+
+
+class Lab(session_run.Session):
+    """A session whose programs run on hosts; see Session for watching and ending it."""
+
+    def __init__(self, options, folder, say=None):
+        say = say or (lambda text: print(text, file=sys.stderr, flush=True))
+        quiet = ["--every", 0, "--no-video"] if not options.pictures else []
+        observer = ["--observe", "--json", "--offscreen", folder / "observer-2", *quiet]
+        super().__init__(options.bin_there, folder, options.scenario, options.operator, options.domain, say=say,
+                         name=f"lab-{os.getpid()}",
+                         extra={"trainee": ["--json", *quiet], "observer": ["--json", *quiet]})
+        self.options = options
+        command = [self.bin / "eti-client", *observer, "--session", self.name, "--domain", options.domain]
+        self.programs["observer-2"] = session_run.Program("observer-2", command, folder)
+        if options.duration:
+            at = self.server.command.index("--duration") + 1
+            self.server.command[at] = str(options.duration)
+        self.hosts, self.medium, self.discovery, self.passed = {}, None, [], {}
+
+    # -- hosts
+
+    def make_hosts(self):
+        """Raises LabError, or OSError, with nothing left."""
+        names = [name for name in IDENTITY if name not in HOST_OF]
+        if self.options.meet == "discovery":
+            names += ["discovery", "discovery-2"][:self.options.discovery_servers]
+        if self.options.hosts:
+            machines = remote.read_hosts(self.options.hosts, ROLES)
+            self.programs = {role: program for role, program in self.programs.items() if role in machines}
+            self.hosts = {role: remote.RemoteHost(role, machine) for role, machine in machines.items()}
+            if self.options.meet == "discovery" and "discovery" not in machines:
+                raise LabError(f"{self.options.hosts}: no line 'discovery MACHINE'; add it, or give --meet multicast "
+                               "or --meet peers")
+            return
+        for name in names:
+            self.hosts[name] = Namespace(name)
+        self.medium = hosts.Medium(self.options.bin, list(self.hosts.values()), delay=self.options.delay,
+                                   jitter=self.options.jitter, loss=self.options.loss, rate=self.options.rate,
+                                   multicast=not self.options.no_multicast, seed=self.options.seed)
+
+    def host(self, role):
+        return self.hosts.get(role) or self.hosts[HOST_OF[role]]
+
+    def meeting(self, role):
+        """Options by which a program finds the others."""
+        if self.options.meet == "multicast":
+            return ["--network"]
+        if self.options.meet == "discovery":
+            return [word for name in ("discovery", "discovery-2") if name in self.hosts
+                    for word in ("--discovery-server", f"{self.hosts[name].address}:{DISCOVERY_PORT}")]
+        others = {host.address for other, host in self.hosts.items() if other in IDENTITY}
+        return [word for address in sorted(others - {self.host(role).address}) for word in ("--peer", address)]
+
+    # -- a session's life
+
+    def secure(self):
+        """Makes the lab's identities and sends to each host its own."""
+        script = ROOT / "deploy/security/make_lab.sh"
+        if not script.exists():
+            raise LabError(f"--security: {script} is not there, which makes the lab's identities")
+        folder = self.folder / "security"
+        wanted = [word for role in self.programs for word in ("--role", f"{IDENTITY[role]}:{role}")]
+        subprocess.run([script, "--out", folder, "--session", self.name, *wanted], check=True,
+                       stdout=subprocess.DEVNULL)
+        for role in self.programs:
+            self.host(role).send_folder(folder / role)
+
+    def calibrate(self):
+        for role, device in (("haptics", "simulated"), ("tracker", "scripted")):
+            if role in self.programs:
+                self.host(role).run("mkdir", "-p", self.folder)
+                self.host(role).run(self.bin / "eti-calibrate", "simulate", "--device", device, "--out",
+                                    self.folder / f"{device}.yaml")
+
+    def start(self):
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.make_hosts()
+        if self.options.security:
+            self.secure()
+        for role in self.programs:
+            self.host(role).run("mkdir", "-p", self.folder)
+        self.calibrate()
+        for number, name in enumerate(("discovery", "discovery-2")):
+            if name in self.hosts and self.options.meet == "discovery":
+                host = self.hosts[name]
+                self.discovery.append(host.program(name, discovery_command(number, host.address), self.folder))
+                self.discovery[-1].start()
+        if "controller" in self.programs and self.options.hosts:
+            # Its pad is a pipe that this script presses: on another machine there is none.
+            del self.programs["controller"]
+        if "controller" in self.programs:
+            self.pad.plug_in()
+        for role, program in list(self.programs.items()):
+            identity = ["--identity", self.folder / "security" / role] if self.options.security else []
+            command = [*program.command, *self.meeting(role), *identity]
+            self.programs[role] = self.host(role).program(role, command, self.folder)
+            self.programs[role].start()
+        self.server = self.programs["server"]
+
+    def assist(self, time_s):
+        if "controller" in self.programs:
+            super().assist(time_s)
+
+    def abandon(self):
+        """Ends a lab that did not come to its start."""
+        self.programs = {role: program for role, program in self.programs.items() if program.process}
+        for program in self.programs.values():
+            program.send(signal.SIGTERM)
+        self.finish()
+
+    def close(self):
+        """Ends what is left of it. Not before finish()."""
+        for program in self.discovery:
+            program.send(signal.SIGTERM)
+        for program in self.discovery:
+            if not program.wait(session_run.END_ON_REQUEST):
+                program.send(signal.SIGKILL)
+                program.wait(session_run.END_ON_REQUEST)
+        if self.medium:
+            self.passed = self.medium.close()
+        for host in self.hosts.values():
+            host.close()
+
+    def what_was_seen(self):
+        """What each program says of its session and what passed between the hosts, for printing as JSON."""
+        programs = {}
+        for role, program in self.programs.items():
+            how = program.how_it_ended() if program.process else "not started"
+            programs[role] = {**self.said(role), "process": how}
+        return {"session": self.name, "programs": programs, "medium": self.passed}
+
+
+def lines_of(seen):
+    """The same as lines for a person."""
+    for role, said in seen["programs"].items():
+        parts = [said["process"]]
+        if "state_age_ms" in said:
+            parts += [f"{said['frames']} frames", f"states missed {said['states_missed']}",
+                      f"age {said['state_age_ms']['mean']:.1f} ms, at most {said['state_age_ms']['max']:.0f}"]
+        if "stale_share" in said:
+            parts += [f"forces whole {100 * (1 - said['stale_share']):.1f} % of the time",
+                      f"at most {said['force_n']['max']:.1f} N"]
+        if "step_ms" in said and said.get("steps"):
+            parts += [f"{said['steps']} steps",
+                      f"a step {said['step_ms']['p50']:.1f} ms, p99 {said['step_ms']['p99']:.1f}",
+                      f"{said['behind_s']:.1f} s behind"]
+        yield f"{role:<12}{'; '.join(parts)}"
+    for host, count in seen["medium"].items():
+        yield (f"{host:<12}sent {1e-6 * count['sent']['bytes']:.1f} MB, "
+               f"received {1e-6 * count['received']['bytes']:.1f} MB; {count['lost']} frames lost on the way to it")
+
+
+def parse():
+    parser = argparse.ArgumentParser(prog="deploy/lab.sh", description=__doc__)
+    link = parser.add_argument_group("what lies between the hosts (of namespaces)")
+    link.add_argument("--delay", type=float, default=0.0, metavar="MS", help="one way")
+    link.add_argument("--jitter", type=float, default=0.0, metavar="MS", help="added, evenly from 0")
+    link.add_argument("--loss", type=float, default=0.0, metavar="PCT", help="of frames, each for itself")
+    link.add_argument("--rate", type=float, default=0.0, metavar="MBIT", help="of each host each way; 0: no limit")
+    link.add_argument("--no-multicast", action="store_true", help="multicast does not pass")
+    link.add_argument("--seed", type=int, default=1, help="of what gets lost (default: %(default)s)")
+    parser.add_argument("--meet", choices=MEETINGS, help="how programs find each other (default: by a discovery "
+                        "server; with --security by multicast, or by peers where it does not pass)")
+    parser.add_argument("--discovery-servers", type=int, choices=(1, 2), default=1, help="the second is a backup")
+    parser.add_argument("--security", action="store_true", help="encrypted, every role with an identity of its own")
+    parser.add_argument("--hosts", type=Path, metavar="FILE", help="on real machines over ssh; lines 'ROLE MACHINE', "
+                        f"roles: {', '.join(ROLES)}")
+    parser.add_argument("--bin-there", type=Path, metavar="DIR", help="folder of the programs on those machines")
+    parser.add_argument("--duration", type=float, metavar="S", help="of simulation time at most")
+    parser.add_argument("--scenario", default="term")
+    parser.add_argument("--operator", default="expert")
+    parser.add_argument("--pictures", action="store_true", help="clients also draw pictures and video all along")
+    parser.add_argument("--out", type=Path, default=ROOT / "out/lab", help="where logs and record go, in a folder of "
+                        "their own (default: out/lab)")
+    parser.add_argument("--domain", type=int, default=0, metavar="N")
+    parser.add_argument("--json", action="store_true", help="print what was seen as one JSON object")
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    options.bin, options.out = options.bin.absolute(), options.out.absolute()
+    options.bin_there = options.bin_there or options.bin
+    if options.meet is None:
+        # A discovery server that has no identity is not admitted to a secured lab.
+        options.meet = "discovery" if not options.security else "peers" if options.no_multicast else "multicast"
+    if options.security and options.meet == "discovery":
+        parser.error("--security with --meet discovery: fast-discovery-server has no identity; "
+                     "give --meet multicast or --meet peers")
+    if options.no_multicast and options.meet == "multicast":
+        parser.error("--no-multicast with --meet multicast: nobody would meet; give --meet discovery or --meet peers")
+    if options.hosts and any((options.delay, options.jitter, options.loss, options.rate, options.no_multicast)):
+        parser.error("--hosts with --delay, --jitter, --loss, --rate or --no-multicast: real machines have the network "
+                     "that they have")
+    if options.meet == "discovery" and not options.hosts and not shutil.which("fast-discovery-server"):
+        parser.error("fast-discovery-server is not there: apt-get install fastdds-tools, or give --meet multicast")
+    return options
+
+
+def main():
+    options = parse()
+    why_not = None if options.hosts else hosts.why_impossible(options.bin)
+    if why_not:
+        sys.exit(f"lab: {why_not}")
+    folder = options.out / f"lab-{os.getpid()}"
+    session_run.prepare_folder(folder)
+    lab = Lab(options, folder)
+    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "asked to end"), (signal.SIGHUP, "hung up")):
+        signal.signal(number, lambda *_, why=why: lab.stop(why))
+    late = []
+    try:
+        lab.start()
+        lab.say(f"Lab {lab.name}: {', '.join(lab.hosts)}; found by {options.meet}; {options.delay:g} ms, "
+                f"{options.loss:g} % lost{', secured' if options.security else ''}.")
+        lab.watch()
+        late = lab.finish()
+        lab.host("server").fetch(lab.record)
+    except (LabError, subprocess.CalledProcessError) as error:
+        lab.stop(str(error))
+        lab.abandon()
+        return 1
+    finally:
+        lab.close()
+    seen = lab.what_was_seen()
+    print(json.dumps(seen, indent=2) if options.json else "\n".join(lines_of(seen)))
+    lab.say(f"Logs {folder / 'logs'}, session file {lab.record}")
+    return 0 if not late and not lab.stopping and all(p.exit_code() == 0 for p in lab.programs.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""How long a program takes to have its place in a session: at first, and again after kill -9."""
+
+import runs
+
+STEADY_AFTER = 0.5      # [s] that a program which is to be killed has run
+GIVEN_UP_AFTER = 15.0   # [s]
+QUIET = 3.0             # [s] after all of them
+
+# As in the places where a program runs: (name, delay [ms], loss [%]).
+LINKS = (("1 ms", 1, 0), ("20 ms, 1 %", 20, 1), ("20 ms, 5 %", 20, 5))
+
+
+def in_turn(place, host, count, killed):
+    """`count` joins one after another. `killed`: each of them is killed once it has joined, and the next takes its
+    place at once; else each ends by itself."""
+    times = []
+    for number in range(count + (1 if killed else 0)):
+        stay = ["--stay", 3600] if killed else []
+        part = place.part(host, "join", "--drive", "--wait", GIVEN_UP_AFTER, *stay)
+        if killed:
+            at = part.line()
+            runs.pause(STEADY_AFTER)
+            part.kill()
+            if number == 0:     # the first takes nobody's place
+                continue
+        else:
+            at = part.result(GIVEN_UP_AFTER + runs.ENDED_WITHIN)
+        times.append(at)
+    return times
+
+
+def row(where, how, times):
+    joined = [at for at in times if at["joined"]]
+    out = {"where": where, "how": how, "tries": len(times), "joined": len(joined)}
+    for what in ("scene", "answered"):
+        of_all = [at[what] for at in joined]
+        for name, share in (("p50", 0.5), ("p90", 0.9), ("max", 1.0)):
+            out[f"{what}_{name}_ms"] = round(runs.percentile(of_all, share), 1) if of_all else ""
+    out["within_1_s"] = sum(max(at["scene"], at["answered"]) < 1000 for at in joined)
+    return out
+
+
+def measure(bin_folder, count, links=LINKS):
+    """Rows for every place, joins and rejoins."""
+    rows = []
+    places = [(name, ("alone",), None, meet, "alone") for name, meet in runs.LOCAL.items()]
+    places += [(name, ("server", "device"), {"delay": delay, "loss": loss}, None, "device")
+               for name, delay, loss in links]
+    for where, names, medium, meet, host in places:
+        with runs.Place(bin_folder, names, medium, meet) as place:
+            server = place.server(names[0])
+            # The server's own and those that live as long as it does.
+            before = len(place.hosts[host].shared_memory_files())
+            for how, killed in (("joins", False), ("takes the place of one killed", True)):
+                times = in_turn(place, host, count, killed)
+                # Those that are gone should cost nothing any more.
+                cost = server.processor_seconds()
+                runs.pause(QUIET)
+                cost = 100 * (server.processor_seconds() - cost) / QUIET
+                left = len(place.hosts[host].shared_memory_files()) - before
+                rows.append({**row(where, how, times), "server_core_percent_afterwards": round(cost),
+                             "shared_memory_files_left": left})
+                runs.say(f"joins: {rows[-1]}")
+            if not server.running():
+                raise RuntimeError("the server ended by itself while others joined")
+    return rows

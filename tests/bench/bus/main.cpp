@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+//
+// eti-bench-bus: what the bus costs and what it does over poor links. The benches themselves are bench.py
+// beside this file, which puts processes on hosts; those processes are this program, too.
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/bus/command_line.hpp"
+#include "common/process/stop_signal.hpp"
+#include "tests/bench/bus/parts.hpp"
+
+namespace {
+
+using namespace eti::bench;
+
+int run_script(int argc, char** argv) {
+    const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+    std::vector<std::string> words{"python3", "-B", ETI_BUS_BENCH, "--bin", programs};
+    bool named = false;
+    for (int i = 1; i < argc; ++i) {
+        // The bench's own name has brought us here.
+        if (!named && std::string_view(argv[i]) == "bus") {
+            named = true;
+        } else {
+            words.emplace_back(argv[i]);
+        }
+    }
+    std::vector<char*> pointers;
+    for (std::string& word : words) {
+        pointers.push_back(word.data());
+    }
+    pointers.push_back(nullptr);
+    ::execvp(pointers[0], pointers.data());
+    fmt::print(stderr, "eti-bench-bus: cannot run python3: {}; run deploy/setup.sh\n", std::strerror(errno));
+    return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    struct Part {
+        const char* name;
+        const char* help;
+        nlohmann::json (*run)(const PartOptions&);
+    };
+    constexpr Part parts[] = {{"join", "Join a session", join},
+                              {"write-poses", "Publish poses", write_poses},
+                              {"read-poses", "Read poses", read_poses},
+                              {"read-states", "Follow the scene", read_states}};
+    const bool part_asked = argc > 1 && std::ranges::any_of(parts, [&](const Part& part) {
+                                return std::string_view(argv[1]) == part.name;
+                            });
+    if (!part_asked) {
+        return run_script(argc, argv);
+    }
+    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench-bus"));
+    CLI::App app("One end of a measurement of the bus; prints a JSON object");
+    app.require_subcommand(1);
+    PartOptions options;
+    options.bus.name = "eti-bench-bus";
+    nlohmann::json (*run)(const PartOptions&) = nullptr;
+    for (const Part& part : parts) {
+        CLI::App* sub = app.add_subcommand(part.name, part.help);
+        eti::bus::add_options(*sub, options.bus);
+        sub->add_option("--seconds", options.seconds, "Measure for so long")->capture_default_str();
+        sub->add_option("--wait", options.wait_s, "Wait for the other end so long [s]")
+            ->capture_default_str();
+        sub->add_option("--stay", options.stay_s, "Go on after the report for so long [s]");
+        sub->add_option("--rate", options.rate, "[Hz]")->check(CLI::Range(1.0, 10e3));
+        sub->add_flag("--drive", options.drive, "A join counts once the server answers a pose");
+        sub->add_flag("--every-state", options.every_state, "90 Hz of shapes, else 30 Hz");
+        sub->add_option("--keep", options.keep, "Write the states that arrived into this file");
+        sub->add_option("--other", options.other,
+                        "Such a file of another reader: what that one drew wrongly");
+        sub->callback([&run, &part] { run = part.run; });
+    }
+    CLI11_PARSE(app, argc, argv);
+    eti::catch_stop_signals();
+    try {
+        (void)since_start_ms();
+        const nlohmann::json out = run(options);
+        if (!out.is_null()) {
+            fmt::print("{}\n", out.dump());
+        }
+        return 0;
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

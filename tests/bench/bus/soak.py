@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""A session in which programs come and go and are killed: what of the server grows."""
+
+import random
+import signal
+import time
+from pathlib import Path
+
+import runs
+
+SAMPLE_EVERY = 5.0      # [s]
+TURN = 1.0              # [s] between two comings or goings
+COMPANY = 4             # programs that are there at a time
+
+
+def of_process(pid):
+    status = Path(f"/proc/{pid}/status").read_text()
+
+    def field(name):
+        return int(status.split(f"{name}:")[1].split()[0])
+    return {"memory_mb": round(field("VmRSS") / 1024, 2), "threads": field("Threads"),
+            "files": len(list(Path(f"/proc/{pid}/fd").iterdir()))}
+
+
+def measure(bin_folder, minutes, log):
+    """Rows every few seconds. `log`: of the server."""
+    chance = random.Random(1)
+    rows, company = [], []
+    joined = left = killed = failed = 0
+    with runs.Place(bin_folder, ("server", "far"), {"delay": 5, "loss": 1}) as place:
+        server = place.server("server", log=log)
+        began = time.monotonic()
+        sample_at = began
+        while time.monotonic() - began < 60 * minutes:
+            if not server.running():
+                raise RuntimeError(f"the server ended by itself after {time.monotonic() - began:.0f} s; see {log}")
+            if len(company) >= COMPANY:
+                # The oldest, which has had its time to join.
+                part = company.pop(0)
+                failed += 0 if part.line()["joined"] else 1
+                if chance.random() < 0.5:
+                    part.kill()
+                    killed += 1
+                else:
+                    part.end(signal.SIGTERM)
+                    left += 1
+                place.processes.remove(part)
+            company.append(place.part(chance.choice(("server", "far")), "join", "--wait", 15, "--stay", 3600))
+            joined += 1
+            if time.monotonic() >= sample_at:
+                sample_at += SAMPLE_EVERY
+                rows.append({"time_s": round(time.monotonic() - began, 1), **of_process(server.pid),
+                             "log_lines": len(log.read_bytes().splitlines()),
+                             "shared_memory_files": len(place.hosts["server"].shared_memory_files()),
+                             "joined": joined, "left": left, "killed": killed, "found_no_scene": failed})
+                runs.say(f"soak: {rows[-1]}")
+            runs.pause(TURN)
+    return rows
+
+
+def growth(rows, name):
+    """Mean of the last quarter minus that of the second: the first fills what is filled once."""
+    quarter = max(1, len(rows) // 4)
+
+    def mean(part):
+        return sum(row[name] for row in part) / len(part)
+    return mean(rows[-quarter:]) - mean(rows[quarter:2 * quarter] or rows[:quarter])
