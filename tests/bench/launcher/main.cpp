@@ -19,7 +19,7 @@ struct Command {
     const char* description;
 };
 
-constexpr std::array<Command, 8> commands = {{
+constexpr std::array<Command, 9> commands = {{
     {"speed", "eti-bench-physics", "Cost of the solver's parts"},
     {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
     {"calibration", "eti-bench-physics", "What modulus bodies of clusters have, against the modulus put in"},
