@@ -61,8 +61,6 @@ def measure(bin_folder, count, links=LINKS):
                 cost = 100 * (server.processor_seconds() - cost) / QUIET
                 left = len(place.hosts[host].shared_memory_files()) - before
                 rows.append({**row(where, how, times), "server_core_percent_afterwards": round(cost),
-                             "shared_memory_files_left": left})
+                             "shared_memory_files_left": left, "server_survived": int(server.running())})
                 runs.say(f"joins: {rows[-1]}")
-            if not server.running():
-                raise RuntimeError("the server ended by itself while others joined")
     return rows
