@@ -68,11 +68,7 @@ void Admission::heard(const WriterId& writer, bool alive) {
 void Admission::let_go(std::string_view topic) {
     const std::lock_guard lock(mutex_);
     if (const auto followed = followed_.find(topic); followed != followed_.end()) {
-        // The last in the order, so that another one is followed if there is one.
-        if (const auto writer = writers_.find(followed->second); writer != writers_.end()) {
-            writer->second.order = ++order_;
-        }
-        followed_.erase(followed);
+        writers_.at(followed->second).lost = true;
         judge();
     }
 }
@@ -158,7 +154,8 @@ void Admission::judge() {
             continue;
         }
         const auto followed = followed_.find(writer.topic);
-        if (followed == followed_.end() || (writers_.at(followed->second).order > writer.order)) {
+        const auto rank = [](const Writer& one) { return std::pair(one.lost, one.order); };
+        if (followed == followed_.end() || rank(writer) < rank(writers_.at(followed->second))) {
             followed_[writer.topic] = id;
         }
     }

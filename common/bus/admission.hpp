@@ -38,7 +38,7 @@ class Admission {
     void gone(const WriterId& writer);
     /// Liveliness of a writer of SessionStatus.
     void heard(const WriterId& writer, bool alive);
-    /// Whoever writes this topic of one writer is followed no more; the next one found is.
+    /// Whoever writes this topic of one writer is followed only until there is another.
     void let_go(std::string_view topic);
 
     [[nodiscard]] bool refuses(const WriterId& writer) const;
@@ -59,7 +59,7 @@ class Admission {
         std::string_view topic;
         Source source = Source::anybody;
         std::uint64_t order = 0;
-        bool lost = false;  // was alive, and is no more
+        bool lost = false;  // was alive, and is no more; or was let go
     };
 
     void judge();

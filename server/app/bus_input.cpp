@@ -44,15 +44,19 @@ std::uint64_t FollowedDevice::poll(Clock::time_point now) {
             pose_ = *received;
             pressed_ = message_.buttons();
             heard_ = now;
+            let_go_ = false;
             presence_ = msg::DEVICE_HEARD;
         } else {
             ++refused;
         }
     }
+    if (presence_ == msg::DEVICE_HEARD && !let_go_ && now - heard_ > patience) {
+        let_go_ = true;
+        topic_.let_go();
+    }
     if (presence_ == msg::DEVICE_HEARD && now - heard_ > silence) {
         presence_ = msg::DEVICE_SILENT;
         pressed_ = 0;  // nobody holds a button that nobody reports
-        topic_.let_go();
     }
     return refused;
 }

@@ -18,12 +18,13 @@ namespace eti::app {
 /// Text of other people's packets, fit for logs and files: valid UTF-8 in one line.
 [[nodiscard]] std::string readable(const std::string& text);
 
-/// A tool's poses from the one device that is followed: the first found, until it has been silent for half a
-/// second.
+/// A tool's poses from the one device that is followed: the first found, while it is heard.
 class FollowedDevice {
   public:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds silence{500};
+    /// So long after its last pose another device may take its place; 50 poses of a tracker.
+    static constexpr std::chrono::milliseconds patience{200};
 
     FollowedDevice(bus::Node& node, const bus::Topic<msg::ToolPose>& topic) : topic_(node, topic) {}
 
@@ -41,6 +42,7 @@ class FollowedDevice {
     std::uint32_t pressed_ = 0;
     msg::DevicePresence presence_ = msg::DEVICE_NONE;
     Clock::time_point heard_{};
+    bool let_go_ = false;
 };
 
 /// What arrived over the bus since the last step. Other people's packets are checked here: poses that

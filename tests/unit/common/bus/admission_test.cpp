@@ -105,6 +105,16 @@ TEST(Admission, AServerFollowsOneWriterOfEachPose) {
     EXPECT_FALSE(server.refuses(writer(a, 1)));
 }
 
+TEST(Admission, OneThatWasLetGoWaitsForNobodyAndYieldsToWhoeverComes) {
+    Admission server(true);
+    server.found(writer(a, 1), topics::tube_pose.name);
+    server.let_go(topics::tube_pose.name);
+    EXPECT_FALSE(server.refuses(writer(a, 1))) << "it may come back";
+    server.found(writer(b, 1), topics::tube_pose.name);
+    EXPECT_FALSE(server.refuses(writer(b, 1)));
+    EXPECT_TRUE(server.refuses(writer(a, 1)));
+}
+
 TEST(Admission, WhatIsFoundBeyondItsBoundsIsRefused) {
     Admission admission(false);
     for (std::uint32_t i = 0; i < 10'000; ++i) {
