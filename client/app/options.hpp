@@ -13,7 +13,7 @@
 namespace eti::client {
 
 struct Options {
-    bus::Options bus{.name = "eti-client"};
+    bus::Options bus{.name = "eti-client", .one_of_many = true};
     bool observe = false;  ///< watch only: publishes nothing
     const Selection* selection = &default_selection();
     std::filesystem::path offscreen;  ///< folder for pictures; empty: a window

@@ -26,7 +26,9 @@ struct Options {
     std::vector<std::string> peers{};  ///< other machines, by name or address; empty: by multicast
     bool network = false;              ///< other machines are looked for; else this one alone
     std::vector<std::string>
-        discovery_servers{};           ///< HOST or HOST:PORT; the second is the first one's backup
+        discovery_servers{};  ///< HOST or HOST:PORT; the second is the first one's backup
+    bool one_of_many =
+        false;  ///< shares what is sent to several alike by multicast, where there is multicast
     std::filesystem::path identity{};  ///< folder of certificate and permissions; empty: no security
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/bus/participant.hpp"
+#include "common/bus/transport.hpp"
 #include "common/bus/wire.hpp"
 
 namespace eti::bus {
@@ -215,6 +216,14 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     dds::DataReaderQos quality = dds::DATAREADER_QOS_DEFAULT;
     apply(topic.quality, type->m_isGetKeyDefined, quality);
     quality.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
+    const auto place =
+        std::ranges::find(topics::all, topic.name, &TopicSource::name) - std::begin(topics::all);
+    const auto shared = shared_locator(impl_->participant->options, static_cast<std::size_t>(place));
+    if (shared && impl_->participant->options.one_of_many && !topic.quality.reliable) {
+        quality.endpoint().multicast_locator_list.push_back(*shared);
+        // With a list of its own it has no default: its own addresses, and the participant's port.
+        quality.endpoint().unicast_locator_list.push_back(eprosima::fastrtps::rtps::Locator_t(0));
+    }
     impl_->reader = impl_->participant->subscriber->create_datareader(
         impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);
     if (impl_->reader == nullptr) {

@@ -188,6 +188,18 @@ dds::DomainParticipantQos participant_quality(const Options& options, std::vecto
     return quality;
 }
 
+std::optional<rtps::Locator_t> shared_locator(const Options& options, std::size_t topic) {
+    if (!options.profile.empty() || !options.peers.empty() || !options.discovery_servers.empty()) {
+        return std::nullopt;
+    }
+    // A site-local group beside discovery's. A port for each topic, because the library joins one group a
+    // port; of the domain's 250 ports (DDSI-RTPS 2.5, 9.6.1.1) those above the first 45 participants'.
+    rtps::Locator_t locator;
+    rtps::IPLocator::setIPv4(locator, "239.255.18.1");
+    locator.port = static_cast<std::uint32_t>(7500 + 250 * options.domain + static_cast<int>(topic));
+    return locator;
+}
+
 std::string reach(const Options& options) {
     std::string text;
     const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };

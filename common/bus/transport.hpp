@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <fastdds/rtps/common/Locator.h>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,11 @@ inline constexpr std::uint32_t largest_datagram = 1400;  // [bytes]
 /// Throws BusError: options that contradict each other, a name that no address is known of, a bad profile.
 [[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos participant_quality(
     const Options& options, std::vector<std::string>& warnings);
+
+/// Where readers of a topic that several follow get one copy together: a multicast group of the topic's own.
+/// Empty: these options reach nobody by multicast.
+[[nodiscard]] std::optional<eprosima::fastrtps::rtps::Locator_t> shared_locator(const Options& options,
+                                                                                std::size_t topic);
 
 /// How others are looked for, in the words of the command line: "this machine alone" or "--peer a, --peer b".
 [[nodiscard]] std::string reach(const Options& options);

@@ -29,10 +29,15 @@ double age_ms(const msg::Header& header) {
     return 1e-6 * (static_cast<double>(bus::wall_clock_ns()) - static_cast<double>(header.send_time_ns()));
 }
 
+bus::Options as_client(bus::Options options) {
+    options.one_of_many = true;
+    return options;
+}
+
 class Reader {
   public:
     explicit Reader(const PartOptions& options)
-        : node_(options.bus),
+        : node_(as_client(options.bus)),
           description_(node_, bus::topics::session_description),
           scene_(node_, bus::topics::scene),
           states_(node_, options.every_state ? bus::topics::deformation : bus::topics::deformation_slow),

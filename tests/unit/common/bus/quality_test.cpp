@@ -57,6 +57,37 @@ TEST(Quality, WhatWasReceivedOutlivesItsWriter) {
     EXPECT_EQ(received.phase(), msg::PHASE_FINISHED);
 }
 
+TEST(Quality, ReadersThatShareByMulticastAllGetEveryState) {
+    Node server(options("eti-server"));
+    Options wanted = options("eti-client");
+    wanted.one_of_many = true;
+    std::vector<std::unique_ptr<Node>> nodes;
+    std::vector<Subscriber<msg::DeformationState>> readers;
+    for (int i = 0; i < 4; ++i) {
+        nodes.push_back(std::make_unique<Node>(wanted));
+        readers.emplace_back(*nodes.back(), topics::deformation_slow);
+    }
+    Publisher<msg::DeformationState> states(server, topics::deformation_slow);
+    ASSERT_TRUE(eventually([&] {
+        return states.matched() == 4 &&
+               std::ranges::all_of(readers, [](const auto& reader) { return reader.matched() == 1; });
+    }));
+    std::vector<int> got(readers.size(), 0);
+    for (int i = 0; i < 50; ++i) {
+        ASSERT_TRUE(states.publish(example<msg::DeformationState>()));
+        std::this_thread::sleep_for(5ms);
+        for (std::size_t r = 0; r < readers.size(); ++r) {
+            for (msg::DeformationState message; readers[r].take(message);) {
+                ++got[r];
+            }
+        }
+    }
+    for (const int count : got) {
+        EXPECT_GE(count, 48);
+        EXPECT_LE(count, 50) << "no state comes twice";
+    }
+}
+
 TEST(Quality, SessionsDoNotHearEachOther) {
     Node a(options("eti-server", "first"));
     Node b(options("b", "second"));
