@@ -195,6 +195,13 @@ void apply_identity(const Options& options, dds::DomainParticipantQos& quality,
     if (options.identity.empty()) {
         return;
     }
+    if (!options.discovery_servers.empty()) {
+        // Fast DDS 2.9.1 aborts in SecurityManager::encode_rtps_message, or never matches anybody.
+        throw BusError(
+            "--identity together with --discovery-server: this version of the DDS library cannot do both; "
+            "reach the "
+            "other machines by --peer ADDRESS or --network");
+    }
     IdentityCheck check =
         check_identity(options.identity, options.session, options.domain, std::time(nullptr));
     if (!check.faults.empty()) {

@@ -215,6 +215,13 @@ TEST_F(IdentityTest, NodeIsRefusedWithTheFault) {
                 testing::ThrowsMessage<BusError>(HasSubstr("/key.pem: is missing")));
 }
 
+TEST_F(IdentityTest, DiscoveryServerIsRefusedWithTheRemedy) {
+    Options options = test::bus_options("test");
+    options.identity = folder_;
+    options.discovery_servers = {"127.0.0.1"};
+    EXPECT_THAT([&] { Node node(options); }, testing::ThrowsMessage<BusError>(HasSubstr("--peer ADDRESS")));
+}
+
 TEST_F(IdentityTest, TopicOutsideTheRoleIsRefusedWithTheRole) {
     Options options = test::bus_options("test");
     options.identity = folder_;
@@ -263,6 +270,43 @@ TEST_F(IdentityTest, StrangersMeetNobody) {
     EXPECT_EQ(status.matched(), 1);
     EXPECT_EQ(unseen.matched(), 0);
     EXPECT_EQ(unseen_either.matched(), 0);
+}
+
+/// An observer whose own governance lets everybody write everything gets past its own checks. The server
+/// refuses its writer all the same: it is protected otherwise than the server's governance asks. (So would be
+/// an instructor's with this governance; that permissions alone keep a writer out is the test before.)
+TEST_F(IdentityTest, WriterUnderALooserGovernanceIsRefusedByTheReader) {
+    const fs::path authority = labs_ / "lab/authority";
+    const std::string command =
+        "cd " + folder_.string() +
+        " && openssl smime -verify -text -in governance.p7s -CAfile identity_ca.pem" +
+        " -out g.xml 2>/dev/null && sed -i '/write_access_control/s/true/false/' g.xml" +
+        " && openssl smime -sign -text -md sha256 -in g.xml -out governance.p7s -signer " +
+        (authority / "ca.pem").string() + " -inkey " + (authority / "ca.key").string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    Options as_server = test::bus_options("eti-server"), as_observer = test::bus_options("observer");
+    Options as_instructor = test::bus_options("instructor");
+    as_server.identity = labs_ / "lab/server";
+    as_observer.identity = folder_;
+    as_instructor.identity = labs_ / "lab/instructor";
+    Node server(as_server), observer(as_observer), instructor(as_instructor);
+    Subscriber<msg::Command> taken(server, topics::command);
+    Publisher<msg::Command> forbidden(observer, topics::command);  // its own check lets it
+    Publisher<msg::Command> allowed(instructor, topics::command);
+    ASSERT_TRUE(test::eventually([&] { return allowed.matched() == 1 && taken.matched() > 0; }));
+    // Twice the announcement's period and more: who could match, would have.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    msg::Command command_message;
+    command_message.name("stop");
+    command_message.sender("observer");
+    (void)forbidden.publish(command_message);
+    command_message.sender("instructor");
+    ASSERT_TRUE(allowed.publish(command_message));
+    ASSERT_TRUE(test::eventually([&] { return taken.take(command_message); }));
+    EXPECT_EQ(command_message.sender().to_string(), "instructor");
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    EXPECT_FALSE(taken.take(command_message));
+    EXPECT_EQ(taken.matched(), 1);
 }
 
 TEST(PermitTest, ReadsWhatTheStandardWrites) {
