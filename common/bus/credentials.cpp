@@ -126,14 +126,6 @@ std::time_t valid_until(const X509& certificate) {
     return seconds_of(X509_get0_notAfter(&certificate));
 }
 
-std::string date_text(std::time_t when) {
-    std::tm parts{};
-    char text[32] = {};
-    ::gmtime_r(&when, &parts);
-    std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &parts);
-    return text;
-}
-
 std::string why_not_signed(X509& certificate, X509& authority) {
     const Store store = store_of(authority);
     const std::unique_ptr<X509_STORE_CTX, FreeContext> context(X509_STORE_CTX_new());

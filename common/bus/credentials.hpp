@@ -43,8 +43,6 @@ using Key = std::unique_ptr<EVP_PKEY, FreeKey>;
 
 [[nodiscard]] std::time_t valid_from(const X509& certificate);
 [[nodiscard]] std::time_t valid_until(const X509& certificate);
-/// UTC: "2026-01-31 12:00".
-[[nodiscard]] std::string date_text(std::time_t when);
 
 /// Empty, or why `certificate` is not one that `authority` signed, whatever the date.
 [[nodiscard]] std::string why_not_signed(X509& certificate, X509& authority);

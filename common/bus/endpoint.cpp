@@ -97,7 +97,7 @@ Publisher<Message>::Publisher(std::shared_ptr<Participant> participant, const To
     impl_->writer = impl_->participant->publisher->create_datawriter(
         impl_->participant->topic(topic.name, type), quality, nullptr, dds::StatusMask::none());
     if (impl_->writer == nullptr) {
-        throw BusError(endpoint_refused(node.options(), topic.name, true));
+        throw BusError(endpoint_refused(impl_->participant->options, topic.name, true));
     }
 }
 
@@ -218,7 +218,7 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     impl_->reader = impl_->participant->subscriber->create_datareader(
         impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);
     if (impl_->reader == nullptr) {
-        throw BusError(endpoint_refused(node.options(), topic.name, false));
+        throw BusError(endpoint_refused(impl_->participant->options, topic.name, false));
     }
 }
 

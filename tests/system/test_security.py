@@ -122,6 +122,17 @@ class Security(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(json.loads(done.stdout)["states_received"], 0)
 
+    @unittest.skipUnless((support.BIN / "eti-doctor").exists(), "eti-doctor was not built")
+    def test_doctor_measures_a_secured_session_as_an_observer(self):
+        self.start_server()
+        done = self.run_as("observer", "eti-doctor", "--duration", "3", "--json")
+        report = json.loads(done.stdout)
+        self.assertEqual([(peer["name"], peer["serves"]) for peer in report["peers"]], [("eti-server", True)])
+        self.assertGreater(report["peers"][0]["answers"], 10)
+        identity = next(finding for finding in report["findings"] if finding["thing"] == "identity")
+        self.assertEqual(identity["state"], "well")
+        self.assertIn("'observer' (observer) of 'NeoETI lab", identity["text"])
+
     def test_expired_or_wrong_file_is_named_by_every_program(self):
         make_lab(self.lab, "--role", "observer:old", "--from", "2020-01-01", "--days", "30")
         broken = self.folder / "broken"
