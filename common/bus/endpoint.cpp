@@ -9,6 +9,7 @@
 #include <mutex>
 #include <utility>
 
+#include "common/bus/identity.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/transport.hpp"
 #include "common/bus/wire.hpp"
@@ -97,8 +98,7 @@ Publisher<Message>::Publisher(std::shared_ptr<Participant> participant, const To
     impl_->writer = impl_->participant->publisher->create_datawriter(
         impl_->participant->topic(topic.name, type), quality, nullptr, dds::StatusMask::none());
     if (impl_->writer == nullptr) {
-        throw BusError(fmt::format("cannot write topic {}: the DDS library refused it; see the lines above",
-                                   topic.name));
+        throw BusError(endpoint_refused(impl_->participant->options, topic.name, true));
     }
 }
 
@@ -227,8 +227,7 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     impl_->reader = impl_->participant->subscriber->create_datareader(
         impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);
     if (impl_->reader == nullptr) {
-        throw BusError(
-            fmt::format("cannot read topic {}: the DDS library refused it; see the lines above", topic.name));
+        throw BusError(endpoint_refused(impl_->participant->options, topic.name, false));
     }
 }
 

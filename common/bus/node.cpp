@@ -9,6 +9,7 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include "common/bus/convert.hpp"
+#include "common/bus/identity.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/receive_filter.hpp"
 #include "common/bus/transport.hpp"
@@ -122,6 +123,7 @@ Participant::Participant(const Options& wanted)
     check_names(options);
     set_up_library();
     auto quality = participant_quality(options, warnings_);
+    apply_identity(options, quality, warnings_);
     for (auto& transport : quality.transport().user_transports) {
         transport = filtered(transport, largest_datagram, admission_);
     }

@@ -88,10 +88,12 @@ std::string no_server(const Options& options) {
         "no server found in session '{}' on domain {} ({}): start eti-server with the same --session and "
         "--domain; "
         "{}--network, --peer ADDRESS, --discovery-server HOST or --profile FILE (docs/network.md; eti-doctor "
-        "says what is wrong)",
+        "says what is wrong){}",
         options.session, options.domain, reach(options),
         alone ? "for one on another machine, give both programs "
-              : "to reach it otherwise, give both programs another of ");
+              : "to reach it otherwise, give both programs another of ",
+        options.identity.empty() ? "; for a secured session, --identity DIR (docs/security.md)"
+                                 : "; both need an --identity of the same lab (docs/security.md)");
 }
 
 void refuse_other_protocol(const Node& node) {

@@ -48,6 +48,7 @@ MAY_INCLUDE = {
 # Libraries that stay behind one folder's interface.
 LIBRARIES = (
     (re.compile(r"fast(dds|rtps|cdr)/"), ("common/bus", "idl"), "Fast DDS"),
+    (re.compile(r"openssl/|tinyxml2\.h$"), ("common/bus",), "OpenSSL"),
     (re.compile(r"bt[A-Z]\w*\.h$|Bullet(Collision|Dynamics)/|LinearMath/|bullet/"), ("server/rigid",), "Bullet"),
     (re.compile(r"GLFW/"), ("client", "devices/sensor"), "GLFW"),
     (re.compile(r"(epoxy|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),

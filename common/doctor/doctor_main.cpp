@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/command_line.hpp"
+#include "common/doctor/graphics.hpp"
+#include "common/doctor/machine.hpp"
+#include "common/doctor/network.hpp"
+#include "common/doctor/session.hpp"
+#include "common/process/stop_signal.hpp"
+
+namespace eti::doctor {
+namespace {
+
+struct Options {
+    bus::Options bus;
+    double duration = 5.0;  ///< [s]
+    bool json = false;
+};
+
+const char* word(State state) {
+    return state == State::well ? "well" : state == State::note ? "note" : "mend";
+}
+
+/// Everything that is asked of this machine alone.
+Findings look_at_machine(const Options& options) {
+    Findings all;
+    const auto add = [&](Findings more) { std::ranges::move(more, std::back_inserter(all)); };
+    const bool by_others = !options.bus.peers.empty() || !options.bus.discovery_servers.empty();
+    add(versions());
+    add(judge_interfaces(interfaces(), options.bus.network || by_others, !by_others));
+    add(judge_buffers(socket_buffers()));
+    add(judge_shared_memory(shared_memory("/dev/shm", !options.bus.profile.empty())));
+    add(real_time_rights());
+    add(graphics());
+    add(openxr());
+    add(identity(options.bus));
+    return all;
+}
+
+nlohmann::ordered_json json_of(const SessionReport& report) {
+    nlohmann::ordered_json peers = nlohmann::ordered_json::array(), topics = nlohmann::ordered_json::array();
+    for (const PeerReport& peer : report.peers) {
+        nlohmann::ordered_json one{{"name", peer.name},       {"process", peer.process},
+                                   {"version", peer.version}, {"protocol", peer.protocol},
+                                   {"serves", peer.serves},   {"answers", peer.round_trips_ms.size()}};
+        if (!peer.round_trips_ms.empty()) {
+            one["round_trip_ms"] = {{"min", percentile(peer.round_trips_ms, 0.0)},
+                                    {"median", percentile(peer.round_trips_ms, 0.5)},
+                                    {"p99", percentile(peer.round_trips_ms, 0.99)}};
+            one["clock_offset_ms"] = peer.clock_offset_ms;
+            one["clock_error_ms"] = peer.error_ms;
+        }
+        peers.push_back(one);
+    }
+    for (const TopicReport& topic : report.topics) {
+        topics.push_back({{"topic", topic.topic},
+                          {"arrived", topic.arrived},
+                          {"lost", topic.lost},
+                          {"lost_percent", topic.lost_percent}});
+    }
+    return {{"server", report.server}, {"peers", peers}, {"topics", topics}};
+}
+
+void print(const Findings& findings) {
+    for (const Finding& one : findings) {
+        fmt::print("{}  {:<10} {:<18} {}\n", word(one.state), one.area, one.thing, one.text);
+        if (!one.remedy.empty()) {
+            fmt::print("      to do: {}\n", one.remedy);
+        }
+    }
+}
+
+int run(const Options& options) {
+    Findings findings = look_at_machine(options);
+    if (!options.json) {
+        print(findings);
+    }
+    SessionReport report;
+    Findings of_session;
+    try {
+        report = observe(options.bus, std::chrono::duration<double>(options.duration));
+        of_session = judge_session(report, options.bus);
+    } catch (const bus::BusError& error) {
+        of_session.push_back({"session", options.bus.session, State::mend, "cannot be joined", error.what()});
+    }
+    if (!options.json) {
+        print(of_session);
+    }
+    std::ranges::move(of_session, std::back_inserter(findings));
+    const auto problems = std::ranges::count(findings, State::mend, &Finding::state);
+    if (options.json) {
+        nlohmann::ordered_json out{{"session", options.bus.session},
+                                   {"domain", options.bus.domain},
+                                   {"problems", problems},
+                                   {"findings", nlohmann::ordered_json::array()}};
+        for (const Finding& one : findings) {
+            out["findings"].push_back({{"state", word(one.state)},
+                                       {"area", one.area},
+                                       {"thing", one.thing},
+                                       {"text", one.text},
+                                       {"remedy", one.remedy}});
+        }
+        out.update(json_of(report));
+        fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    } else {
+        fmt::print("{}\n", problems == 0   ? "All is well."
+                           : problems == 1 ? "1 thing to mend."
+                                           : fmt::format("{} things to mend.", problems));
+    }
+    return problems == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace eti::doctor
+
+int main(int argc, char** argv) {
+    using namespace eti;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-doctor"));
+    catch_stop_signals();
+    doctor::Options options;
+    options.bus.name = "eti-doctor";
+    CLI::App app("Looks at this machine and at a session: what keeps it from running well, and what to do.",
+                 "eti-doctor");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.add_option("--duration", options.duration, "How long the session is listened to [s]")
+        ->capture_default_str()
+        ->check(CLI::Range(0.5, 3600.0));
+    app.add_flag("--json", options.json, "Print everything as one JSON object");
+    app.footer("Exit status: 0 all is well, 1 something needs mending, 2 wrong usage.");
+    bus::add_options(app, options.bus);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    try {
+        return doctor::run(options);
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

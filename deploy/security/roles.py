@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Which role writes and reads which topics, as the documents that DDS Security 1.1 signs: governance and permissions."""
+
+from xml.sax.saxutils import escape
+
+SCHEMA = "http://www.omg.org/spec/DDS-SECURITY/20170901/"
+EVERYBODY = ("echo_question", "echo_answer")
+SERVER = ("session_description", "scene", "proxy", "tissue_contacts", "tube_force", "deformation", "deformation_slow",
+          "fluid", "particle_state", "mesh_state", "command_result", "live_metrics", "attempt_summary",
+          "session_status")
+
+# What each role writes, besides what everybody does. The server reads all topics, others what the server writes:
+# who read commands without acknowledging them could hold up the one who gives them.
+WRITES = {
+    "server": SERVER,
+    "trainee": ("eye_pose", "command"),
+    "instructor": ("command", "annotation"),
+    "laryngoscope": ("laryngoscope_pose",),
+    "tube": ("tube_pose",),
+    "observer": ("annotation",),
+}
+DOES = {
+    "server": "simulates, judges, records",
+    "trainee": "the trainee's client: gives commands, says where the eye is",
+    "instructor": "gives commands, leaves remarks",
+    "laryngoscope": "the device that holds the laryngoscope",
+    "tube": "the device or tracker that holds the tube",
+    "observer": "watches, leaves remarks",
+}
+
+
+def reads(role):
+    if role == "server":
+        return tuple(dict.fromkeys(topic for topics in WRITES.values() for topic in topics)) + EVERYBODY
+    return SERVER + EVERYBODY
+
+
+def governance(authority):
+    """Nobody without an identity, everything encrypted, writing and reading as the permissions say."""
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<!-- {escape(authority)} -->
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+     xsi:noNamespaceSchemaLocation="{SCHEMA}omg_shared_ca_governance.xsd">
+  <domain_access_rules>
+    <domain_rule>
+      <domains><id_range><min>0</min><max>232</max></id_range></domains>
+      <allow_unauthenticated_participants>false</allow_unauthenticated_participants>
+      <enable_join_access_control>true</enable_join_access_control>
+      <discovery_protection_kind>ENCRYPT</discovery_protection_kind>
+      <liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>
+      <rtps_protection_kind>ENCRYPT</rtps_protection_kind>
+      <topic_access_rules>
+        <topic_rule>
+          <topic_expression>*</topic_expression>
+          <enable_discovery_protection>true</enable_discovery_protection>
+          <enable_liveliness_protection>true</enable_liveliness_protection>
+          <enable_read_access_control>true</enable_read_access_control>
+          <enable_write_access_control>true</enable_write_access_control>
+          <metadata_protection_kind>NONE</metadata_protection_kind>
+          <data_protection_kind>NONE</data_protection_kind>
+        </topic_rule>
+      </topic_access_rules>
+    </domain_rule>
+  </domain_access_rules>
+</dds>
+"""
+
+
+def _criteria(kind, topics, partitions):
+    lines = [f"        <{kind}>", "          <topics>"]
+    lines += [f"            <topic>eti/{escape(topic)}</topic>" for topic in topics]
+    lines += ["          </topics>", "          <partitions>"]
+    lines += [f"            <partition>{escape(partition)}</partition>" for partition in partitions]
+    return lines + ["          </partitions>", f"        </{kind}>"]
+
+
+def permissions(role, name, subject, valid_from, valid_to, sessions, domains):
+    """What one identity may do. `subject` as RFC 2253 writes it; `sessions` empty: every one; `domains`: (first, last).
+    A session's partition is its name, a slash and the protocol, which permissions outlive."""
+    partitions = [f"{session}/*" for session in sessions] or ["*"]
+    moment = "%Y-%m-%dT%H:%M:%S"
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        '<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"',
+        f'     xsi:noNamespaceSchemaLocation="{SCHEMA}omg_shared_ca_permissions.xsd">',
+        "  <permissions>",
+        f'    <grant name="{escape(name)}">',
+        f"      <subject_name>{escape(subject)}</subject_name>",
+        f"      <validity><not_before>{valid_from:{moment}}</not_before>"
+        f"<not_after>{valid_to:{moment}}</not_after></validity>",
+        "      <allow_rule>",
+        f"        <domains><id_range><min>{domains[0]}</min><max>{domains[1]}</max></id_range></domains>",
+        *_criteria("publish", WRITES[role] + EVERYBODY, partitions),
+        *_criteria("subscribe", reads(role), partitions),
+        "      </allow_rule>",
+        "      <default>DENY</default>",
+        "    </grant>",
+        "  </permissions>",
+        "</dds>",
+    ]
+    return "\n".join(lines) + "\n"

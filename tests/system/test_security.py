@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""A secured session with the real programs: who has an identity of the lab takes its part, who has none sees nothing."""
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+
+import support
+from session_run import Session
+
+SECONDS_TO_START = 120
+IDENTITIES = {"server": "server", "haptics": "laryngoscope", "tracker": "tube", "controller": "instructor",
+              "trainee": "trainee", "observer": "observer"}
+
+
+def make_lab(folder, *options):
+    subprocess.run([sys.executable, "-B", support.ROOT / "deploy/security/make_lab.py", "--out", folder, *options],
+                   check=True, stdout=subprocess.DEVNULL)
+
+
+@unittest.skipUnless(shutil.which("openssl"), "openssl is missing, which makes identities; run deploy/setup.sh")
+class Security(support.Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.lab = Path(tempfile.mkdtemp(prefix="eti-lab-"))
+        cls.addClassCleanup(shutil.rmtree, cls.lab, ignore_errors=True)
+        make_lab(cls.lab)
+
+    def start_server(self):
+        self.log = self.folder / "server.log"
+        with self.log.open("wb") as file:
+            server = subprocess.Popen(
+                [support.BIN / "eti-server", "--scenario", "term", "--record", self.folder / "record.eti.h5", *self.bus(),
+                 "--identity", self.lab / "server"],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
+        self.addCleanup(server.wait, 30)
+        self.addCleanup(server.kill)
+        deadline = time.monotonic() + SECONDS_TO_START
+        while "runs scenario" not in self.log.read_text(errors="replace"):
+            self.assertIsNone(server.poll(), self.log.read_text())
+            self.assertLess(time.monotonic(), deadline, self.log.read_text())
+            time.sleep(0.1)
+        return server
+
+    @staticmethod
+    def bus():
+        return "--session", support.SESSION, "--domain", str(support.DOMAIN)
+
+    def run_as(self, identity, program, *arguments):
+        return support.run(program, *arguments, *self.bus(), "--identity", self.lab / identity)
+
+    def test_whole_session_with_an_identity_each(self):
+        extra = {program: ["--identity", self.lab / identity] for program, identity in IDENTITIES.items()}
+        session = Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION, extra=extra,
+                          say=lambda text: None)
+        session.start()
+        self.addCleanup(session.finish)
+        self.assertTrue(session.watch())
+        self.assertEqual(session.finish(), [])
+        logs = {role: program.log.read_text(errors="replace") for role, program in session.programs.items()}
+        for role, program in session.programs.items():
+            self.assertEqual(program.exit_code(), 0, logs[role])
+        summary, _ = session.summary()
+        self.assertTrue(summary["success"], f"{summary['reason']}\n{logs['server']}")
+        haptics = session.said("haptics")
+        self.assertGreater(haptics["force_n"]["max"], 0.5)
+        controller = session.said("controller")
+        self.assertEqual((controller["commands"], controller["accepted"]), (2, 2))
+        for role in ("trainee", "observer"):
+            self.assertIn("scene is complete", logs[role])
+
+    def test_program_without_identity_finds_nobody(self):
+        server = self.start_server()
+        plain = support.run("eti-controller", "--list", *self.bus())
+        self.assert_refused(plain, "no server found", "--identity")
+        client = support.run("eti-client", "--observe", "--offscreen", self.folder / "plain", "--wait", "5", *self.bus())
+        self.assertGreater(client.returncode, 0, client.stderr)
+        self.assertNotIn("scene is complete", client.stderr)
+        self.assertIsNone(server.poll())
+
+    def test_identity_of_another_lab_finds_nobody(self):
+        other = self.folder / "other"
+        make_lab(other, "--role", "instructor")
+        self.start_server()
+        done = support.run("eti-controller", "--list", *self.bus(), "--identity", other / "instructor")
+        self.assert_refused(done, "no server found")
+
+    def test_observer_commands_nothing_while_an_instructor_does(self):
+        server = self.start_server()
+        observer = self.run_as("observer", "eti-controller", "--set", "jaw_opening_deg=10", "--json")
+        self.assert_refused(observer, "eti/command", "role observer")
+        instructor = self.run_as("instructor", "eti-controller", "--set", "head_elevation_deg=10", "--json")
+        self.assertEqual(instructor.returncode, 0, instructor.stderr)
+        self.assertEqual(json.loads(instructor.stdout)["accepted"], 1, instructor.stdout)
+        note = self.run_as("observer", "eti-controller", "--note", "well done")
+        self.assertEqual(note.returncode, 0, note.stderr)
+        server.send_signal(signal.SIGINT)
+        server.wait(30)
+        with h5py.File(self.folder / "record.eti.h5", "r") as file:
+            self.assertEqual(list(file["inputs/commands/kind"]), [b"head_elevation"])
+        self.assertIn("well done", self.log.read_text())
+
+    def test_device_moves_no_other_tool(self):
+        self.start_server()
+        device = ("--device", "simulated", "--duration", "2", "--json")
+        for identity, tool, topic in (("laryngoscope", "tube", "eti/tube_pose"),
+                                      ("tube", "laryngoscope", "eti/laryngoscope_pose")):
+            done = self.run_as(identity, "eti-haptics", *device, "--tool", tool)
+            self.assert_refused(done, f"cannot write topic {topic}", f"role {identity}")
+        done = self.run_as("laryngoscope", "eti-tracker", "--device", "scripted", "--duration", "2")
+        self.assert_refused(done, "cannot write topic eti/tube_pose")
+        done = self.run_as("laryngoscope", "eti-haptics", *device)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(json.loads(done.stdout)["states_received"], 0)
+
+    @unittest.skipUnless((support.BIN / "eti-doctor").exists(), "eti-doctor was not built")
+    def test_doctor_measures_a_secured_session_as_an_observer(self):
+        self.start_server()
+        done = self.run_as("observer", "eti-doctor", "--duration", "3", "--json")
+        report = json.loads(done.stdout)
+        self.assertEqual([(peer["name"], peer["serves"]) for peer in report["peers"]], [("eti-server", True)])
+        self.assertGreater(report["peers"][0]["answers"], 10)
+        identity = next(finding for finding in report["findings"] if finding["thing"] == "identity")
+        self.assertEqual(identity["state"], "well")
+        self.assertIn("'observer' (observer) of 'NeoETI lab", identity["text"])
+
+    def test_expired_or_wrong_file_is_named_by_every_program(self):
+        make_lab(self.lab, "--role", "observer:old", "--from", "2020-01-01", "--days", "30")
+        broken = self.folder / "broken"
+        shutil.copytree(self.lab / "observer", broken)
+        (broken / "governance.p7s").write_text((broken / "governance.p7s").read_text()[:500])
+        programs = {
+            "eti-server": ("--scenario", "term"),
+            "eti-controller": ("--list",),
+            "eti-haptics": ("--device", "simulated"),
+            "eti-tracker": ("--device", "scripted"),
+            "eti-client": ("--observe", "--offscreen", self.folder / "pictures"),
+        }
+        for program, arguments in programs.items():
+            with self.subTest(program=program):
+                old = support.run(program, *arguments, *self.bus(), "--identity", self.lab / "old")
+                self.assert_refused(old, "old/certificate.pem", "expired on 2020-01-31", "--renew")
+                self.assertNotIn("UDP ports", old.stderr)
+                cut = support.run(program, *arguments, *self.bus(), "--identity", broken)
+                self.assert_refused(cut, "broken/governance.p7s", "cut short")
+
+
+if __name__ == "__main__":
+    unittest.main()
