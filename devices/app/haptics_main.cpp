@@ -68,6 +68,8 @@ nlohmann::ordered_json statistics(const Program& program, const SceneLink& link,
     out["states_received"] = link.received();
     out["messages_refused"] = link.refused();
     out["outages"] = link.outages();
+    out["round_trip_ms"] =
+        program.round_trip_ms() ? nlohmann::ordered_json(*program.round_trip_ms()) : nullptr;
     out["device_losses"] = watch.health().losses;
     out["poses_left_out"] = watch.health().jumps + watch.health().not_finite;
     return out;
@@ -182,6 +184,7 @@ int run(const ProgramOptions& options, RenderSettings settings) {
         }
         watch.tend();
         program.report(watch);
+        program.watch_latency();
         heed_panic(terminal, loop);
     }
     service.ending();

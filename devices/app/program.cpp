@@ -5,6 +5,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "common/bus/command_line.hpp"
@@ -18,6 +19,8 @@ namespace {
 
 constexpr std::chrono::milliseconds look_for_server{1000};
 constexpr std::chrono::milliseconds poll_interval{20};
+constexpr std::chrono::seconds ask_interval{1}, warn_interval{10};
+constexpr double slow_round_trip_ms = 20.0;
 
 std::optional<OperatorScript> script_of(const ProgramOptions& options) {
     if (options.operator_name.empty()) {
@@ -99,7 +102,8 @@ Program::Program(const ProgramOptions& options, Tool tool)
       calibration_(calibration_of(options)),
       started_(std::chrono::steady_clock::now()),
       node_(options.bus),
-      link_(node_, feel_of(options, tool)) {
+      link_(node_, feel_of(options, tool)),
+      echo_(node_) {
     if (calibration_ && !calibration_->registered) {
         throw DeviceError(
             fmt::format("--calibration {}: is a pivot, which does not tell where the patient is; give it to "
@@ -188,6 +192,33 @@ void Program::report(const SensorWatch& watch) {
     }
     reported_ = now;
     reported_fault_ = fault;
+}
+
+void Program::watch_latency() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - asked_ < ask_interval) {
+        return;
+    }
+    asked_ = now;
+    echo_.poll();
+    for (const auto& [process, peer] : echo_.peers()) {
+        if (peer.program == bus::server_name) {
+            // The middle of the last few: one late answer is no slow link.
+            auto last = peer.round_trips_ms;
+            last.erase(last.begin(), last.end() - std::min<std::ptrdiff_t>(5, std::ssize(last)));
+            std::ranges::nth_element(last, last.begin() + std::ssize(last) / 2);
+            round_trip_ms_ = last[last.size() / 2];
+        }
+    }
+    (void)echo_.ask();
+    if (round_trip_ms_ && *round_trip_ms_ > slow_round_trip_ms && now - warned_ > warn_interval) {
+        warned_ = now;
+        spdlog::warn(
+            "messages take {:.0f} ms to the server and back: beyond {:.0f} ms a hand feels a wall late and "
+            "soft; "
+            "use a faster link, or a device at the server's site",
+            *round_trip_ms_, slow_round_trip_ms);
+    }
 }
 
 bool Program::should_end() {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/echo.hpp"
 #include "devices/calibration/calibration_file.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/drivers.hpp"
@@ -70,6 +71,11 @@ class Program {
     [[nodiscard]] bool should_end();
     [[nodiscard]] const std::string& ended() const { return ended_; }
     [[nodiscard]] double seconds() const;
+    /// Asks the server once a second how long messages take, and warns where that is more than a hand
+    /// forgives.
+    void watch_latency();
+    /// [ms], there and back; nothing before the server has answered.
+    [[nodiscard]] std::optional<double> round_trip_ms() const { return round_trip_ms_; }
     [[nodiscard]] bus::Node& node() { return node_; }
     [[nodiscard]] SceneLink& link() { return link_; }
     [[nodiscard]] const ProgramOptions& options() const { return options_; }
@@ -85,6 +91,9 @@ class Program {
     std::chrono::steady_clock::time_point started_;
     bus::Node node_;
     SceneLink link_;
+    bus::EchoAsker echo_;
+    std::chrono::steady_clock::time_point asked_{}, warned_{};
+    std::optional<double> round_trip_ms_;
     std::string ended_;
 };
 
