@@ -125,7 +125,8 @@ Participant::Participant(const Options& wanted)
     auto quality = participant_quality(options, warnings_);
     apply_identity(options, quality, warnings_);
     for (auto& transport : quality.transport().user_transports) {
-        transport = filtered(transport, largest_datagram, admission_);
+        transport = filtered(
+            transport, options.identity.empty() ? largest_datagram : largest_secured_datagram, admission_);
     }
     auto& discovery = quality.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==

@@ -16,6 +16,10 @@ namespace eti::bus {
 /// fit a common MTU of 1500 bytes beside this.
 inline constexpr std::uint32_t largest_datagram = 1400;  // [bytes]
 
+/// With an identity: certificate and permissions go in one datagram, which Fast DDS 2.9.1 cannot cut itself
+/// ("Cannot serialize ParticipantGenericMessage"). Messages that were made to fit an MTU fit it still.
+inline constexpr std::uint32_t largest_secured_datagram = 8192;  // [bytes]
+
 /// How a participant of these options reaches the others: transports, peers, discovery server, or a
 /// profile's. Every transport keeps to largest_datagram. Adds to `warnings` what the kernel does not grant.
 /// Throws BusError: options that contradict each other, a name that no address is known of, a bad profile.

@@ -24,6 +24,7 @@ import roles  # noqa: E402
 ORGANISATION = "NeoETI lab"
 AUTHORITY_YEARS = 20
 SLACK = timedelta(days=1)  # clocks of machines and time zones differ
+LARGEST_PERMISSIONS = 5000  # [bytes] of the 8192 in common/bus/transport.hpp, beside certificate and keys
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,47}")
 
 CONFIGURATION = """
@@ -134,6 +135,10 @@ class Lab:
             # The certificate's own dates decide; those of permissions are read as local time.
             text = roles.permissions(role, name, subject, begin - SLACK, end + SLACK, sessions, domains)
             self.sign(text, made / "permissions.p7s")
+            size = (made / "permissions.p7s").stat().st_size
+            if size > LARGEST_PERMISSIONS:
+                raise LabError(f"{name}: permissions of {size} bytes, at most {LARGEST_PERMISSIONS} fit the datagram in "
+                               "which programs show them; give fewer --session, or none for all")
             if place.exists():
                 place.rename(Path(scratch, "old"))
             made.rename(place)

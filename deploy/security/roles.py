@@ -68,35 +68,23 @@ def governance(authority):
 
 
 def _criteria(kind, topics, partitions):
-    lines = [f"        <{kind}>", "          <topics>"]
-    lines += [f"            <topic>eti/{escape(topic)}</topic>" for topic in topics]
-    lines += ["          </topics>", "          <partitions>"]
-    lines += [f"            <partition>{escape(partition)}</partition>" for partition in partitions]
-    return lines + ["          </partitions>", f"        </{kind}>"]
+    return (f"<{kind}><topics>" + "".join(f"<topic>eti/{escape(topic)}</topic>" for topic in topics) +
+            "</topics><partitions>" + "".join(f"<partition>{escape(name)}</partition>" for name in partitions) +
+            f"</partitions></{kind}>\n")
 
 
 def permissions(role, name, subject, valid_from, valid_to, sessions, domains):
     """What one identity may do. `subject` as RFC 2253 writes it; `sessions` empty: every one; `domains`: (first, last).
-    A session's partition is its name, a slash and the protocol, which permissions outlive."""
+    A session's partition is its name, a slash and the protocol, which permissions outlive. Without indentation: the
+    document has to fit one datagram."""
     partitions = [f"{session}/*" for session in sessions] or ["*"]
     moment = "%Y-%m-%dT%H:%M:%S"
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        '<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"',
-        f'     xsi:noNamespaceSchemaLocation="{SCHEMA}omg_shared_ca_permissions.xsd">',
-        "  <permissions>",
-        f'    <grant name="{escape(name)}">',
-        f"      <subject_name>{escape(subject)}</subject_name>",
-        f"      <validity><not_before>{valid_from:{moment}}</not_before>"
-        f"<not_after>{valid_to:{moment}}</not_after></validity>",
-        "      <allow_rule>",
-        f"        <domains><id_range><min>{domains[0]}</min><max>{domains[1]}</max></id_range></domains>",
-        *_criteria("publish", WRITES[role] + EVERYBODY, partitions),
-        *_criteria("subscribe", reads(role), partitions),
-        "      </allow_rule>",
-        "      <default>DENY</default>",
-        "    </grant>",
-        "  </permissions>",
-        "</dds>",
-    ]
-    return "\n".join(lines) + "\n"
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+xsi:noNamespaceSchemaLocation="{SCHEMA}omg_shared_ca_permissions.xsd">
+<permissions><grant name="{escape(name)}"><subject_name>{escape(subject)}</subject_name>
+<validity><not_before>{valid_from:{moment}}</not_before><not_after>{valid_to:{moment}}</not_after></validity>
+<allow_rule><domains><id_range><min>{domains[0]}</min><max>{domains[1]}</max></id_range></domains>
+{_criteria("publish", WRITES[role] + EVERYBODY, partitions)}{_criteria("subscribe", reads(role), partitions)}</allow_rule>
+<default>DENY</default></grant></permissions></dds>
+"""

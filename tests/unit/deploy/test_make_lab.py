@@ -123,9 +123,9 @@ class Lab(unittest.TestCase):
         self.assertIn("<id_range><min>3</min><max>5</max></id_range>", text)
         self.assertIn("<default>DENY</default>", text)
         publish = text[text.index("<publish>"):text.index("</publish>")]
-        self.assertEqual(re.findall("<topic>(.*)</topic>", publish),
+        self.assertEqual(re.findall("<topic>(.*?)</topic>", publish),
                          ["eti/tube_pose", "eti/echo_question", "eti/echo_answer"])
-        self.assertEqual(re.findall("<partition>(.*)</partition>", publish), ["course/*", "exam/*"])
+        self.assertEqual(re.findall("<partition>(.*?)</partition>", publish), ["course/*", "exam/*"])
 
     def test_governance_lets_nobody_in_without_identity(self):
         self.make("--role", "server")
@@ -154,6 +154,11 @@ class Lab(unittest.TestCase):
             with self.subTest(options=options):
                 self.assertIn(words, self.make(*options, expect=status))
                 self.assertFalse(self.lab.exists())
+
+    def test_permissions_that_fit_no_datagram_are_refused(self):
+        sessions = [part for number in range(60) for part in ("--session", f"course-of-the-year-{number}")]
+        self.assertIn("fewer --session", self.make("--role", "observer", *sessions, expect=1))
+        self.assertFalse((self.lab / "observer").exists())
 
     def test_half_an_authority_is_not_replaced(self):
         self.make("--role", "server")
