@@ -14,8 +14,10 @@
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <memory>
+#include <sstream>
 #include <utility>
 
+#include "common/bus/discovery_server.hpp"
 #include "common/bus/library_log.hpp"
 
 namespace eti::bus {
@@ -31,7 +33,6 @@ namespace {
 constexpr std::uint32_t socket_buffer = 4u << 20;
 // Participants looked for on each machine; the library's own 4 leave out a fifth program.
 constexpr std::uint32_t participants_per_machine = 32;
-constexpr std::uint16_t discovery_port = 11811;
 constexpr const char* loopback = "127.0.0.1";
 
 rtps::Locator_t locator_of(const std::string& host, const char* option) {
@@ -61,6 +62,11 @@ void add_peers(const std::vector<std::string>& peers, dds::DomainParticipantQos&
     }
 }
 
+/// As 'fastdds discovery --server-id' has it.
+std::string server_prefix(std::size_t number) {
+    return fmt::format("44.53.{:02x}.5f.45.50.52.4f.53.49.4d.41", number);
+}
+
 /// HOST or HOST:PORT; the place in the list is the server's id, as 'fastdds discovery --server-id' has it.
 void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainParticipantQos& quality) {
     auto& config = quality.wire_protocol().builtin.discovery_config;
@@ -82,7 +88,7 @@ void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainP
         rtps::Locator_t locator = locator_of(server.substr(0, colon), "--discovery-server");
         rtps::IPLocator::setPhysicalPort(locator, port);
         rtps::RemoteServerAttributes attributes;
-        attributes.ReadguidPrefix(fmt::format("44.53.{:02x}.5f.45.50.52.4f.53.49.4d.41", id).c_str());
+        attributes.ReadguidPrefix(server_prefix(id).c_str());
         attributes.metatrafficUnicastLocatorList.push_back(locator);
         config.m_DiscoveryServers.push_back(attributes);
     }
@@ -185,6 +191,20 @@ dds::DomainParticipantQos participant_quality(const Options& options, std::vecto
     }
     check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
     check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings);
+    return quality;
+}
+
+dds::DomainParticipantQos discovery_server_quality(int number, const std::string& address, std::uint16_t port,
+                                                   std::vector<std::string>& warnings) {
+    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
+    use_own_transports(true, quality);
+    auto& builtin = quality.wire_protocol().builtin;
+    builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+    std::istringstream(server_prefix(static_cast<std::size_t>(number))) >> quality.wire_protocol().prefix;
+    rtps::Locator_t locator = locator_of(address.empty() ? "0.0.0.0" : address, "--address");
+    rtps::IPLocator::setPhysicalPort(locator, port);
+    builtin.metatrafficUnicastLocatorList.push_back(locator);
+    check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
     return quality;
 }
 

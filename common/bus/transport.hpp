@@ -26,6 +26,10 @@ inline constexpr std::uint32_t largest_secured_datagram = 8192;  // [bytes]
 [[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos participant_quality(
     const Options& options, std::vector<std::string>& warnings);
 
+/// Of a discovery server, as DiscoveryServer has its arguments.
+[[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos discovery_server_quality(
+    int number, const std::string& address, std::uint16_t port, std::vector<std::string>& warnings);
+
 /// Where readers of a topic that several follow get one copy together: a multicast group of the topic's own.
 /// Empty: these options reach nobody by multicast.
 [[nodiscard]] std::optional<eprosima::fastrtps::rtps::Locator_t> shared_locator(const Options& options,

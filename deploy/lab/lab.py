@@ -6,7 +6,6 @@
 import argparse
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -28,9 +27,9 @@ HOST_OF = {"controller": "trainee"}
 MEETINGS = ("discovery", "multicast", "peers")
 
 
-def discovery_command(number, address):
+def discovery_command(bin_folder, number, address):
     """A discovery server; `number`: its place in what programs are given."""
-    return ["fast-discovery-server", "-i", number, "-l", address, "-p", DISCOVERY_PORT]
+    return [Path(bin_folder) / "eti-discovery", "--number", number, "--address", address, "--port", DISCOVERY_PORT]
 
 
 class Namespace(hosts.Host):
@@ -130,7 +129,7 @@ class Lab(session_run.Session):
         for number, name in enumerate(("discovery", "discovery-2")):
             if name in self.hosts and self.options.meet == "discovery":
                 host = self.hosts[name]
-                self.discovery.append(host.program(name, discovery_command(number, host.address), self.folder))
+                self.discovery.append(host.program(name, discovery_command(self.bin, number, host.address), self.folder))
                 self.discovery[-1].start()
         if "controller" in self.programs and self.options.hosts:
             # Its pad is a pipe that this script presses: on another machine there is none.
@@ -229,15 +228,13 @@ def parse():
         # A discovery server that has no identity is not admitted to a secured lab.
         options.meet = "discovery" if not options.security else "peers" if options.no_multicast else "multicast"
     if options.security and options.meet == "discovery":
-        parser.error("--security with --meet discovery: fast-discovery-server has no identity; "
+        parser.error("--security with --meet discovery: no identity is made for the discovery server; "
                      "give --meet multicast or --meet peers")
     if options.no_multicast and options.meet == "multicast":
         parser.error("--no-multicast with --meet multicast: nobody would meet; give --meet discovery or --meet peers")
     if options.hosts and any((options.delay, options.jitter, options.loss, options.rate, options.no_multicast)):
         parser.error("--hosts with --delay, --jitter, --loss, --rate or --no-multicast: real machines have the network "
                      "that they have")
-    if options.meet == "discovery" and not options.hosts and not shutil.which("fast-discovery-server"):
-        parser.error("fast-discovery-server is not there: apt-get install fastdds-tools, or give --meet multicast")
     return options
 
 

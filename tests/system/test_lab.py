@@ -109,8 +109,8 @@ class Links(support.Case):
             helpers = []
             for number, name in enumerate(("first", "second")):
                 host = place.hosts[name]
-                helpers.append(runs.Process("/usr/bin", host, "fast-discovery-server", "-i", number, "-l", host.address,
-                                            "-p", 11811))
+                helpers.append(runs.Process(support.BIN, host, "eti-discovery", "--number", number, "--address",
+                                            host.address))
                 place.processes.append(helpers[-1])
             place.meet = [word for name in ("first", "second")
                           for word in ("--discovery-server", place.hosts[name].address)]
