@@ -14,6 +14,7 @@ endif()
 # data: what several of the others read
 install(DIRECTORY deploy/scenarios deploy/operators deploy/dds deploy/calibration deploy/parts
         DESTINATION share/neoeti COMPONENT data)
+install(FILES deploy/security/make_lab.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
 
 # Services, their settings, and the user that they run as
 install(FILES deploy/systemd/neoeti.sysusers DESTINATION lib/sysusers.d RENAME neoeti.conf COMPONENT data)
@@ -89,7 +90,7 @@ endmacro()
 
 set(ours "(= ${PROJECT_VERSION})")
 eti_package(data "scenarios, operators and profiles of the newborn-intubation simulator"
-            DEPENDS "systemd-standalone-sysusers | systemd-sysusers")
+            DEPENDS "systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS "openssl, python3")
 eti_package(server "physics server of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}" RECOMMENDS fastdds-tools SUGGESTS neoeti-doc)
 # Epoxy loads EGL and GL, these load Mesa's drivers.

@@ -100,9 +100,9 @@ eti_build() {
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
     set -u
     case "${1:-}" in
-        "") eti_install build client test figures lab && eti_say "Everything needed is installed." ;;
+        "") eti_install build client test figures lab security && eti_say "Everything needed is installed." ;;
         --server-only) eti_install build && eti_say "Everything the server needs is installed." ;;
-        --list) eti_packages build client test figures lab ;;
+        --list) eti_packages build client test figures lab security ;;
         *)
             cat <<USAGE
 Usage: deploy/setup.sh [--server-only | --list]

@@ -68,7 +68,7 @@ run() {
     count "$results"
 }
 
-[ $install = yes ] && eti_install build client test figures lab
+[ $install = yes ] && eti_install build client test figures lab security
 started=$SECONDS
 if [ $optimised = yes ]; then
     eti_say "== Building build/release"

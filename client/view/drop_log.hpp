@@ -2,9 +2,10 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string_view>
+
+#include "common/process/line_limit.hpp"
 
 namespace eti::view {
 
@@ -17,7 +18,7 @@ class DropLog {
 
   private:
     std::uint64_t count_ = 0;
-    std::chrono::steady_clock::time_point last_line_{};
+    LineLimit lines_;
 };
 
 }  // namespace eti::view
