@@ -2,10 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string_view>
-
-#include "common/process/line_limit.hpp"
 
 namespace eti::view {
 
@@ -18,7 +17,7 @@ class DropLog {
 
   private:
     std::uint64_t count_ = 0;
-    LineLimit lines_;
+    std::chrono::steady_clock::time_point last_line_{};
 };
 
 }  // namespace eti::view
