@@ -28,7 +28,7 @@ function(eti_library name)
 endfunction()
 
 # A program in build/<preset>/bin. ASIDE: no session needs it, so it is not among `programs`. PACKAGE: the Debian package
-# that it goes into, see cmake/package.cmake.
+# that it goes into, see cmake/package.cmake; `none` for what runs scripts of this tree.
 function(eti_program name)
   cmake_parse_arguments(ARG "ASIDE" "PACKAGE" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -44,7 +44,9 @@ function(eti_program name)
   if(ARG_ASIDE)
     set(optional OPTIONAL)
   endif()
-  install(TARGETS ${name} RUNTIME DESTINATION bin COMPONENT ${ARG_PACKAGE} ${optional})
+  if(NOT ARG_PACKAGE STREQUAL none)
+    install(TARGETS ${name} RUNTIME DESTINATION bin COMPONENT ${ARG_PACKAGE} ${optional})
+  endif()
 endfunction()
 
 # The first folder under tests/ that the current folder lies in: the label of its ctest cases.
