@@ -16,7 +16,7 @@ void apply_identity(const Options& options, dds::DomainParticipantQos& quality,
         return;
     }
     if (!options.discovery_servers.empty()) {
-        // Fast DDS 2.9.1 aborts in SecurityManager::encode_rtps_message, or never matches anybody.
+        // With Fast DDS 2.9.1 nobody is ever matched, whether or not the server has an identity.
         throw BusError(
             "--identity together with --discovery-server: this version of the DDS library cannot do both; "
             "reach the "

@@ -65,8 +65,9 @@ class Security(support.Case):
         session.start()
         self.addCleanup(session.finish)
         self.assertTrue(session.watch())
-        self.assertEqual(session.finish(), [])
+        late = session.finish()
         logs = {role: program.log.read_text(errors="replace") for role, program in session.programs.items()}
+        self.assertEqual(late, [], [logs[role] for role in late])
         for role, program in session.programs.items():
             self.assertEqual(program.exit_code(), 0, logs[role])
         summary, _ = session.summary()

@@ -131,7 +131,7 @@ class Lab(unittest.TestCase):
         self.make("--role", "server")
         text = self.document("server", "governance.p7s")
         self.assertIn("<allow_unauthenticated_participants>false<", text)
-        for kind in ("discovery", "liveliness", "rtps"):
+        for kind in ("discovery", "liveliness", "metadata"):
             self.assertIn(f"<{kind}_protection_kind>ENCRYPT<", text)
 
     def test_dates_are_as_asked(self):

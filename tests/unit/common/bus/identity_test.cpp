@@ -235,17 +235,24 @@ TEST_F(IdentityTest, TopicOutsideTheRoleIsRefusedWithTheRole) {
     Subscriber<msg::SceneDescription> scene(node, topics::scene);
 }
 
-/// The largest message arrives, though ciphers add to every datagram.
+/// The largest message arrives, though ciphers add to every datagram, and readers that leave in its midst
+/// harm nobody: where whole datagrams are encrypted, the library aborts or stalls (decision 0087).
 TEST_F(IdentityTest, SceneOfTwoMegabytesArrives) {
     Options as_server = test::bus_options("eti-server"), as_observer = test::bus_options("test");
     as_server.identity = labs_ / "lab/server";
     as_observer.identity = folder_;
-    Node server(as_server), observer(as_observer);
+    Node server(as_server);
     Publisher<msg::SceneDescription> scene(server, topics::scene);
     msg::SceneDescription object;
     object.object("tongue");
     object.vertices().resize(500000, 0.5f);
     ASSERT_TRUE(scene.publish(object));
+    for (int visit = 0; visit < 3; ++visit) {
+        Node observer(as_observer);
+        Subscriber<msg::SceneDescription> reader(observer, topics::scene);
+        ASSERT_TRUE(test::eventually([&] { return reader.matched() == 1; }));
+    }
+    Node observer(as_observer);
     Subscriber<msg::SceneDescription> reader(observer, topics::scene);
     msg::SceneDescription read;
     ASSERT_TRUE(test::eventually([&] { return reader.take(read); }));
