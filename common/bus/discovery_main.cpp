@@ -29,9 +29,6 @@ int main(int argc, char** argv) {
     app.add_option("--domain", options.domain, "DDS domain")
         ->capture_default_str()
         ->check(CLI::Range(0, 232));
-    app.add_option("--identity", options.identity,
-                   "Folder with its certificate and permissions (see deploy/security)")
-        ->check(CLI::ExistingDirectory);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

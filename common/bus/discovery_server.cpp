@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/identity.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/bus/receive_filter.hpp"
 #include "common/bus/transport.hpp"
@@ -31,11 +30,9 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     set_up_library_log();
     std::vector<std::string> warnings;
     dds::DomainParticipantQos quality = discovery_server_quality(number, address, port, warnings);
-    apply_identity(options, quality, warnings);
     const auto anybody = std::make_shared<Admission>(false);
     for (auto& transport : quality.transport().user_transports) {
-        transport = filtered(transport,
-                             options.identity.empty() ? largest_datagram : largest_secured_datagram, anybody);
+        transport = filtered(transport, largest_datagram, anybody);
     }
     quality.name(options.name);
     for (const std::string& warning : warnings) {

@@ -17,7 +17,8 @@ inline constexpr std::uint16_t discovery_port = 11811;
 class DiscoveryServer {
   public:
     /// `number`: its place in the list that programs are given, 0 to 255. `address`: of this machine, on
-    /// which it listens; empty: on all. Of `options`: domain and identity.
+    /// which it listens; empty: on all. Of `options`: name and domain; secured programs do not meet by a
+    /// discovery server.
     DiscoveryServer(const Options& options, int number, const std::string& address, std::uint16_t port);
     ~DiscoveryServer();
     DiscoveryServer(const DiscoveryServer&) = delete;

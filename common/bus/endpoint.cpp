@@ -218,11 +218,12 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     quality.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
     const auto place =
         std::ranges::find(topics::all, topic.name, &TopicSource::name) - std::begin(topics::all);
-    const auto shared = shared_locator(impl_->participant->options, static_cast<std::size_t>(place));
-    if (shared && impl_->participant->options.one_of_many && !topic.quality.reliable) {
+    const Options& own = impl_->participant->options;
+    if (const auto shared = shared_locator(own, static_cast<std::size_t>(place));
+        shared && own.one_of_many && !topic.quality.reliable) {
         quality.endpoint().multicast_locator_list.push_back(*shared);
-        // With a list of its own it has no default: its own addresses, and the participant's port.
-        quality.endpoint().unicast_locator_list.push_back(eprosima::fastrtps::rtps::Locator_t(0));
+        // With a list of its own it has no default for when it is the only one.
+        quality.endpoint().unicast_locator_list.push_back(alone_locator(own));
     }
     impl_->reader = impl_->participant->subscriber->create_datareader(
         impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);

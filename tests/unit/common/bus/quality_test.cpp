@@ -57,19 +57,23 @@ TEST(Quality, WhatWasReceivedOutlivesItsWriter) {
     EXPECT_EQ(received.phase(), msg::PHASE_FINISHED);
 }
 
-TEST(Quality, ReadersThatShareByMulticastAllGetEveryState) {
-    Node server(options("eti-server"));
+/// So many readers that share what comes; `network`: over every interface.
+void expect_states_reach(int count, bool network) {
+    Options of_server = options("eti-server");
+    of_server.network = network;
+    Node server(of_server);
     Options wanted = options("eti-client");
     wanted.one_of_many = true;
+    wanted.network = network;
     std::vector<std::unique_ptr<Node>> nodes;
     std::vector<Subscriber<msg::DeformationState>> readers;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < count; ++i) {
         nodes.push_back(std::make_unique<Node>(wanted));
         readers.emplace_back(*nodes.back(), topics::deformation_slow);
     }
     Publisher<msg::DeformationState> states(server, topics::deformation_slow);
     ASSERT_TRUE(eventually([&] {
-        return states.matched() == 4 &&
+        return states.matched() == count &&
                std::ranges::all_of(readers, [](const auto& reader) { return reader.matched() == 1; });
     }));
     std::vector<int> got(readers.size(), 0);
@@ -82,10 +86,23 @@ TEST(Quality, ReadersThatShareByMulticastAllGetEveryState) {
             }
         }
     }
-    for (const int count : got) {
-        EXPECT_GE(count, 48);
-        EXPECT_LE(count, 50) << "no state comes twice";
+    for (const int states_got : got) {
+        EXPECT_GE(states_got, 48);
+        EXPECT_LE(states_got, 50) << "no state comes twice";
     }
+}
+
+TEST(Quality, ReadersThatShareByMulticastAllGetEveryState) {
+    expect_states_reach(4, false);
+}
+
+TEST(Quality, OneReaderThatWouldShareGetsEveryStateAlone) {
+    expect_states_reach(1, false);
+}
+
+TEST(Quality, ReadersThatShareOnANetworkGetEveryState) {
+    expect_states_reach(1, true);
+    expect_states_reach(3, true);
 }
 
 TEST(Quality, SessionsDoNotHearEachOther) {
