@@ -219,11 +219,14 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     const auto place =
         std::ranges::find(topics::all, topic.name, &TopicSource::name) - std::begin(topics::all);
     const Options& own = impl_->participant->options;
-    if (const auto shared = shared_locator(own, static_cast<std::size_t>(place));
-        shared && own.one_of_many && !topic.quality.reliable) {
+    const auto shared = shared_locator(own, static_cast<std::size_t>(place));
+    // With a list of its own a reader has no default for when it is the only one.
+    const auto alone = impl_->participant->own_locators();
+    if (shared && own.one_of_many && !topic.quality.reliable && !alone.empty()) {
         quality.endpoint().multicast_locator_list.push_back(*shared);
-        // With a list of its own it has no default for when it is the only one.
-        quality.endpoint().unicast_locator_list.push_back(alone_locator(own));
+        for (const auto& locator : alone) {
+            quality.endpoint().unicast_locator_list.push_back(locator);
+        }
     }
     impl_->reader = impl_->participant->subscriber->create_datareader(
         impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);

@@ -212,6 +212,11 @@ void Participant::heard(const eprosima::fastrtps::rtps::GUID_t& writer, bool ali
     say_news();
 }
 
+std::vector<eprosima::fastrtps::rtps::Locator_t> Participant::own_locators() const {
+    const std::lock_guard lock(peers_mutex_);
+    return own_locators_;
+}
+
 void Participant::let_go(std::string_view topic) {
     admission_->let_go(topic);
 }
@@ -265,7 +270,11 @@ void Participant::on_publisher_discovery(dds::DomainParticipant* self,
                                          eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
     using Info = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
     if (info.info.guid().guidPrefix == self->guid().guidPrefix) {
-        return;  // the library tells of its own, too
+        // The library tells of its own, too, and so of the port that it found free.
+        const std::lock_guard lock(peers_mutex_);
+        const auto& locators = info.info.remote_locators().unicast;
+        own_locators_.assign(locators.begin(), locators.end());
+        return;
     }
     const WriterId writer = writer_id(info.info.guid());
     if (info.status == Info::REMOVED_WRITER) {

@@ -54,6 +54,8 @@ class Participant final : public dds::DomainParticipantListener {
     /// Of a writer that a reader here matches: it has been heard, or has fallen silent.
     void heard(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive);
     void let_go(std::string_view topic);
+    /// Where what is sent to this participant alone arrives; known once it writes something.
+    [[nodiscard]] std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators() const;
     [[nodiscard]] bool contested() const { return admission_->contested(); }
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
     /// Comparable with Peer::started.
@@ -79,6 +81,7 @@ class Participant final : public dds::DomainParticipantListener {
     std::map<std::string, dds::Topic*, std::less<>> topics_;
     mutable std::mutex peers_mutex_;
     std::map<eprosima::fastrtps::rtps::GuidPrefix_t, Peer> peers_;
+    std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators_;
     std::vector<std::string> warnings_;
     std::uint64_t started_ns_ = 0;
 };

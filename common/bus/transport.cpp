@@ -220,15 +220,6 @@ std::optional<rtps::Locator_t> shared_locator(const Options& options, std::size_
     return locator;
 }
 
-rtps::Locator_t alone_locator(const Options& options) {
-    rtps::Locator_t locator(0);
-    if (!options.network) {
-        // "All addresses" leaves loopback out.
-        rtps::IPLocator::setIPv4(locator, loopback);
-    }
-    return locator;
-}
-
 std::string reach(const Options& options) {
     std::string text;
     const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };

@@ -35,9 +35,6 @@ inline constexpr std::uint32_t largest_secured_datagram = 8192;  // [bytes]
 [[nodiscard]] std::optional<eprosima::fastrtps::rtps::Locator_t> shared_locator(const Options& options,
                                                                                 std::size_t topic);
 
-/// Where such a reader gets its copies as long as it is alone: its own addresses, and the participant's port.
-[[nodiscard]] eprosima::fastrtps::rtps::Locator_t alone_locator(const Options& options);
-
 /// How others are looked for, in the words of the command line: "this machine alone" or "--peer a, --peer b".
 [[nodiscard]] std::string reach(const Options& options);
 
