@@ -11,13 +11,8 @@ namespace eti::bus {
 
 namespace {
 
-// A hostile network must not grow these without end. What is found beyond is refused.
+// A hostile network must not grow these without end.
 constexpr std::size_t most_participants = 256, most_writers = 4096, most_news = 16;
-
-Source source_of(std::string_view topic) {
-    const auto known = std::ranges::find(topics::all, topic, &TopicSource::name);
-    return known != std::end(topics::all) ? known->from : Source::anybody;
-}
 
 }  // namespace
 
@@ -33,7 +28,8 @@ void Admission::gone(const ParticipantId& participant) {
     const std::lock_guard lock(mutex_);
     candidates_.erase(participant);
     told_.erase(participant);
-    std::erase_if(writers_, [&](const auto& writer) { return writer.first.participant == participant; });
+    shut_out_.erase(participant);
+    forget_writers(participant);
     judge();
 }
 
@@ -43,11 +39,13 @@ void Admission::found(const WriterId& writer, std::string_view topic) {
     if (known == std::end(topics::all) || known->from == Source::anybody) {
         return;
     }
-    if (writers_.size() >= most_writers) {
-        refused_.insert(writer);
+    if (shut_out_.contains(writer.participant)) {
         return;
     }
-    writers_.try_emplace(writer, Writer{known->name, source_of(topic), ++order_, false});
+    writers_.try_emplace(writer, Writer{known->name, known->from, ++order_, false});
+    if (writers_.size() > most_writers) {
+        shut_out_most();
+    }
     judge();
 }
 
@@ -78,7 +76,7 @@ bool Admission::refuses(const WriterId& writer) const {
         return false;
     }
     const std::lock_guard lock(mutex_);
-    return refused_.contains(writer);
+    return refused_.contains(writer) || shut_out_.contains(writer.participant);
 }
 
 std::optional<ParticipantId> Admission::owner() const {
@@ -96,6 +94,28 @@ bool Admission::serves(const ParticipantId& participant) const {
 std::vector<std::string> Admission::news() {
     const std::lock_guard lock(mutex_);
     return std::exchange(news_, {});
+}
+
+void Admission::forget_writers(const ParticipantId& participant) {
+    std::erase_if(writers_, [&](const auto& writer) { return writer.first.participant == participant; });
+}
+
+/// Whoever has the most writers makes room; a newcomer is not the one to suffer from that.
+void Admission::shut_out_most() {
+    std::map<ParticipantId, std::size_t> counts;
+    for (const auto& [id, writer] : writers_) {
+        if (id.participant != owner_) {
+            ++counts[id.participant];
+        }
+    }
+    if (counts.empty()) {
+        return;
+    }
+    const auto most = std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; });
+    if (shut_out_.size() < most_participants) {
+        shut_out_.insert(most->first);
+    }
+    forget_writers(most->first);
 }
 
 bool Admission::silent(const ParticipantId& participant) const {
@@ -189,7 +209,7 @@ void Admission::judge() {
     }
     contested_.store(second.has_value(), std::memory_order_relaxed);
     refused_ = std::move(refused);
-    any_refused_.store(!refused_.empty(), std::memory_order_release);
+    any_refused_.store(!refused_.empty() || !shut_out_.empty(), std::memory_order_release);
 }
 
 }  // namespace eti::bus

@@ -5,7 +5,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -63,6 +62,8 @@ class Admission {
     };
 
     void judge();
+    void forget_writers(const ParticipantId& participant);
+    void shut_out_most();
     void choose_owner();
     [[nodiscard]] bool may_write(const WriterId& id, const Writer& writer) const;
     [[nodiscard]] bool silent(const ParticipantId& participant) const;
@@ -75,7 +76,8 @@ class Admission {
     std::map<std::string_view, WriterId> followed_;  // of topics of one writer
     std::optional<ParticipantId> owner_;
     std::set<WriterId> refused_;
-    std::set<ParticipantId> told_;  // of refused ones a line was written
+    std::set<ParticipantId> shut_out_;  // for more writers than there is room for
+    std::set<ParticipantId> told_;      // of refused ones a line was written
     std::vector<std::string> news_;
     std::uint64_t order_ = 0;
     std::atomic<bool> any_refused_{false}, contested_{false};

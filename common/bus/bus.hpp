@@ -126,6 +126,8 @@ class Subscriber {
     void ring(Bell& bell);  ///< at every sample from now on
     /// Who sent what was taken last.
     [[nodiscard]] const ParticipantId& sender() const;
+    /// When what was taken last came to this process [ns, its system clock], however late it was taken.
+    [[nodiscard]] std::uint64_t received_ns() const;
     /// Of a topic with one writer at a time: this one is followed no more, because it is silent.
     void let_go();
     [[nodiscard]] int matched() const;  ///< writers now matched

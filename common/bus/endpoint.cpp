@@ -189,6 +189,7 @@ struct Subscriber<Message>::Impl {
     dds::StatusMask mask = dds::StatusMask::none();
     std::string_view topic;
     ParticipantId sender{};
+    std::uint64_t received_ns = 0;
     bool manual_liveliness = false;
     Message newest;  // kept to spare allocations
 
@@ -247,6 +248,7 @@ bool Subscriber<Message>::take(Message& message) {
     while (impl_->reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
         if (info.valid_data) {
             std::ranges::copy(info.sample_identity.writer_guid().guidPrefix.value, impl_->sender.begin());
+            impl_->received_ns = static_cast<std::uint64_t>(info.reception_timestamp.to_ns());
             return true;
         }
     }
@@ -281,6 +283,11 @@ void Subscriber<Message>::ring(Bell& bell) {
 template <class Message>
 const ParticipantId& Subscriber<Message>::sender() const {
     return impl_->sender;
+}
+
+template <class Message>
+std::uint64_t Subscriber<Message>::received_ns() const {
+    return impl_->received_ns;
 }
 
 template <class Message>

@@ -121,8 +121,12 @@ TEST(Admission, WhatIsFoundBeyondItsBoundsIsRefused) {
         admission.found(WriterId{{3}, {std::uint8_t(i), std::uint8_t(i >> 8), 1, 3}}, topics::proxy.name);
     }
     EXPECT_TRUE(admission.refuses(WriterId{{3}, {0, 0, 1, 3}}));
-    EXPECT_TRUE(
-        admission.refuses(WriterId{{3}, {std::uint8_t(9'999 & 0xff), std::uint8_t(9'999 >> 8), 1, 3}}));
+    const WriterId last{{3}, {std::uint8_t(9'999 & 0xff), std::uint8_t(9'999 >> 8), 1, 3}};
+    EXPECT_TRUE(admission.refuses(last));
+    admission.found(a, "'eti-server' host:1", true);
+    admission.found(writer(a, 1), topics::proxy.name);
+    EXPECT_TRUE(admission.refuses(last)) << "what is found later lets none of them in";
+    EXPECT_FALSE(admission.refuses(writer(a, 1))) << "there is room for others";
 }
 
 TEST(AdmissionOnTheBus, AStrangersSceneDoesNotTakeTheServersPlace) {
