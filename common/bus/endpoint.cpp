@@ -64,6 +64,21 @@ void apply(const Quality& wanted, bool keyed, Qos& quality) {
     }
 }
 
+/// Has a reader take the copy that all who share the topic get, where they can.
+void share(const Participant& participant, std::string_view topic, dds::DataReaderQos& quality) {
+    const auto place = std::ranges::find(topics::all, topic, &TopicSource::name) - std::begin(topics::all);
+    const auto shared = shared_locator(participant.options, static_cast<std::size_t>(place));
+    // With a list of its own a reader has no default for when it is the only one.
+    const auto alone = participant.own_locators();
+    if (!shared || alone.empty()) {
+        return;
+    }
+    quality.endpoint().multicast_locator_list.push_back(*shared);
+    for (const auto& locator : alone) {
+        quality.endpoint().unicast_locator_list.push_back(locator);
+    }
+}
+
 }  // namespace
 
 template <class Message>
@@ -217,17 +232,8 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     dds::DataReaderQos quality = dds::DATAREADER_QOS_DEFAULT;
     apply(topic.quality, type->m_isGetKeyDefined, quality);
     quality.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
-    const auto place =
-        std::ranges::find(topics::all, topic.name, &TopicSource::name) - std::begin(topics::all);
-    const Options& own = impl_->participant->options;
-    const auto shared = shared_locator(own, static_cast<std::size_t>(place));
-    // With a list of its own a reader has no default for when it is the only one.
-    const auto alone = impl_->participant->own_locators();
-    if (shared && own.one_of_many && !topic.quality.reliable && !alone.empty()) {
-        quality.endpoint().multicast_locator_list.push_back(*shared);
-        for (const auto& locator : alone) {
-            quality.endpoint().unicast_locator_list.push_back(locator);
-        }
+    if (impl_->participant->options.one_of_many && !topic.quality.reliable) {
+        share(*impl_->participant, topic.name, quality);
     }
     impl_->reader = impl_->participant->subscriber->create_datareader(
         impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);

@@ -86,8 +86,7 @@ WriterId writer_id(const eprosima::fastrtps::rtps::GUID_t& guid) {
 }
 
 /// What a participant's user data say, if it is a program of this project.
-std::optional<Peer> introduced(const std::string& text, std::string name,
-                               const eprosima::fastrtps::rtps::GuidPrefix_t& prefix) {
+std::optional<Peer> introduced(const std::string& text, std::string name, const ParticipantId& id) {
     if (!text.starts_with("eti;")) {
         return std::nullopt;
     }
@@ -105,7 +104,7 @@ std::optional<Peer> introduced(const std::string& text, std::string name,
     peer.process = field_of(text, ";process=");
     peer.protocol = spoken;
     peer.version = version.empty() ? "unknown" : version;
-    peer.started = {started_ns, prefix};
+    peer.started = {started_ns, id};
     return peer;
 }
 
@@ -193,16 +192,16 @@ dds::Topic* Participant::topic(std::string_view name, dds::TypeSupport type) {
     return made;
 }
 
-std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> Participant::started() const {
-    return {started_ns_, participant->guid().guidPrefix};
+std::pair<std::uint64_t, ParticipantId> Participant::started() const {
+    return {started_ns_, id_of(participant->guid().guidPrefix)};
 }
 
 std::vector<Peer> Participant::peers() const {
     const std::lock_guard lock(peers_mutex_);
     std::vector<Peer> all;
-    for (const auto& [prefix, peer] : peers_) {
+    for (const auto& [id, peer] : peers_) {
         all.push_back(peer);
-        all.back().serves = admission_->serves(id_of(prefix));
+        all.back().serves = admission_->serves(id);
     }
     return all;
 }
@@ -232,29 +231,28 @@ void Participant::say_news() {
 void Participant::on_participant_discovery(dds::DomainParticipant*,
                                            eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) {
     using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    const auto& prefix = info.info.m_guid.guidPrefix;
+    const ParticipantId id = id_of(info.info.m_guid.guidPrefix);
     if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
         {
             const std::lock_guard lock(peers_mutex_);
-            peers_.erase(prefix);
+            peers_.erase(id);
         }
-        admission_->gone(id_of(prefix));
+        admission_->gone(id);
         say_news();
         return;
     }
     const auto& data = info.info.m_userData.data_vec();
     const std::optional<Peer> peer = introduced(std::string(data.begin(), data.end()),
-                                                std::string(info.info.m_participantName.c_str()), prefix);
+                                                std::string(info.info.m_participantName.c_str()), id);
     if (peer) {
         const std::lock_guard lock(peers_mutex_);
         if (peers_.size() < most_peers) {
-            peers_.insert_or_assign(prefix, *peer);
+            peers_.insert_or_assign(id, *peer);
         }
     }
     const bool as_server =
         peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
-    admission_->found(id_of(prefix), peer ? fmt::format("'{}' {}", peer->name, peer->process) : "",
-                      as_server);
+    admission_->found(id, peer ? fmt::format("'{}' {}", peer->name, peer->process) : "", as_server);
     say_news();
 }
 

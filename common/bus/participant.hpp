@@ -20,23 +20,12 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
 #include "common/bus/library_log.hpp"
+#include "common/bus/peers.hpp"
 #include "common/process/line_limit.hpp"
 
 namespace eti::bus {
 
 namespace dds = eprosima::fastdds::dds;
-
-/// Another participant of this project seen on the domain.
-struct Peer {
-    std::string name;  ///< Options::name
-    std::string session;
-    std::string process;  ///< host:pid
-    int protocol = 0;     ///< that it speaks; see bus::protocol
-    bool serves = false;  ///< it writes the status of this node's session
-    std::string version;  ///< of its program
-    /// When it joined [ns, its system clock] and, to tell two of one instant apart, its identity.
-    std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started;
-};
 
 /// What a node's publishers and subscribers share; the last of them to go deletes it, so the order in
 /// which they and the node are destroyed does not matter.
@@ -59,7 +48,7 @@ class Participant final : public dds::DomainParticipantListener {
     [[nodiscard]] bool contested() const { return admission_->contested(); }
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
     /// Comparable with Peer::started.
-    [[nodiscard]] std::pair<std::uint64_t, eprosima::fastrtps::rtps::GuidPrefix_t> started() const;
+    [[nodiscard]] std::pair<std::uint64_t, ParticipantId> started() const;
 
     const Options options;
     dds::DomainParticipant* participant = nullptr;
@@ -80,7 +69,7 @@ class Participant final : public dds::DomainParticipantListener {
     std::mutex topics_mutex_;
     std::map<std::string, dds::Topic*, std::less<>> topics_;
     mutable std::mutex peers_mutex_;
-    std::map<eprosima::fastrtps::rtps::GuidPrefix_t, Peer> peers_;
+    std::map<ParticipantId, Peer> peers_;
     std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators_;
     std::vector<std::string> warnings_;
     std::uint64_t started_ns_ = 0;

@@ -9,12 +9,9 @@
 
 namespace eti::bus {
 
-std::vector<MetProgram> met_programs(const Node& node) {
-    std::vector<MetProgram> met;
-    for (const Peer& peer : node.impl().participant->peers()) {
-        met.push_back({peer.name, peer.session, peer.process, peer.protocol, peer.version, peer.serves});
-    }
-    std::ranges::sort(met, {}, [](const MetProgram& one) { return std::tie(one.name, one.process); });
+std::vector<Peer> met_programs(const Node& node) {
+    std::vector<Peer> met = node.impl().participant->peers();
+    std::ranges::sort(met, {}, [](const Peer& one) { return std::tie(one.name, one.process); });
     return met;
 }
 

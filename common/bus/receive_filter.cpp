@@ -49,10 +49,11 @@ class ReceiveFilter final : public transport::ChainingTransport {
 
     void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
                  const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
-        const auto refused = [this](const WriterId& writer) { return admission_->refuses(writer); };
         bool by_admission = false;
-        if (bearable({buffer, size},
-                     [&](const WriterId& writer) { return by_admission = refused(writer); })) {
+        const auto refused = [&](const WriterId& writer) {
+            return by_admission = admission_->refuses(writer);
+        };
+        if (bearable({buffer, size}, refused)) {
             next->OnDataReceived(buffer, size, local, remote);
         } else if (!by_admission) {
             say_unbearable(size);

@@ -120,13 +120,13 @@ SessionReport observe(const bus::Options& options, std::chrono::duration<double>
     bus::Subscriber<msg::LiveMetrics> metrics(node, bus::topics::live_metrics);
     Loss deformation_loss(steps_per_second / 90), metrics_loss(steps_per_second / 30);
     SessionReport report;
-    std::map<std::string, bus::MetProgram> met;
+    std::map<std::string, bus::Peer> met;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(duration);
     for (auto question = Clock::now(); Clock::now() < end && !stop_asked();) {
         if (Clock::now() >= question) {
             (void)asker.ask();
             question += between_questions;
-            for (const bus::MetProgram& one : bus::met_programs(node)) {
+            for (const bus::Peer& one : bus::met_programs(node)) {
                 met[one.process] = one;
             }
             report.server = report.server || status.matched() > 0;
