@@ -19,8 +19,7 @@ void apply_identity(const Options& options, dds::DomainParticipantQos& quality,
         // With Fast DDS 2.9.1 nobody is ever matched, whether or not the server has an identity.
         throw BusError(
             "--identity together with --discovery-server: this version of the DDS library cannot do both; "
-            "reach the "
-            "other machines by --peer ADDRESS or --network");
+            "reach the other machines by --peer ADDRESS or --network");
     }
     IdentityCheck check =
         check_identity(options.identity, options.session, options.domain, std::time(nullptr));
@@ -52,8 +51,7 @@ std::string endpoint_refused(const Options& options, std::string_view topic, boo
             check_identity(options.identity, options.session, options.domain, std::time(nullptr));
         return fmt::format(
             "cannot {} topic {}: the permissions in {} do not allow it to '{}' (role {}); use an identity of "
-            "a role "
-            "that may (docs/security.md)",
+            "a role that may (docs/security.md)",
             verb, topic, options.identity.string(), check.name, check.role);
     }
     return fmt::format("cannot {} topic {}: the DDS library refused it; see the lines above", verb, topic);

@@ -30,8 +30,7 @@ std::string sentence_of_time(const fs::path& file, const char* what, std::time_t
     if (now < from) {
         return fmt::format(
             "{}: {} is not valid before {} UTC, and this machine's clock says {}; set the clock if it is "
-            "wrong, "
-            "else wait, or {}",
+            "wrong, else wait, or {}",
             file.string(), what, date_text(from), date_text(now), make_anew);
     }
     if (now > until) {
@@ -157,8 +156,7 @@ class Examination {
             if (permit == permits.end()) {
                 throw CredentialError(fmt::format(
                     "{}: grants nothing to '{}' of certificate.pem, but to '{}'; copy the identity's whole "
-                    "folder as "
-                    "make_lab.sh made it",
+                    "folder as make_lab.sh made it",
                     file.string(), subject, permits.empty() ? "nobody" : permits.front().subject));
             }
             hold_dates("permissions.p7s", "the permission", permit->from, permit->until);

@@ -145,8 +145,7 @@ Participant::Participant(const Options& wanted)
     if (participant == nullptr) {
         throw BusError(
             fmt::format("cannot join domain {}: its UDP ports from {} on are taken or there is no network; "
-                        "choose another "
-                        "--domain, or bring a network interface up (ip link set lo up)",
+                        "choose another --domain, or bring a network interface up (ip link set lo up)",
                         options.domain, 7400 + 250 * options.domain));
     }
     dds::PublisherQos publisher_quality = dds::PUBLISHER_QOS_DEFAULT;

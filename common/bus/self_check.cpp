@@ -86,9 +86,8 @@ std::string no_server(const Options& options) {
                        options.profile.empty();
     return fmt::format(
         "no server found in session '{}' on domain {} ({}): start eti-server with the same --session and "
-        "--domain; "
-        "{}--network, --peer ADDRESS, --discovery-server HOST or --profile FILE (docs/network.md; eti-doctor "
-        "says what is wrong){}",
+        "--domain; {}--network, --peer ADDRESS, --discovery-server HOST or --profile FILE (docs/network.md; "
+        "eti-doctor says what is wrong){}",
         options.session, options.domain, reach(options),
         alone ? "for one on another machine, give both programs "
               : "to reach it otherwise, give both programs another of ",

@@ -100,8 +100,7 @@ Finding judge_renderer(const std::string& renderer, const std::string& fault) {
     if (renderer.empty()) {
         return {"graphics", "EGL", State::note, fault,
                 "only eti-client needs it; install a driver: apt-get install libegl-mesa0 libgl1-mesa-dri, "
-                "or the "
-                "card's own"};
+                "or the card's own"};
     }
     const bool in_software = renderer.find("llvmpipe") != std::string::npos ||
                              renderer.find("softpipe") != std::string::npos ||

@@ -58,8 +58,7 @@ Findings judge_shared_memory(const SharedMemory& memory) {
         findings.front().state = serious;
         findings.front().remedy = fmt::format(
             "a --profile with shared memory needs {} MB: make it larger (mount -o remount,size=256m "
-            "/dev/shm; in a "
-            "container --shm-size 256m), or free some",
+            "/dev/shm; in a container --shm-size 256m), or free some",
             enough_shared_memory >> 20);
     }
     if (memory.stale > 0) {

@@ -84,8 +84,7 @@ void log(const nlohmann::ordered_json& s) {
         s["cycle_ms"]["max"].get<double>(), 100.0 * s["late_share"].get<double>());
     spdlog::info(
         "force max {:.2f} N, mean {:.2f} N; engaged {:.1f} %, faded {:.1f} % of the time; ms from one "
-        "message "
-        "to the next: p50 {:.1f}, p99 {:.1f}, max {:.1f}",
+        "message to the next: p50 {:.1f}, p99 {:.1f}, max {:.1f}",
         s["force_n"]["max"].get<double>(), s["force_n"]["mean"].get<double>(),
         100.0 * s["engaged_share"].get<double>(), 100.0 * s["stale_share"].get<double>(),
         s["message_ms"]["p50"].get<double>(), s["message_ms"]["p99"].get<double>(),

@@ -215,8 +215,7 @@ void Program::watch_latency() {
         warned_ = now;
         spdlog::warn(
             "messages take {:.0f} ms to the server and back: beyond {:.0f} ms a hand feels a wall late and "
-            "soft; "
-            "use a faster link, or a device at the server's site",
+            "soft; use a faster link, or a device at the server's site",
             *round_trip_ms_, slow_round_trip_ms);
     }
 }

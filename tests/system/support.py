@@ -39,6 +39,7 @@ def own_domain():
 
 DOMAIN, _domain_token = own_domain()
 SESSION = f"test-{os.getpid()}"
+SECONDS_TO_START = 120
 
 # Table 2 of the paper, by the names of JSON and session file.
 PAPER_PARAMETERS = {
@@ -117,10 +118,20 @@ class Programs(Case):
             self.assertIsNone(self.running[role].poll(), self.log(role))
             time.sleep(0.05)
 
-    def end(self, role):
-        """Asks a program to end; its JSON."""
+    def start_server(self, *options, scenario="term"):
+        """One that records; returns once its patient is built."""
+        self.record = self.folder / "server.eti.h5"
+        self.start("server", "eti-server", "--scenario", scenario, "--record", self.record, *options)
+        self.wait_for("server", "runs scenario", SECONDS_TO_START)
+
+    def stop(self, role):
+        """Asks a program to end, and waits until it has."""
         self.running[role].send_signal(signal.SIGINT)
         self.assertEqual(self.running[role].wait(30), 0, self.log(role))
+
+    def end(self, role):
+        """The same; its JSON."""
+        self.stop(role)
         return json.loads((self.folder / f"{role}.out").read_text())
 
 

@@ -3,13 +3,10 @@
 """A lab's own programs, in C with Cyclone DDS: what they read is what the server recorded, what they write is heard."""
 
 import json
-import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
@@ -21,7 +18,6 @@ import support
 sys.path.insert(0, str(support.ROOT / "deploy/examples"))
 from vtk_state import State  # noqa: E402
 
-SECONDS_TO_START = 120
 RECORDED_EVERY = 12  # steps; surfaces come every 6
 STEPS_PER_SECOND = 180
 
@@ -76,7 +72,7 @@ class Record:
 
 @unittest.skipUnless(shutil.which("idlc"), "there is no idlc: apt-get install cyclonedds-dev libddsc0debian "
                                            "cyclonedds-tools")
-class LabReaders(support.Case):
+class LabReaders(support.Programs):
     @classmethod
     def setUpClass(cls):
         cls.programs = Path(tempfile.mkdtemp(prefix="eti-examples-"))
@@ -85,33 +81,11 @@ class LabReaders(support.Case):
                                text=True)
         assert built.returncode == 0 and not built.stderr, built.stderr
 
-    def start_server(self, *arguments):
-        self.log, self.record = self.folder / "server.log", self.folder / "lab.eti.h5"
-        with self.log.open("wb") as file:
-            self.server = subprocess.Popen(
-                [support.BIN / "eti-server", "--scenario", "term", "--record", self.record, "--session",
-                 support.SESSION, "--domain", str(support.DOMAIN), *arguments],
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
-        self.addCleanup(self.server.wait, 30)
-        self.addCleanup(self.server.kill)
-        self.wait_for("runs scenario")
-
-    def wait_for(self, words):
-        deadline = time.monotonic() + SECONDS_TO_START
-        while not re.search(words, self.log.read_text(errors="replace")):
-            self.assertIsNone(self.server.poll(), self.log.read_text())
-            self.assertLess(time.monotonic(), deadline, self.log.read_text())
-            time.sleep(0.1)
-
-    def stop_server(self):
-        self.server.send_signal(signal.SIGINT)
-        self.assertEqual(self.server.wait(30), 0, self.log.read_text())
-
     def example(self, program, *arguments):
         done = subprocess.run([self.programs / program, "--session", support.SESSION, "--domain",
                                str(support.DOMAIN), *map(str, arguments)],
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
-        self.assertEqual(done.returncode, 0, done.stderr + self.log.read_text())
+        self.assertEqual(done.returncode, 0, done.stderr + self.log("server"))
         return [json.loads(line) for line in done.stdout.splitlines()]
 
     def read_at_a_recorded_time(self):
@@ -125,10 +99,10 @@ class LabReaders(support.Case):
 
     def test_a_reader_in_c_gets_what_the_server_recorded(self):
         self.start_server("--operator", "expert")
-        self.wait_for(r"simulation time [5-9] s")  # the blade lifts the tongue
+        self.wait_for("server", "simulation time 5 s", support.SECONDS_TO_START)  # the blade lifts the tongue
         counts, surfaces, particles = self.read_at_a_recorded_time()
         self.assertEqual([row["topic"] for row in counts], ["eti/mesh_state", "eti/particle_state"])
-        self.stop_server()
+        self.stop("server")
 
         record = Record(self.record)
         self.assertEqual(sorted(set(surfaces.objects)), sorted(record.surfaces))
@@ -173,7 +147,7 @@ class LabReaders(support.Case):
         refused, = self.example("tool_writer", "--at", *at, "--set", "table_angle", "-9")
         self.assertTrue(refused["answered"] and not refused["accepted"], refused)
         self.assertIn("expected -20 to 20", refused["reason"])
-        self.stop_server()
+        self.stop("server")
         with h5py.File(self.record, "r") as file:
             self.assertEqual([sender.decode() for sender in file["inputs/commands/sender"]], ["tool_writer"])
             numpy.testing.assert_allclose(file["inputs/commands/value"][:], [-0.1], rtol=1e-6)

@@ -15,7 +15,6 @@ import numpy
 import support
 from session_run import Pad
 
-SECONDS_TO_START = 120
 STEP = 1 / 180  # [s]
 DEGREE = numpy.pi / 180
 
@@ -26,39 +25,16 @@ HEAD_RATE = 0.1
 STIFFNESS_RATE = 1.0  # of the stiffness itself
 
 
-class Live(support.Case):
-    def start_server(self, scenario):
-        self.log = self.folder / "server.log"
-        self.record = self.folder / "live.eti.h5"
-        with self.log.open("wb") as file:
-            self.server = subprocess.Popen(
-                [support.BIN / "eti-server", "--scenario", scenario, "--record", self.record, "--session",
-                 support.SESSION, "--domain", str(support.DOMAIN)],
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
-        self.addCleanup(self.server.wait, 30)
-        self.addCleanup(self.server.kill)
-        self.wait_for("runs scenario")
-
-    def wait_for(self, words):
-        deadline = time.monotonic() + SECONDS_TO_START
-        while words not in self.log.read_text(errors="replace"):
-            self.assertIsNone(self.server.poll(), self.log.read_text())
-            self.assertLess(time.monotonic(), deadline, self.log.read_text())
-            time.sleep(0.1)
-
+class Live(support.Programs):
     def wait_seconds(self, seconds):
         """Of simulation time."""
-        told = re.findall(r"simulation time (\d+) s", self.log.read_text())
-        self.wait_for(f"simulation time {int((told or [0])[-1]) + seconds} s")
+        told = re.findall(r"simulation time (\d+) s", self.log("server"))
+        self.wait_for("server", f"simulation time {int((told or [0])[-1]) + seconds} s", support.SECONDS_TO_START)
 
     def set(self, *wishes):
         arguments = [part for wish in wishes for part in ("--set", wish)]
         return support.run("eti-controller", *arguments, "--session", support.SESSION, "--domain", support.DOMAIN,
                            "--json")
-
-    def stop_server(self):
-        self.server.send_signal(signal.SIGINT)
-        self.assertEqual(self.server.wait(30), 0, self.log.read_text())
 
     def assert_ramped(self, values, wanted, most_per_second, relative=False):
         """It begins as it was, ends as it was wanted, and changes by no more than its rate in any step."""
@@ -70,7 +46,7 @@ class Live(support.Case):
         self.assertTrue((change <= bound * 1.001 + (1e-6 * values[:-1] if relative else 1e-6)).all(), change.max())
 
     def test_instructor_changes_the_patient(self):
-        self.start_server("term")
+        self.start_server()
         done = self.set("table_angle_deg=-10", "tongue_scale=1.1", "tissue_stiffness_kpa=12",
                         "head_elevation_deg=20", "head_scale=0.9")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -81,7 +57,7 @@ class Live(support.Case):
         self.assertIn("tissue stiffness", refused.stderr)
         self.assertIn("saliva: standby", refused.stderr)
         self.wait_seconds(4)  # two tenths of tongue take two seconds, and half a second before they begin
-        self.stop_server()
+        self.stop("server")
         with h5py.File(self.record, "r") as file:
             kinds = [kind.decode() for kind in file["inputs/commands/kind"]]
             self.assertEqual(kinds, ["table_angle", "tongue_scale", "tissue_stiffness", "head_elevation",
@@ -98,7 +74,7 @@ class Live(support.Case):
             self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
 
     def test_the_tube_changes_and_a_note_is_kept(self):
-        self.start_server("term")
+        self.start_server()
         done = self.set("tube_youngs_modulus_mpa=30", "tube_curve_radius_mm=200")
         self.assertEqual(done.returncode, 0, done.stderr)
         noted = support.run("eti-controller", "--note", "tongue not swept aside", "--session", support.SESSION,
@@ -113,7 +89,7 @@ class Live(support.Case):
         self.assertEqual(session["description"], "Term newborn of 3.5 kg, head tilted, no secretions")
         now = {row["name"]: row["now"] for row in session["live"]}
         self.assertAlmostEqual(now["tube_youngs_modulus"], 30, places=3)
-        self.stop_server()
+        self.stop("server")
         with h5py.File(self.record, "r") as file:
             self.assert_ramped(file["tools/tube_youngs_modulus"][:], 30e6, 1.0, relative=True)
             self.assert_ramped(file["tools/tube_curve_radius"][:], 0.2, 1.0, relative=True)
@@ -122,7 +98,7 @@ class Live(support.Case):
         self.assertTrue(notes[0].endswith(": tongue not swept aside"), notes)
 
     def test_a_pad_goes_on_from_where_the_instructor_left_the_patient(self):
-        self.start_server("term")
+        self.start_server()
         self.assertEqual(self.set("head_elevation_deg=20").returncode, 0)
         self.wait_seconds(3)
         pad = Pad(self.folder / "pad")
@@ -142,7 +118,7 @@ class Live(support.Case):
         said, log = controller.communicate(timeout=30)
         self.assertEqual(controller.returncode, 0, log)
         self.assertGreater(json.loads(said)["accepted"], 0, log)
-        self.stop_server()
+        self.stop("server")
         with h5py.File(self.record, "r") as file:
             head = file["skeleton/head_elevation"][:] / DEGREE
             moved = head[file["inputs/step"][:] >= file["inputs/commands/step"][1]]

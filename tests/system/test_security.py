@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
@@ -17,7 +16,6 @@ import h5py
 import support
 from session_run import Session
 
-SECONDS_TO_START = 120
 IDENTITIES = {"server": "server", "haptics": "laryngoscope", "tracker": "tube", "controller": "instructor",
               "trainee": "trainee", "observer": "observer"}
 
@@ -28,7 +26,7 @@ def make_lab(folder, *options):
 
 
 @unittest.skipUnless(shutil.which("openssl"), "openssl is missing, which makes identities; run deploy/setup.sh")
-class Security(support.Case):
+class Security(support.Programs):
     @classmethod
     def setUpClass(cls):
         cls.lab = Path(tempfile.mkdtemp(prefix="eti-lab-"))
@@ -36,27 +34,11 @@ class Security(support.Case):
         make_lab(cls.lab)
 
     def start_server(self):
-        self.log = self.folder / "server.log"
-        with self.log.open("wb") as file:
-            server = subprocess.Popen(
-                [support.BIN / "eti-server", "--scenario", "term", "--record", self.folder / "record.eti.h5", *self.bus(),
-                 "--identity", self.lab / "server"],
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
-        self.addCleanup(server.wait, 30)
-        self.addCleanup(server.kill)
-        deadline = time.monotonic() + SECONDS_TO_START
-        while "runs scenario" not in self.log.read_text(errors="replace"):
-            self.assertIsNone(server.poll(), self.log.read_text())
-            self.assertLess(time.monotonic(), deadline, self.log.read_text())
-            time.sleep(0.1)
-        return server
-
-    @staticmethod
-    def bus():
-        return "--session", support.SESSION, "--domain", str(support.DOMAIN)
+        super().start_server("--identity", self.lab / "server")
+        return self.running["server"]
 
     def run_as(self, identity, program, *arguments):
-        return support.run(program, *arguments, *self.bus(), "--identity", self.lab / identity)
+        return support.run(program, *arguments, *self.bus, "--identity", self.lab / identity)
 
     def test_whole_session_with_an_identity_each(self):
         extra = {program: ["--identity", self.lab / identity] for program, identity in IDENTITIES.items()}
@@ -81,9 +63,9 @@ class Security(support.Case):
 
     def test_program_without_identity_finds_nobody(self):
         server = self.start_server()
-        plain = support.run("eti-controller", "--list", *self.bus())
+        plain = support.run("eti-controller", "--list", *self.bus)
         self.assert_refused(plain, "no server found", "--identity")
-        client = support.run("eti-client", "--observe", "--offscreen", self.folder / "plain", "--wait", "5", *self.bus())
+        client = support.run("eti-client", "--observe", "--offscreen", self.folder / "plain", "--wait", "5", *self.bus)
         self.assertGreater(client.returncode, 0, client.stderr)
         self.assertNotIn("scene is complete", client.stderr)
         self.assertIsNone(server.poll())
@@ -92,7 +74,7 @@ class Security(support.Case):
         other = self.folder / "other"
         make_lab(other, "--role", "instructor")
         self.start_server()
-        done = support.run("eti-controller", "--list", *self.bus(), "--identity", other / "instructor")
+        done = support.run("eti-controller", "--list", *self.bus, "--identity", other / "instructor")
         self.assert_refused(done, "no server found")
 
     def test_observer_commands_nothing_while_an_instructor_does(self):
@@ -106,9 +88,9 @@ class Security(support.Case):
         self.assertEqual(note.returncode, 0, note.stderr)
         server.send_signal(signal.SIGINT)
         server.wait(30)
-        with h5py.File(self.folder / "record.eti.h5", "r") as file:
+        with h5py.File(self.record, "r") as file:
             self.assertEqual(list(file["inputs/commands/kind"]), [b"head_elevation"])
-        self.assertIn("well done", self.log.read_text())
+        self.assertIn("well done", self.log("server"))
 
     def test_device_moves_no_other_tool(self):
         self.start_server()
@@ -148,10 +130,10 @@ class Security(support.Case):
         }
         for program, arguments in programs.items():
             with self.subTest(program=program):
-                old = support.run(program, *arguments, *self.bus(), "--identity", self.lab / "old")
+                old = support.run(program, *arguments, *self.bus, "--identity", self.lab / "old")
                 self.assert_refused(old, "old/certificate.pem", "expired on 2020-01-31", "--renew")
                 self.assertNotIn("UDP ports", old.stderr)
-                cut = support.run(program, *arguments, *self.bus(), "--identity", broken)
+                cut = support.run(program, *arguments, *self.bus, "--identity", broken)
                 self.assert_refused(cut, "broken/governance.p7s", "cut short")
 
 

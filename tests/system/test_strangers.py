@@ -2,7 +2,6 @@
 # Copyright the NeoETI authors
 """Programs that join a session and write what is not theirs to write, or more than anybody needs."""
 
-import json
 import os
 import subprocess
 import time

@@ -46,17 +46,25 @@ TEST(Echo, AnAnswerThatIsLookedAtLateTookNoLonger) {
     EXPECT_LT(least, 500.0) << "half of the time for which nobody looked";
 }
 
-// RFC 5905, section 8: offset ((T2 - T1) + (T3 - T4)) / 2, delay (T4 - T1) - (T3 - T2).
-TEST(Echo, TellsHowAPeersClockLies) {
-    Node node(options("eti-client")), peer(options("other", "test"));
-    EchoAsker asker(node);
-    Subscriber<msg::Echo> questions(peer, topics::echo_question);
-    Publisher<msg::Echo> answers(peer, topics::echo_answer);
+/// A question that came to a peer which answers it by hand.
+class AnEchoOfAnother : public testing::Test {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(eventually([&] {
+            (void)asker.ask();
+            return questions.take(question) && answers.matched() > 0;
+        }));
+    }
+
+    Node node{options("eti-client")}, peer{options("other")};
+    EchoAsker asker{node};
+    Subscriber<msg::Echo> questions{peer, topics::echo_question};
+    Publisher<msg::Echo> answers{peer, topics::echo_answer};
     msg::Echo question;
-    ASSERT_TRUE(eventually([&] {
-        (void)asker.ask();
-        return questions.take(question) && answers.matched() > 0;
-    }));
+};
+
+// RFC 5905, section 8: offset ((T2 - T1) + (T3 - T4)) / 2, delay (T4 - T1) - (T3 - T2).
+TEST_F(AnEchoOfAnother, TellsHowItsClockLies) {
     constexpr std::uint64_t ahead = 5'000'000'000;
     msg::Echo answer = question;
     answer.answerer("far:1");
@@ -72,16 +80,7 @@ TEST(Echo, TellsHowAPeersClockLies) {
     EXPECT_LT(told.clock_offset_ms, 5000.0 + 2.0);
 }
 
-TEST(Echo, AnswersToOthersAndThoseFromTheFutureDoNotCount) {
-    Node node(options("eti-client")), peer(options("other"));
-    EchoAsker asker(node);
-    Subscriber<msg::Echo> questions(peer, topics::echo_question);
-    Publisher<msg::Echo> answers(peer, topics::echo_answer);
-    msg::Echo question;
-    ASSERT_TRUE(eventually([&] {
-        (void)asker.ask();
-        return questions.take(question) && answers.matched() > 0;
-    }));
+TEST_F(AnEchoOfAnother, ToOthersOrFromTheFutureDoesNotCount) {
     msg::Echo forged = question;
     forged.answerer("forged:1");
     forged.heard_ns(1);
