@@ -10,12 +10,12 @@ ETI_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 eti_say() { printf '%s\n' "$*" >&2; }
 eti_fail() { eti_say "$(basename "$0"): $*"; exit 1; }
 
-# Package names in the lists deploy/packages/NAME.txt.
+# Package names in the lists deploy/packages/NAME.txt, each once.
 eti_packages() {
     local list
     for list in "$@"; do
         sed -e 's/#.*//' -e 's/[[:space:]]*$//' -e '/^$/d' "$ETI_ROOT/deploy/packages/$list.txt"
-    done
+    done | awk '!seen[$0]++'
 }
 
 # Of the packages named, those that are not installed.

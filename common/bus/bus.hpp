@@ -142,7 +142,13 @@ class Subscriber {
 /// for a server, which would else not be found.
 void refuse_other_protocol(const Node& node);
 
-/// Where a server was looked for in vain, and what to do: for whoever waits for one.
+/// Where a server was looked for in vain, and what to do.
+struct Absence {
+    std::string finding, remedy;
+};
+[[nodiscard]] Absence absence_of_server(const Options& options);
+
+/// Both in one line, for whoever waits for one.
 [[nodiscard]] std::string no_server(const Options& options);
 
 /// What the start-up check found, one line each, with the remedy; empty when all is well.

@@ -81,18 +81,23 @@ void look_for_stale_memory(SelfCheck& check) {
 
 }  // namespace
 
-std::string no_server(const Options& options) {
+Absence absence_of_server(const Options& options) {
     const bool alone = options.peers.empty() && options.discovery_servers.empty() && !options.network &&
                        options.profile.empty();
-    return fmt::format(
-        "no server found in session '{}' on domain {} ({}): start eti-server with the same --session and "
-        "--domain; {}--network, --peer ADDRESS, --discovery-server HOST or --profile FILE (docs/network.md; "
-        "eti-doctor says what is wrong){}",
-        options.session, options.domain, reach(options),
-        alone ? "for one on another machine, give both programs "
-              : "to reach it otherwise, give both programs another of ",
-        options.identity.empty() ? "; for a secured session, --identity DIR (docs/security.md)"
-                                 : "; both need an --identity of the same lab (docs/security.md)");
+    return {fmt::format("no server found in session '{}' on domain {} ({})", options.session, options.domain,
+                        reach(options)),
+            fmt::format("start eti-server with the same --session and --domain; {}--network, --peer ADDRESS, "
+                        "--discovery-server HOST or --profile FILE (docs/network.md){}",
+                        alone ? "for one on another machine, give both programs "
+                              : "to reach it otherwise, give both programs another of ",
+                        options.identity.empty()
+                            ? "; for a secured session, --identity DIR (docs/security.md)"
+                            : "; both need an --identity of the same lab (docs/security.md)")};
+}
+
+std::string no_server(const Options& options) {
+    const auto [finding, remedy] = absence_of_server(options);
+    return fmt::format("{}: {}; eti-doctor says what is wrong", finding, remedy);
 }
 
 void refuse_other_protocol(const Node& node) {

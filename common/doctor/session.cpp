@@ -171,14 +171,8 @@ Findings judge_session(const SessionReport& report, const bus::Options& options)
         findings.push_back({"session", options.session, State::well,
                             fmt::format("a server runs it; {} programs met", report.peers.size()), ""});
     } else {
-        std::string text = bus::no_server(options);
-        constexpr std::string_view self = "; eti-doctor says what is wrong";
-        if (const std::size_t named = text.find(self); named != std::string::npos) {
-            text.erase(named, self.size());
-        }
-        const std::size_t at = text.find(": ");
-        findings.push_back(
-            {"session", options.session, State::mend, text.substr(0, at), text.substr(at + 2)});
+        const auto [finding, remedy] = bus::absence_of_server(options);
+        findings.push_back({"session", options.session, State::mend, finding, remedy});
     }
     if (!report.server && !report.elsewhere.empty()) {
         findings.push_back({"session", "others", State::note,

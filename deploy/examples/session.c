@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char loopback[] =
     "<Domain><General><Interfaces><NetworkInterface address=\"127.0.0.1\" "
@@ -30,16 +31,32 @@ static dds_entity_t made(dds_entity_t entity, const char* what) {
     return entity;
 }
 
-struct session join(const char* name, unsigned domain, bool network) {
+bool take_place(struct place* place, int* at, int count, char** words) {
+    if (!strcmp(words[*at], "--network")) {
+        place->network = true;
+        return true;
+    }
+    if (*at + 1 < count && !strcmp(words[*at], "--session")) {
+        place->session = words[++*at];
+        return true;
+    }
+    if (*at + 1 < count && !strcmp(words[*at], "--domain")) {
+        place->domain = (unsigned)strtoul(words[++*at], NULL, 10);
+        return true;
+    }
+    return false;
+}
+
+struct session join(struct place place) {
     const char* const own = getenv("CYCLONEDDS_URI");
-    if (!network && !(own && *own)) {
-        made(dds_create_domain(domain, loopback), "domain");
+    if (!place.network && !(own && *own)) {
+        made(dds_create_domain(place.domain, loopback), "domain");
     }
     struct session s;
-    s.participant = made(dds_create_participant(domain, NULL, NULL), "participant");
+    s.participant = made(dds_create_participant(place.domain, NULL, NULL), "participant");
     // Programs of another protocol would misread messages: they meet in another partition.
     char partition[80];
-    snprintf(partition, sizeof partition, "%s/%d", name, ETI_PROTOCOL);
+    snprintf(partition, sizeof partition, "%s/%d", place.session, ETI_PROTOCOL);
     const char* partitions[] = {partition};
     dds_qos_t* const quality = dds_create_qos();
     dds_qset_partition(quality, 1, partitions);

@@ -19,9 +19,19 @@ enum travel {
     lasting,  // reliable, and kept for those who join late
 };
 
-// `name` and `domain` as the programs' --session and --domain. Over loopback, as they do by default, unless
+// Which session: as the programs' --session and --domain. Over loopback, as they do by default, unless
 // `network` or CYCLONEDDS_URI says otherwise.
-struct session join(const char* name, unsigned domain, bool network);
+struct place {
+    const char* session;
+    unsigned domain;
+    bool network;
+};
+
+// Takes --session NAME, --domain N or --network, if the word at `at` is one of these; `at` is then its last
+// word.
+bool take_place(struct place* place, int* at, int count, char** words);
+
+struct session join(struct place place);
 
 dds_entity_t reader_of(struct session session, const dds_topic_descriptor_t* type, const char* topic,
                        enum travel how, int depth);

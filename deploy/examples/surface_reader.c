@@ -15,27 +15,23 @@
 enum { batch = 64, two_states = 2048 };  // chunks
 
 struct arguments {
-    const char* session;
+    struct place place;
     const char* out;
-    unsigned domain;
     double seconds;
-    bool network, surfaces, particles;
+    bool surfaces, particles;
 };
 
 static struct arguments parse(int count, char** words) {
-    struct arguments a = {"default", ".", 0, 2.0, false, true, true};
+    struct arguments a = {{"default", 0, false}, ".", 2.0, true, true};
     for (int i = 1; i < count; ++i) {
         const bool value = i + 1 < count;
-        if (!strcmp(words[i], "--session") && value) {
-            a.session = words[++i];
-        } else if (!strcmp(words[i], "--domain") && value) {
-            a.domain = (unsigned)strtoul(words[++i], NULL, 10);
-        } else if (!strcmp(words[i], "--out") && value) {
+        if (take_place(&a.place, &i, count, words)) {
+            continue;
+        }
+        if (!strcmp(words[i], "--out") && value) {
             a.out = words[++i];
         } else if (!strcmp(words[i], "--seconds") && value) {
             a.seconds = strtod(words[++i], NULL);
-        } else if (!strcmp(words[i], "--network")) {
-            a.network = true;
         } else if (!strcmp(words[i], "--only-surfaces")) {
             a.particles = false;
         } else if (!strcmp(words[i], "--only-particles")) {
@@ -78,7 +74,7 @@ static void report(const char* what, const struct state_count* count, double sec
 
 int main(int count, char** words) {
     const struct arguments a = parse(count, words);
-    const struct session s = join(a.session, a.domain, a.network);
+    const struct session s = join(a.place);
     const dds_entity_t scene = reader_of(s, &eti_msg_SceneDescription_desc, "eti/scene", lasting, 1);
     dds_entity_t meshes = 0, particles = 0;
     if (a.surfaces) {

@@ -12,23 +12,20 @@
 #include <string.h>
 
 struct arguments {
-    const char* session;
-    unsigned domain;
+    struct place place;
     double seconds;
     float at[3];
     const char* wish;
     float value;
-    bool network;
 };
 
 static struct arguments parse(int count, char** words) {
-    struct arguments a = {"default", 0, 2.0, {0.0f, -0.2f, 0.2f}, NULL, 0.0f, false};
+    struct arguments a = {{"default", 0, false}, 2.0, {0.0f, -0.2f, 0.2f}, NULL, 0.0f};
     for (int i = 1; i < count; ++i) {
-        if (!strcmp(words[i], "--session") && i + 1 < count) {
-            a.session = words[++i];
-        } else if (!strcmp(words[i], "--domain") && i + 1 < count) {
-            a.domain = (unsigned)strtoul(words[++i], NULL, 10);
-        } else if (!strcmp(words[i], "--seconds") && i + 1 < count) {
+        if (take_place(&a.place, &i, count, words)) {
+            continue;
+        }
+        if (!strcmp(words[i], "--seconds") && i + 1 < count) {
             a.seconds = strtod(words[++i], NULL);
         } else if (!strcmp(words[i], "--at") && i + 3 < count) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -37,8 +34,6 @@ static struct arguments parse(int count, char** words) {
         } else if (!strcmp(words[i], "--set") && i + 2 < count) {
             a.wish = words[++i];
             a.value = strtof(words[++i], NULL);
-        } else if (!strcmp(words[i], "--network")) {
-            a.network = true;
         } else {
             printf(
                 "Usage: tool_writer [--session NAME] [--domain N] [--seconds S] [--at X Y Z] [--set NAME "
@@ -66,7 +61,7 @@ static bool newest(dds_entity_t reader, void* sample) {
 
 int main(int count, char** words) {
     const struct arguments a = parse(count, words);
-    const struct session s = join(a.session, a.domain, a.network);
+    const struct session s = join(a.place);
     const dds_entity_t poses = writer_of(s, &eti_msg_ToolPose_desc, "eti/laryngoscope_pose", state);
     const dds_entity_t commands = writer_of(s, &eti_msg_Command_desc, "eti/command", event);
     const dds_entity_t results = reader_of(s, &eti_msg_CommandResult_desc, "eti/command_result", event, 64);

@@ -58,22 +58,11 @@ class Tap:
             payload = frame[header + 8:]
             if port not in self.ports or payload[:4] != b"RTPS":
                 continue
-            kind = (port, bytes(submessages(payload)), len(payload) // 64)
+            kind = (port, bytes(payload[at] for at in starts(payload)), len(payload) // 64)
             kinds[kind] = kinds.get(kind, 0) + 1
             if kinds[kind] <= 20:
                 found.append((socket.inet_ntoa(frame[30:34]), port, payload))
         return found
-
-
-def submessages(payload):
-    """Kinds of a message's submessages."""
-    at = 20
-    while at + 4 <= len(payload):
-        yield payload[at]
-        length = struct.unpack_from("<H" if payload[at + 1] & 1 else ">H", payload, at + 2)[0]
-        if length == 0:
-            return
-        at += 4 + length
 
 
 def starts(payload):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 SETUP = ROOT / "deploy" / "setup.sh"
-TOOLS = ("bash", "sed", "grep", "dirname", "basename", "id", "env", "cat")
+TOOLS = ("bash", "sed", "awk", "grep", "dirname", "basename", "id", "env", "cat")
 
 
 class Setup(unittest.TestCase):
