@@ -12,11 +12,13 @@ QUIET = 3.0             # [s] after all of them
 LINKS = (("1 ms", 1, 0), ("20 ms, 1 %", 20, 1), ("20 ms, 5 %", 20, 5))
 
 
-def in_turn(place, host, count, killed):
-    """`count` joins one after another. `killed`: each of them is killed once it has joined, and the next takes its
-    place at once; else each ends by itself."""
+def in_turn(place, server, host, count, killed):
+    """`count` joins one after another, or fewer where the server ends over them. `killed`: each of them is killed once
+    it has joined, and the next takes its place at once; else each ends by itself."""
     times = []
     for number in range(count + (1 if killed else 0)):
+        if not server.running():
+            break
         stay = ["--stay", 3600] if killed else []
         part = place.part(host, "join", "--drive", "--wait", GIVEN_UP_AFTER, *stay)
         if killed:
@@ -31,9 +33,10 @@ def in_turn(place, host, count, killed):
     return times
 
 
-def row(where, how, times):
+def row(where, how, count, times):
+    """Those that found no server any more have not joined."""
     joined = [at for at in times if at["joined"]]
-    out = {"where": where, "how": how, "tries": len(times), "joined": len(joined)}
+    out = {"where": where, "how": how, "tries": count, "joined": len(joined)}
     for what in ("scene", "answered"):
         of_all = [at[what] for at in joined]
         for name, share in (("p50", 0.5), ("p90", 0.9), ("max", 1.0)):
@@ -49,18 +52,20 @@ def measure(bin_folder, count, links=LINKS):
     places += [(name, ("server", "device"), {"delay": delay, "loss": loss}, None, "device")
                for name, delay, loss in links]
     for where, names, medium, meet, host in places:
-        with runs.Place(bin_folder, names, medium, meet) as place:
-            server = place.server(names[0])
-            # The server's own and those that live as long as it does.
-            before = len(place.hosts[host].shared_memory_files())
-            for how, killed in (("joins", False), ("takes the place of one killed", True)):
-                times = in_turn(place, host, count, killed)
-                # Those that are gone should cost nothing any more.
-                cost = server.processor_seconds()
-                runs.pause(QUIET)
-                cost = 100 * (server.processor_seconds() - cost) / QUIET
-                left = len(place.hosts[host].shared_memory_files()) - before
-                rows.append({**row(where, how, times), "server_core_percent_afterwards": round(cost),
-                             "shared_memory_files_left": left, "server_survived": int(server.running())})
-                runs.say(f"joins: {rows[-1]}")
+        for how, killed in (("joins", False), ("takes the place of one killed", True)):
+            with runs.Place(bin_folder, names, medium, meet) as place:
+                server = place.server(names[0])
+                # The server's own and those that live as long as it does.
+                before = len(place.hosts[host].shared_memory_files())
+                found = row(where, how, count, in_turn(place, server, host, count, killed))
+                found["server_survived"] = int(server.running())
+                if server.running():
+                    # Those that are gone should cost nothing any more.
+                    cost = server.processor_seconds()
+                    runs.pause(QUIET)
+                    found["server_core_percent_afterwards"] = round(
+                        100 * (server.processor_seconds() - cost) / QUIET)
+                    found["shared_memory_files_left"] = len(place.hosts[host].shared_memory_files()) - before
+                rows.append(found)
+                runs.say(f"joins: {found}")
     return rows
