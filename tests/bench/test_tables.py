@@ -90,6 +90,44 @@ class Tables(unittest.TestCase):
                     else:
                         self.agrees(cell, error if case == "lift-still" else 100 * error)
 
+    def follows(self, heading, file, columns, keys=None):
+        """Rows of a table are those of a file: the columns named by number, nothing where nothing was measured. `keys`:
+        for each row as written the row of the file, by default its place."""
+        measured = rows_of(CHARTS / file)
+        _, *rows = table("network-measured.md", heading)
+        if keys is None:
+            self.assertEqual(len(rows), len(measured), heading)
+        for place, row in enumerate(rows):
+            source = keys(row, measured) if keys else measured[place]
+            for column, name in columns.items():
+                with self.subTest(table=heading, row=row[:2], column=name):
+                    if source[name] == "":
+                        self.assertEqual(row[column], "")
+                    else:
+                        self.agrees(row[column], float(source[name]))
+
+    def test_network(self):
+        self.follows("Poses", "bus-latency.csv", {1: "arrived_percent", 2: "p50_us", 3: "p99_us", 4: "p99_9_us"})
+        self.follows("Joins", "bus-joins.csv", {3: "scene_p50_ms", 4: "scene_max_ms", 5: "answered_p50_ms",
+                                                6: "answered_max_ms", 7: "within_1_s"})
+        for written, row in zip(table("network-measured.md", "Joins")[1:], rows_of(CHARTS / "bus-joins.csv")):
+            self.assertEqual(written[2], f"{row['joined']} of {row['tries']}")
+        self.follows("What is drawn", "bus-scenes.csv",
+                     dict(enumerate(("scene_ms", "proxy_p50_ms", "state_p50_ms", "drawn_p50_ms", "drawn_p99_ms",
+                                     "chunks_arrived_percent", "states_whole_percent", "largest_error_p50_mm",
+                                     "largest_error_p99_mm", "largest_error_max_mm"), 1)))
+        self.follows("Observers", "bus-observers.csv",
+                     dict(enumerate(("observers", "server_mbit_per_s", "server_mbit_per_s_each", "server_core_percent",
+                                     "server_core_percent_each", "step_p50_ms", "step_p99_ms", "drawn_p50_worst_ms"))))
+
+    def test_endurance(self):
+        def nearest(written, rows):
+            return min(rows, key=lambda row: abs(float(row["time_s"]) - 60 * float(written[0])))
+
+        self.follows("Endurance", "bus-soak.csv",
+                     dict(enumerate(("memory_mb", "threads", "files", "log_lines", "shared_memory_files", "joined",
+                                     "killed", "found_no_scene"), 1)), nearest)
+
 
 if __name__ == "__main__":
     unittest.main()
