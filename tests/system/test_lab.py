@@ -49,8 +49,8 @@ def lossy(loss):
 class Links(support.Case):
     def scene_arrives(self, loss, within_ms):
         with runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place:
-            place.server("server")
-            times = joins.in_turn(place, "client", JOINS, killed=False)
+            times = joins.in_turn(place, place.server("server"), "client", JOINS, killed=False)
+        self.assertEqual(len(times), JOINS, "the server ended")
         said = [round(at.get("scene", float("nan"))) for at in times]
         self.assertTrue(all(at["joined"] for at in times), f"scene after {said} ms")
         self.assertLess(max(said), within_ms, said)
