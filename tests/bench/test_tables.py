@@ -7,6 +7,7 @@ import unittest
 from pathlib import Path
 
 from plot_accuracy import read
+from plot_bus import place
 from plotting import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -90,32 +91,38 @@ class Tables(unittest.TestCase):
                     else:
                         self.agrees(cell, error if case == "lift-still" else 100 * error)
 
-    def follows(self, heading, file, columns, keys=None):
-        """Rows of a table are those of a file: the columns named by number, nothing where nothing was measured. `keys`:
-        for each row as written the row of the file, by default its place."""
+    def follows(self, heading, file, columns, find=None):
+        """Holds rows of a table to those of a file: the columns named by number, nothing where nothing was measured.
+        `find`: of a row as written and those measured the one meant, by default that in the same place. Returns the
+        pairs."""
         measured = rows_of(CHARTS / file)
         _, *rows = table("network-measured.md", heading)
-        if keys is None:
+        if find is None:
             self.assertEqual(len(rows), len(measured), heading)
-        for place, row in enumerate(rows):
-            source = keys(row, measured) if keys else measured[place]
+        pairs = [(row, find(row, measured) if find else measured[at]) for at, row in enumerate(rows)]
+        for row, source in pairs:
             for column, name in columns.items():
                 with self.subTest(table=heading, row=row[:2], column=name):
                     if source[name] == "":
                         self.assertEqual(row[column], "")
                     else:
                         self.agrees(row[column], float(source[name]))
+        return pairs
 
     def test_network(self):
-        self.follows("Poses", "bus-latency.csv", {1: "arrived_percent", 2: "p50_us", 3: "p99_us", 4: "p99_9_us"})
-        self.follows("Joins", "bus-joins.csv", {3: "scene_p50_ms", 4: "scene_max_ms", 5: "answered_p50_ms",
-                                                6: "answered_max_ms", 7: "within_1_s"})
-        for written, row in zip(table("network-measured.md", "Joins")[1:], rows_of(CHARTS / "bus-joins.csv")):
-            self.assertEqual(written[2], f"{row['joined']} of {row['tries']}")
-        self.follows("What is drawn", "bus-scenes.csv",
-                     dict(enumerate(("scene_ms", "proxy_p50_ms", "state_p50_ms", "drawn_p50_ms", "drawn_p99_ms",
-                                     "chunks_arrived_percent", "states_whole_percent", "largest_error_p50_mm",
-                                     "largest_error_p99_mm", "largest_error_max_mm"), 1)))
+        poses = self.follows("Poses", "bus-latency.csv",
+                             {1: "arrived_percent", 2: "p50_us", 3: "p99_us", 4: "p99_9_us"})
+        drawn = self.follows("What is drawn", "bus-scenes.csv",
+                             dict(enumerate(("scene_ms", "proxy_p50_ms", "state_p50_ms", "drawn_p50_ms", "drawn_p99_ms",
+                                             "chunks_arrived_percent", "states_whole_percent", "largest_error_p50_mm",
+                                             "largest_error_p99_mm", "largest_error_max_mm"), 1)))
+        for written, row in poses + drawn:
+            self.assertEqual(written[0], place(row))
+        joins = self.follows("Joins", "bus-joins.csv", {3: "scene_p50_ms", 4: "scene_max_ms", 5: "answered_p50_ms",
+                                                        6: "answered_max_ms", 7: "within_1_s"})
+        for written, row in joins:
+            how = "joins" if row["how"] == "joins" else "after a kill"
+            self.assertEqual(written[:3], [row["where"], how, f"{row['joined']} of {row['tries']}"])
         self.follows("Observers", "bus-observers.csv",
                      dict(enumerate(("observers", "server_mbit_per_s", "server_mbit_per_s_each", "server_core_percent",
                                      "server_core_percent_each", "step_p50_ms", "step_p99_ms", "drawn_p50_worst_ms"))))

@@ -58,13 +58,13 @@ def measure(bin_folder, count, links=LINKS):
                 # The server's own and those that live as long as it does.
                 before = len(place.hosts[host].shared_memory_files())
                 found = row(where, how, count, in_turn(place, server, host, count, killed))
+                # Those that are gone should cost nothing any more.
+                cost = server.processor_seconds() if server.running() else 0.0
+                runs.pause(QUIET)
                 found["server_survived"] = int(server.running())
-                if server.running():
-                    # Those that are gone should cost nothing any more.
-                    cost = server.processor_seconds()
-                    runs.pause(QUIET)
-                    found["server_core_percent_afterwards"] = round(
-                        100 * (server.processor_seconds() - cost) / QUIET)
+                if found["server_survived"]:
+                    cost = server.processor_seconds() - cost
+                    found["server_core_percent_afterwards"] = round(100 * cost / QUIET)
                     found["shared_memory_files_left"] = len(place.hosts[host].shared_memory_files()) - before
                 rows.append(found)
                 runs.say(f"joins: {found}")
