@@ -13,24 +13,9 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/model/parameters.hpp"
-#include "common/model/tools.hpp"
-#include "common/scenario/scenario.hpp"
-#include "server/patient/model/patient.hpp"
-#include "server/scene/snapshot.hpp"
+#include "server/app/scene_messages.hpp"
 
 namespace eti::app {
-
-/// Values that change as the attempt goes on, for LiveMetrics.
-struct LiveMeasures {
-    std::uint32_t attempt = 0;
-    bool attempt_running = false;
-    float glottic_opening_percent = 0.0f;
-    float gum_force = 0.0f;                 ///< [N]
-    float tube_depth_past_glottis = -1.0f;  ///< [m]
-    Parameters parameters;
-    std::string message;
-};
 
 struct StatusValues {
     msg::SessionPhase phase = msg::PHASE_RUNNING;
@@ -76,14 +61,8 @@ class BusOutput {
         Parameters parameters;
     };
 
-    void publish_description(const Scenario& scenario, const anatomy::Patient& patient,
-                             const Laryngoscope& scope, const LiveValues& start);
-    void publish_scene(const anatomy::Patient& patient, const Laryngoscope& scope);
     void run();
     void publish_step(const Work& work);
-    void publish_deformation(const scene::Snapshot& snapshot, bus::Publisher<msg::DeformationState>& to,
-                             std::vector<FramePose>& sent, std::uint32_t& refresh);
-    void publish_fluid(const scene::Snapshot& snapshot);
     void publish_status(const Work& work);
     void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries);
 
@@ -108,8 +87,7 @@ class BusOutput {
     std::uint64_t skipped_ = 0;
     Clock::time_point asserted_{};  // that this process is alive
 
-    std::vector<FramePose> sent_, sent_slow_;        // as readers last got them
-    std::uint32_t refresh_ = 0, refresh_slow_ = 0;   // next frame of the slow full refresh
+    DeformationMessages sent_, sent_slow_;
     std::uint64_t next_slow_ = 0, next_status_ = 0;  // steps
     std::uint32_t number_ = 0;                       // of what does not come with a step
     std::thread thread_;

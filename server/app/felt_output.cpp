@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bus/convert.hpp"
+#include "server/app/scene_messages.hpp"
 
 namespace eti::app {
 
@@ -95,20 +96,7 @@ void FeltOutput::run() {
 }
 
 void FeltOutput::publish(const scene::ProxySnapshot& s) {
-    msg::ProxyState message;
-    message.header(make_header(s.time_ns, static_cast<std::uint32_t>(s.step)));
-    message.device(to_msg(s.device));
-    message.proxy(to_msg(s.proxy));
-    message.velocity(to_msg(s.proxy_velocity));
-    message.angular_velocity(to_msg(s.proxy_angular_velocity));
-    for (std::size_t i = 0; i < std::min(msg::bound::ProxyState_contacts, s.shell_contacts.size()); ++i) {
-        msg::ShellContact c;
-        c.position(to_msg(s.shell_contacts[i].position));
-        c.normal(to_msg(s.shell_contacts[i].normal));
-        c.force(s.shell_contacts[i].force);
-        c.tissue(static_cast<std::uint32_t>(s.shell_contacts[i].tissue));
-        message.contacts().push_back(c);
-    }
+    msg::ProxyState message = proxy_message(s);
     proxy_.publish(message);
 }
 

@@ -19,7 +19,7 @@ struct Command {
     const char* description;
 };
 
-constexpr std::array<Command, 9> commands = {{
+constexpr std::array<Command, 10> commands = {{
     {"speed", "eti-bench-physics", "Cost of the solver's parts"},
     {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
     {"calibration", "eti-bench-physics", "What modulus bodies of clusters have, against the modulus put in"},
@@ -28,6 +28,7 @@ constexpr std::array<Command, 9> commands = {{
     {"sleep", "eti-bench-physics", "What is lost and saved where tissue at rest sleeps"},
     {"merge", "eti-bench-physics", "The tables of a sweep's shards (--shard I/N) put together"},
     {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
+    {"render", "eti-bench-render", "What one sees at moments of attempts, measured against goals"},
     {"bus", "eti-bench-bus", "Latency, joins, loss, observers and endurance of the bus"},
 }};
 

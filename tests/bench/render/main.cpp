@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/process/stop_signal.hpp"
+#include "tests/bench/render/render_bench.hpp"
+
+int main(int argc, char** argv) {
+    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench-render"));
+    CLI::App app("What one sees, measured: pictures of scripted attempts against their goals.",
+                 "eti-bench-render");
+    app.set_version_flag("--version", ETI_VERSION);
+    app.require_subcommand(1);
+    eti::bench::RenderOptions options;
+    bool quick = false;
+    CLI::App* render =
+        app.add_subcommand("render", "Six moments of attempts in every view, against goals (half an hour)");
+    render->add_option("--out", options.out, "Folder for table, pictures and contact sheets")
+        ->capture_default_str();
+    auto* scenarios = render->add_option("--scenario", options.scenarios, "Scenarios by name or path")
+                          ->capture_default_str();
+    auto* operators = render->add_option("--operator", options.operators, "Operators by name or path")
+                          ->capture_default_str();
+    render->add_option("--width", options.width, "Of the pictures")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 8192));
+    render->add_option("--height", options.height, "Of the pictures")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 8192));
+    auto* eyes = render->add_option("--eyes", options.eyes, "Eye poses for POGO")
+                     ->capture_default_str()
+                     ->check(CLI::Range(0, 100000));
+    render->add_flag("!--no-pictures", options.pictures, "Only the table");
+    render->add_flag("--quick", quick, "The expert on the term newborn, forty eye poses");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    if (quick) {
+        if (scenarios->empty()) {
+            options.scenarios = {"term"};
+        }
+        if (operators->empty()) {
+            options.operators = {"expert"};
+        }
+        if (eyes->empty()) {
+            options.eyes = 40;
+        }
+    }
+    eti::catch_stop_signals({.second_ends = true});
+    try {
+        return eti::bench::render_bench(options);
+    } catch (const std::exception& error) {
+        spdlog::error("{}", error.what());
+        return 1;
+    }
+}

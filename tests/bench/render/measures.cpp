@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/bench/render/measures.hpp"
+
+#include <map>
+#include <unordered_map>
+
+#include "common/math/units.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+constexpr float shortest_edge = 0.2e-3f;  // [m], of those whose stretch counts
+constexpr double fewest_pixels = 20.0;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+Eigen::Matrix4f projected(const render::Camera& camera, int width, int height) {
+    return camera.projection(static_cast<float>(width) / static_cast<float>(height)) * camera.view();
+}
+
+/// Distance before the eye [m] of a depth as OpenGL has it.
+float distance_of(float depth, const render::Camera& camera) {
+    const float n = camera.near_plane, f = camera.far_plane;
+    return 2.0f * f * n / (f + n - (2.0f * depth - 1.0f) * (f - n));
+}
+
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+    return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
+}
+
+bool faces(const Shape& shape, const Triangle& t, const Vec3f& eye) {
+    const Vec3f& a = shape.vertices[t[0]];
+    return (shape.vertices[t[1]] - a).cross(shape.vertices[t[2]] - a).dot(eye - a) > 0.0f;
+}
+
+double linear(std::uint8_t value) {
+    const double c = value / 255.0;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+double luminance(const std::uint8_t* rgba) {
+    return 0.2126 * linear(rgba[0]) + 0.7152 * linear(rgba[1]) + 0.0722 * linear(rgba[2]);
+}
+
+struct Mean {
+    double sum = 0.0, count = 0.0;
+    void add(double value) {
+        sum += value;
+        count += 1.0;
+    }
+    [[nodiscard]] double value() const { return count >= fewest_pixels ? sum / count : nan; }
+};
+
+/// Calls `pixel(x, y, depth, area)` over the fan of triangles that fills a closed polygon; `area` [m2] is
+/// what the pixel stands for.
+template <typename Pixel>
+void fill(const Eigen::Matrix4f& view_projection, int width, int height, std::span<const Vec3f> contour,
+          Pixel&& pixel) {
+    Vec3f centre = Vec3f::Zero();
+    for (const Vec3f& p : contour) {
+        centre += p / static_cast<float>(contour.size());
+    }
+    for (std::size_t i = 0; i < contour.size(); ++i) {
+        const std::array<Vec3f, 3> fan{centre, contour[i], contour[(i + 1) % contour.size()]};
+        double count = 0.0;
+        cover(view_projection, width, height, fan, [&](int, int, float) { count += 1.0; });
+        const double area = 0.5 * (fan[1] - fan[0]).cross(fan[2] - fan[0]).norm();
+        cover(view_projection, width, height, fan,
+              [&](int x, int y, float depth) { pixel(x, y, depth, area / count); });
+    }
+}
+
+}  // namespace
+
+Shapes shapes_of(const view::SceneView& scene) {
+    Shapes shapes;
+    for (const auto& [name, surface] : scene.surfaces()) {
+        Shape& shape = shapes.organs.emplace_back();
+        shape.name = name;
+        shape.tissue = surface.model().tissue;
+        shape.bone = is_bone(shape.tissue);
+        shape.triangles = surface.model().mesh.triangles;
+        shape.triangle_tissue = surface.model().triangle_tissue;
+        shape.rest = surface.model().mesh.vertices;
+        for (const view::LitVertex& vertex : surface.vertices()) {
+            shape.vertices.push_back(vertex.position);
+        }
+    }
+    if (scene.laryngoscope() && scene.laryngoscope_pose()) {
+        shapes.blade_triangles = scene.laryngoscope()->mesh.triangles;
+        for (const Vec3f& p : scene.laryngoscope()->mesh.vertices) {
+            shapes.blade.push_back(*scene.laryngoscope_pose() * p);
+        }
+    }
+    return shapes;
+}
+
+Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height) {
+    Raster raster(width, height, projected(camera, width, height), camera.eye);
+    for (std::size_t i = 0; i < shapes.organs.size(); ++i) {
+        if (!shapes.organs[i].bone) {
+            raster.draw(shapes.organs[i].triangles, shapes.organs[i].vertices, static_cast<std::int16_t>(i));
+        }
+    }
+    raster.draw(shapes.blade_triangles, shapes.blade, Shapes::blade_id);
+    return raster;
+}
+
+double back_faces_percent(const Raster& raster) {
+    const auto back = std::ranges::count_if(
+        raster.hits(), [](const Hit& hit) { return hit.back && hit.object != Shapes::blade_id; });
+    return 100.0 * static_cast<double>(back) / static_cast<double>(raster.hits().size());
+}
+
+double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camera, int width, int height) {
+    const Eigen::Matrix4f view_projection = projected(camera, width, height);
+    Raster blade(width, height, view_projection, camera.eye);
+    blade.draw(shapes.blade_triangles, shapes.blade, Shapes::blade_id);
+    std::vector<std::uint8_t> within(blade.hits().size(), 0);
+    std::vector<std::int8_t> entered(blade.hits().size());
+    for (const Shape& shape : shapes.organs) {
+        if (shape.bone) {
+            continue;
+        }
+        std::ranges::fill(entered, std::int8_t{0});
+        for (const Triangle& t : shape.triangles) {
+            const std::int8_t into = faces(shape, t, camera.eye) ? 1 : -1;
+            cover(view_projection, width, height,
+                  {shape.vertices[t[0]], shape.vertices[t[1]], shape.vertices[t[2]]},
+                  [&](int x, int y, float depth) {
+                      if (depth < blade.at(x, y).depth && blade.at(x, y).object >= 0) {
+                          entered[static_cast<std::size_t>(y * width + x)] += into;
+                      }
+                  });
+        }
+        for (std::size_t i = 0; i < entered.size(); ++i) {
+            if (entered[i] > 0) {
+                within[i] = 1;
+            }
+        }
+    }
+    const auto count = std::ranges::count(within, 1);
+    return 100.0 * static_cast<double>(count) / static_cast<double>(within.size());
+}
+
+Stretch edge_stretch(const Shapes& shapes) {
+    Stretch most;
+    for (const Shape& shape : shapes.organs) {
+        if (shape.bone) {
+            continue;
+        }
+        for (const Triangle& t : shape.triangles) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+                const float rest = (shape.rest[a] - shape.rest[b]).norm();
+                const double ratio = (shape.vertices[a] - shape.vertices[b]).norm() / rest;
+                if (rest >= shortest_edge && ratio > most.ratio) {
+                    const Vec3f place = 1e3f * shape.rest[a];
+                    most = {ratio, shape.name + " at " + std::to_string(std::lround(place.x())) + " " +
+                                       std::to_string(std::lround(place.y())) + " " +
+                                       std::to_string(std::lround(place.z())) + " mm"};
+                }
+            }
+        }
+    }
+    return most;
+}
+
+std::vector<Outline> outlines(const Shapes& shapes, const Raster& raster, double pixels) {
+    std::vector<Outline> all;
+    for (std::size_t o = 0; o < shapes.organs.size(); ++o) {
+        const Shape& shape = shapes.organs[o];
+        if (shape.bone) {
+            continue;
+        }
+        std::unordered_map<std::uint64_t, int> towards;  // triangles at an edge that face the eye
+        for (const Triangle& t : shape.triangles) {
+            const int toward = faces(shape, t, raster.eye()) ? 1 : 0;
+            for (std::size_t i = 0; i < 3; ++i) {
+                towards[edge_key(t[i], t[(i + 1) % 3])] += toward;
+            }
+        }
+        double fine = 0.0, length = 0.0;
+        for (const auto& [key, count] : towards) {
+            if (count != 1) {
+                continue;
+            }
+            const auto seen = [&](const Vec3f& p) -> Eigen::Vector3f {
+                const Eigen::Vector4f clip = raster.view_projection() * p.homogeneous();
+                if (clip.w() <= 0.0f) {
+                    return Eigen::Vector3f::Constant(2.0f);
+                }
+                return clip.head<3>() / clip.w();
+            };
+            const Eigen::Vector3f a = seen(shape.vertices[key >> 32]);
+            const Eigen::Vector3f b = seen(shape.vertices[key & 0xffffffffu]);
+            const Eigen::Vector3f middle = 0.5f * (a + b);
+            if (middle.head<2>().cwiseAbs().maxCoeff() >= 1.0f || middle.z() >= 1.0f || middle.z() <= -1.0f) {
+                continue;
+            }
+            const int x = static_cast<int>(0.5f * (1.0f + middle.x()) * static_cast<float>(raster.width()));
+            const int y = static_cast<int>(0.5f * (1.0f - middle.y()) * static_cast<float>(raster.height()));
+            // Nothing lies clearly before it: an outline's own pixel may show what is just beside it.
+            bool hidden = raster.at(x, y).object != static_cast<std::int16_t>(o) &&
+                          raster.at(x, y).depth < 0.5f * (1.0f + middle.z()) - 1e-4f;
+            if (hidden) {
+                continue;
+            }
+            const Eigen::Vector2f half(0.5f * static_cast<float>(raster.width()),
+                                       0.5f * static_cast<float>(raster.height()));
+            const double long_px = (b - a).head<2>().cwiseProduct(half).norm();
+            length += long_px;
+            fine += long_px < pixels ? long_px : 0.0;
+        }
+        if (length >= pixels) {
+            all.push_back({shape.name, 100.0 * fine / length, length});
+        }
+    }
+    return all;
+}
+
+std::vector<Contours> section_contours(const Shapes& shapes, const Vec3f& origin, const Vec3f& normal) {
+    std::vector<Contours> all;
+    for (const Shape& shape : shapes.organs) {
+        // A contour passes from edge to edge of the mesh, two of a triangle that the plane cuts.
+        std::map<std::uint64_t, std::vector<std::uint64_t>> next;
+        const auto above = [&](std::uint32_t v) { return normal.dot(shape.vertices[v] - origin) > 0.0f; };
+        for (const Triangle& t : shape.triangles) {
+            std::vector<std::uint64_t> cut;
+            for (std::size_t i = 0; i < 3; ++i) {
+                if (above(t[i]) != above(t[(i + 1) % 3])) {
+                    cut.push_back(edge_key(t[i], t[(i + 1) % 3]));
+                }
+            }
+            if (cut.size() == 2) {
+                next[cut[0]].push_back(cut[1]);
+                next[cut[1]].push_back(cut[0]);
+            }
+        }
+        Contours contours{.name = shape.name};
+        std::map<std::uint64_t, bool> visited;
+        for (const auto& [start, neighbours] : next) {
+            if (visited[start]) {
+                continue;
+            }
+            bool closed = true;
+            std::vector<std::uint64_t> reach{start};
+            visited[start] = true;
+            while (!reach.empty()) {
+                const std::uint64_t at = reach.back();
+                reach.pop_back();
+                closed &= next[at].size() == 2;
+                for (const std::uint64_t to : next[at]) {
+                    if (!visited[to]) {
+                        visited[to] = true;
+                        reach.push_back(to);
+                    }
+                }
+            }
+            ++(closed ? contours.closed : contours.open);
+        }
+        if (contours.closed + contours.open > 0) {
+            all.push_back(contours);
+        }
+    }
+    return all;
+}
+
+double opening_in_picture(const Raster& raster, const render::Camera& camera, std::span<const Vec3f> contour,
+                          float tolerance) {
+    double seen = 0.0, whole = 0.0;
+    fill(raster.view_projection(), raster.width(), raster.height(), contour,
+         [&](int x, int y, float depth, double area) {
+             whole += area;
+             if (distance_of(raster.at(x, y).depth, camera) > distance_of(depth, camera) - tolerance) {
+                 seen += area;
+             }
+         });
+    return whole > 0.0 ? 100.0 * seen / whole : nan;
+}
+
+Luminances luminances(const render::Image& picture, const Raster& raster, const Shapes& shapes,
+                      const render::Camera& camera, std::span<const Vec3f> contour) {
+    constexpr float below = 0.5e-3f;  // [m]
+    Mean cords, lumen, tongue;
+    std::vector<std::uint8_t> in_opening(raster.hits().size(), 0);
+    fill(raster.view_projection(), raster.width(), raster.height(), contour,
+         [&](int x, int y, float depth, double) {
+             if (distance_of(raster.at(x, y).depth, camera) > distance_of(depth, camera) + below) {
+                 in_opening[static_cast<std::size_t>(y * raster.width() + x)] = 1;
+             }
+         });
+    for (int y = 0; y < raster.height(); ++y) {
+        for (int x = 0; x < raster.width(); ++x) {
+            const Hit& hit = raster.at(x, y);
+            const double light = luminance(picture.pixel(x, y));
+            if (in_opening[static_cast<std::size_t>(y * raster.width() + x)] != 0) {
+                lumen.add(light);
+            } else if (hit.object >= 0 && hit.object != Shapes::blade_id) {
+                const Shape& shape = shapes.organs[static_cast<std::size_t>(hit.object)];
+                const std::string_view tissue = name_of(shape.triangle_tissue[hit.triangle]);
+                if (tissue == "vocal cord") {
+                    cords.add(light);
+                } else if (tissue == "tongue") {
+                    tongue.add(light);
+                }
+            }
+        }
+    }
+    return {cords.value(), lumen.value(), tongue.value()};
+}
+
+}  // namespace eti::bench

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/render/camera.hpp"
+#include "client/render/image.hpp"
+#include "client/view/scene_view.hpp"
+#include "common/model/tissue.hpp"
+#include "tests/bench/render/raster.hpp"
+
+namespace eti::bench {
+
+/// A scene's shapes as plain meshes in the patient frame.
+struct Shape {
+    std::string name;
+    Tissue tissue = Tissue::soft;
+    bool bone = false;
+    std::span<const Triangle> triangles;
+    std::span<const Tissue> triangle_tissue;
+    std::span<const Vec3f> rest;
+    std::vector<Vec3f> vertices;  ///< now
+};
+struct Shapes {
+    std::vector<Shape> organs;
+    std::span<const Triangle> blade_triangles;
+    std::vector<Vec3f> blade;
+    inline static constexpr std::int16_t blade_id = 1000;
+};
+[[nodiscard]] Shapes shapes_of(const view::SceneView& scene);
+
+/// Organs and blade, not the bones, from a camera. `half`: only what lies on the right of the sagittal plane.
+[[nodiscard]] Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height);
+
+/// Share of the pixels in which one sees a surface from behind [%].
+[[nodiscard]] double back_faces_percent(const Raster& raster);
+
+/// Share of the pixels [%] in which the blade's face lies within an organ: a ray from the eye to it has
+/// entered that organ once more than left it.
+[[nodiscard]] double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camera, int width,
+                                             int height);
+
+/// Largest ratio of an edge's length to its length at rest, of edges of 0.2 mm and more; and where.
+struct Stretch {
+    double ratio = 1.0;
+    std::string where;
+};
+[[nodiscard]] Stretch edge_stretch(const Shapes& shapes);
+
+/// Of an organ's outlines in sight, the share [%] of their length in edges shorter than `pixels`; NaN where
+/// less than `pixels` are in sight.
+struct Outline {
+    std::string name;
+    double fine_percent = 0.0;
+    double length = 0.0;  ///< pixels
+};
+[[nodiscard]] std::vector<Outline> outlines(const Shapes& shapes, const Raster& raster, double pixels);
+
+/// Contours in which a plane cuts a closed surface, and whether each of them is closed.
+struct Contours {
+    std::string name;
+    int closed = 0, open = 0;
+};
+[[nodiscard]] std::vector<Contours> section_contours(const Shapes& shapes, const Vec3f& origin,
+                                                     const Vec3f& normal);
+
+/// POGO as the picture shows it [%]: of the glottic opening's area, the share whose pixels nothing covers
+/// that lies more than `tolerance` [m] before it.
+[[nodiscard]] double opening_in_picture(const Raster& raster, const render::Camera& camera,
+                                        std::span<const Vec3f> contour, float tolerance);
+
+/// Mean luminance (Rec. 709 of linear light, 0 to 1) of what is seen of cords, lumen below them, and tongue;
+/// NaN where fewer than 20 pixels are seen.
+struct Luminances {
+    double cords = 0.0, lumen = 0.0, tongue = 0.0;
+};
+[[nodiscard]] Luminances luminances(const render::Image& picture, const Raster& raster, const Shapes& shapes,
+                                    const render::Camera& camera, std::span<const Vec3f> contour);
+
+}  // namespace eti::bench

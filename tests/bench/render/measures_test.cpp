@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/bench/render/measures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "common/math/units.hpp"
+
+// References: what spheres and boxes look like from a place, by elementary geometry.
+namespace eti::bench {
+namespace {
+
+/// Of `around` corners about its axis and half as many rings, closed and oriented outwards.
+TriangleMesh sphere(const Vec3f& centre, float radius, std::uint32_t around) {
+    TriangleMesh mesh;
+    const std::uint32_t rings = around / 2;
+    mesh.vertices.push_back(centre + radius * Vec3f::UnitY());
+    for (std::uint32_t r = 1; r < rings; ++r) {
+        for (std::uint32_t k = 0; k < around; ++k) {
+            const float tilt = std::numbers::pi_v<float> * static_cast<float>(r) / static_cast<float>(rings);
+            const float turn =
+                2.0f * std::numbers::pi_v<float> * static_cast<float>(k) / static_cast<float>(around);
+            mesh.vertices.push_back(centre + radius * Vec3f(std::sin(tilt) * std::sin(turn), std::cos(tilt),
+                                                            std::sin(tilt) * std::cos(turn)));
+        }
+    }
+    mesh.vertices.push_back(centre - radius * Vec3f::UnitY());
+    const auto last = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+    const auto at = [&](std::uint32_t r, std::uint32_t k) { return 1 + (r - 1) * around + k % around; };
+    for (std::uint32_t k = 0; k < around; ++k) {
+        mesh.triangles.push_back({0, at(1, k), at(1, k + 1)});
+        for (std::uint32_t r = 1; r + 1 < rings; ++r) {
+            mesh.triangles.push_back({at(r, k), at(r + 1, k), at(r + 1, k + 1)});
+            mesh.triangles.push_back({at(r, k), at(r + 1, k + 1), at(r, k + 1)});
+        }
+        mesh.triangles.push_back({at(rings - 1, k), last, at(rings - 1, k + 1)});
+    }
+    return mesh;
+}
+
+/// Meshes with their tissues, from the outside.
+struct Stage {
+    std::vector<TriangleMesh> meshes;
+    std::vector<std::vector<Tissue>> tissues;
+
+    Shapes shapes(std::size_t blade = 1000) {
+        Shapes all;
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            tissues.emplace_back(meshes[i].triangles.size(), Tissue::soft);
+        }
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            if (i == blade) {
+                all.blade_triangles = meshes[i].triangles;
+                all.blade = meshes[i].vertices;
+                continue;
+            }
+            Shape& shape = all.organs.emplace_back();
+            shape.name = "organ " + std::to_string(i);
+            shape.triangles = meshes[i].triangles;
+            shape.triangle_tissue = tissues[i];
+            shape.rest = meshes[i].vertices;
+            shape.vertices = meshes[i].vertices;
+        }
+        return all;
+    }
+};
+
+render::Camera from_front(float distance) {
+    render::Camera camera;
+    camera.eye = Vec3f(0.0f, 0.0f, distance);
+    camera.target = Vec3f::Zero();
+    camera.up = Vec3f::UnitY();
+    camera.vertical_field = 40.0f * degree;
+    camera.near_plane = 0.01f;
+    camera.far_plane = 2.0f;
+    return camera;
+}
+
+TEST(Raster, ASphereCoversTheDiscThatPerspectiveGivesIt) {
+    Stage stage{{sphere(Vec3f::Zero(), 0.05f, 48)}, {}};
+    const Raster raster = raster_of(stage.shapes(), from_front(0.3f), 400, 400);
+    const auto covered = std::ranges::count_if(raster.hits(), [](const Hit& hit) { return hit.object == 0; });
+    // The cone that touches it: sin = r / d; its circle in the picture by the focal length.
+    const double angle = std::asin(0.05 / 0.3), focal = 200.0 / std::tan(20.0 * degree);
+    const double disc = std::numbers::pi * std::pow(focal * std::tan(angle), 2);
+    EXPECT_NEAR(static_cast<double>(covered) / disc, 1.0, 0.01);
+    EXPECT_EQ(back_faces_percent(raster), 0.0);
+}
+
+TEST(Raster, ASphereTurnedInsideOutIsSeenFromBehind) {
+    Stage stage{{sphere(Vec3f::Zero(), 0.05f, 24)}, {}};
+    for (Triangle& t : stage.meshes[0].triangles) {
+        std::swap(t[1], t[2]);
+    }
+    EXPECT_GT(back_faces_percent(raster_of(stage.shapes(), from_front(0.3f), 100, 100)), 5.0);
+}
+
+TEST(Raster, WhatLiesBehindTheEyeIsCutOff) {
+    Stage stage{{sphere(Vec3f(0.0f, 0.0f, 0.6f), 0.05f, 24)}, {}};
+    const Raster raster = raster_of(stage.shapes(), from_front(0.3f), 100, 100);
+    EXPECT_TRUE(std::ranges::all_of(raster.hits(), [](const Hit& hit) { return hit.object == -1; }));
+}
+
+TEST(Measures, ABladeWithinTissueIsFoundAndOneBehindItIsNot) {
+    const auto organ = sphere(Vec3f::Zero(), 0.05f, 24);
+    Stage within{{organ, sphere(Vec3f::Zero(), 0.02f, 24)}, {}};
+    Stage behind{{organ, sphere(Vec3f(0.0f, 0.0f, -0.1f), 0.02f, 24)}, {}};
+    Stage before{{organ, sphere(Vec3f(0.0f, 0.0f, 0.1f), 0.02f, 24)}, {}};
+    EXPECT_GT(blade_in_tissue_percent(within.shapes(1), from_front(0.3f), 100, 100), 1.0);
+    EXPECT_EQ(blade_in_tissue_percent(behind.shapes(1), from_front(0.3f), 100, 100), 0.0);
+    EXPECT_EQ(blade_in_tissue_percent(before.shapes(1), from_front(0.3f), 100, 100), 0.0);
+}
+
+TEST(Measures, StretchIsWhatAMeshIsPulledBy) {
+    const TriangleMesh corner{
+        {{0.0f, 0.0f, 0.0f}, {1e-3f, 0.0f, 0.0f}, {0.0f, 1e-3f, 0.0f}, {0.0f, 0.0f, 1e-3f}},
+        {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    Stage stage{{corner}, {}};
+    Shapes shapes = stage.shapes();
+    for (Vec3f& p : shapes.organs[0].vertices) {
+        p.x() *= 2.5f;
+    }
+    EXPECT_NEAR(edge_stretch(shapes).ratio, 2.5, 1e-5);
+}
+
+TEST(Measures, AFinerSphereHasAFinerOutline) {
+    Stage coarse{{sphere(Vec3f::Zero(), 0.05f, 12)}, {}}, fine{{sphere(Vec3f::Zero(), 0.05f, 96)}, {}};
+    const Shapes a = coarse.shapes(), b = fine.shapes();
+    const auto of = [](const Shapes& s) {
+        return outlines(s, raster_of(s, from_front(0.3f), 400, 400), 10.0).at(0);
+    };
+    // Sides of a polygon about a circle of 92 pixels: 48 pixels long, and 6.
+    EXPECT_LT(of(a).fine_percent, 10.0);
+    EXPECT_EQ(of(b).fine_percent, 100.0);
+}
+
+TEST(Measures, APlaneCutsASphereInOneClosedContour) {
+    Stage stage{{sphere(Vec3f::Zero(), 0.05f, 24)}, {}};
+    auto contours = section_contours(stage.shapes(), Vec3f(1e-3f, 0.0f, 0.0f), Vec3f::UnitX());
+    ASSERT_EQ(contours.size(), 1u);
+    EXPECT_EQ(contours[0].closed, 1);
+    EXPECT_EQ(contours[0].open, 0);
+    stage.meshes[0].triangles.resize(stage.meshes[0].triangles.size() / 2);  // a hole
+    contours = section_contours(stage.shapes(), Vec3f(0.0f, 0.0f, 1e-3f), Vec3f(0.0f, 1.0f, 1.0f));
+    ASSERT_EQ(contours.size(), 1u);
+    EXPECT_GE(contours[0].open, 1);
+}
+
+TEST(Measures, AnOpeningBehindHalfAScreenIsHalfSeen) {
+    const std::vector<Vec3f> square{
+        {-0.01f, -0.01f, 0.0f}, {0.01f, -0.01f, 0.0f}, {0.01f, 0.01f, 0.0f}, {-0.01f, 0.01f, 0.0f}};
+    TriangleMesh screen{
+        {{0.0f, -0.1f, 1e-3f}, {0.1f, -0.1f, 1e-3f}, {0.1f, 0.1f, 1e-3f}, {0.0f, 0.1f, 1e-3f}},
+        {{0, 1, 2}, {0, 2, 3}}};
+    Stage stage{{screen}, {}};
+    const render::Camera camera = from_front(0.3f);
+    const Raster raster = raster_of(stage.shapes(), camera, 800, 800);
+    EXPECT_NEAR(opening_in_picture(raster, camera, square, 0.5e-3f), 50.0, 1.0);
+    // What lies nearer than the tolerance does not hide it.
+    EXPECT_NEAR(opening_in_picture(raster, camera, square, 2e-3f), 100.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace eti::bench

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "tests/bench/render/render_bench.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <fstream>
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+#include "client/render/headless_context.hpp"
+#include "client/render/render_target.hpp"
+#include "client/render/scene_renderer.hpp"
+#include "client/render/view_table.hpp"
+#include "common/math/random.hpp"
+#include "common/process/stop_signal.hpp"
+#include "common/scenario/yaml_map.hpp"
+#include "server/metrics/glottic_view.hpp"
+#include "tests/bench/render/attempt.hpp"
+#include "tests/bench/render/measures.hpp"
+#include "tests/bench/render/sheet.hpp"
+#include "tests/bench/render/stage.hpp"
+
+namespace eti::bench {
+
+namespace {
+
+// Of issue and paper: what a picture has to keep. A goal is an upper bound, but for outlines.
+struct Goal {
+    const char* measure;
+    const char* unit;
+    double bound;
+    bool at_least;
+    const char* meaning;
+};
+constexpr std::array goals = {
+    Goal{"back_faces", "%", 0.02, false, "pixels that show a surface from behind"},
+    Goal{"blade_in_tissue", "%", 0.02, false, "pixels in which the blade's face lies within tissue"},
+    Goal{"edge_stretch", "", 3.0, false, "longest edge against its rest length, before contact"},
+    Goal{"lumen_to_cords", "", 0.4, false, "luminance of the lumen against the cords', at best view"},
+    Goal{"lumen_to_tongue", "", 1.0, false, "the same against the tongue's"},
+    Goal{"fine_outline", "%", 50.0, true, "an organ's outline in edges under 10 pixels at 1080p"},
+    Goal{"open_contours", "", 0.0, false, "contours of the section that are not closed"},
+    Goal{"pogo_apart", "points", 3.0, false, "POGO of the picture against the server's rays"},
+    Goal{"vertices_apart", "mm", 0.1, false, "drawn vertices from the server's surface"},
+};
+
+const Goal& goal_of(std::string_view measure) {
+    return *std::ranges::find(goals, measure, &Goal::measure);
+}
+
+/// Rows of the table, and how each measure stands.
+class Results {
+  public:
+    explicit Results(const std::filesystem::path& file) : path_(file), stream_(file) {
+        if (!stream_) {
+            throw std::runtime_error("cannot write " + file.string() + "; choose another folder with --out");
+        }
+        stream_ << "scenario,operator,moment,view,measure,value,goal,met,where" << std::endl;
+    }
+
+    /// `where` in words, without commas.
+    void add(std::string_view scenario, std::string_view script, std::string_view moment,
+             std::string_view view, std::string_view measure, double value, std::string_view where = "") {
+        if (!std::isfinite(value)) {
+            return;
+        }
+        const Goal& goal = goal_of(measure);
+        const bool met = goal.at_least ? value >= goal.bound : value <= goal.bound;
+        stream_ << fmt::format("{},{},{},{},{},{:.6g},{:g},{},{}", scenario, script, moment, view, measure,
+                               value, goal.bound, met ? "yes" : "no", where)
+                << std::endl;
+        Standing& s = standings_[goal.measure];
+        ++s.cases;
+        s.met += met ? 1 : 0;
+        const bool worse = s.cases == 1 || (goal.at_least ? value < s.worst : value > s.worst);
+        if (worse) {
+            s.worst = value;
+            s.where = fmt::format("{} {} {} {}{}{}", scenario, script, moment, view,
+                                  where.empty() ? "" : ", ", where);
+        }
+    }
+
+    void print() const {
+        fmt::print("{:<16} {:>10} {:>10}  {:>9}  {}\n", "measure", "worst", "goal", "met",
+                   "where the worst is");
+        for (const Goal& goal : goals) {
+            const auto found = standings_.find(goal.measure);
+            if (found != standings_.end()) {
+                const Standing& s = found->second;
+                fmt::print("{:<16} {:>10.3g} {:>10}  {:>4}/{:<4}  {}\n", goal.measure, s.worst,
+                           fmt::format("{}{:g}", goal.at_least ? ">=" : "<=", goal.bound), s.met, s.cases,
+                           s.where);
+            }
+        }
+        fmt::print("table: {}\n", path_.string());
+    }
+
+  private:
+    struct Standing {
+        int cases = 0, met = 0;
+        double worst = 0.0;
+        std::string where;
+    };
+    std::filesystem::path path_;
+    std::ofstream stream_;
+    std::map<std::string, Standing, std::less<>> standings_;
+};
+
+/// Draws views off screen.
+class Artist {
+  public:
+    Artist(int width, int height) : target_(width, height, 1) {}
+
+    [[nodiscard]] render::Image draw(const render::View& view, const view::SceneView& scene) {
+        target_.bind_scene();
+        renderer_.sync(scene);
+        renderer_.draw(view, scene, {0, 0, target_.width(), target_.height()});
+        target_.resolve();
+        return target_.read();
+    }
+
+  private:
+    render::RenderTarget target_;
+    render::SceneRenderer renderer_;
+};
+
+/// Camera on the glottis from an eye; its picture is what that eye can see of it.
+render::Camera towards_glottis(const Vec3f& eye, const Landmarks& landmarks) {
+    render::Camera camera = render::laryngoscope_camera(landmarks);
+    camera.eye = eye;
+    // As the server's rays: fingers hold the lips aside, and nothing before the upper gum counts.
+    const Vec3f onward = (camera.target - eye).normalized();
+    camera.near_plane = std::max(camera.near_plane, onward.dot(at(landmarks, Landmark::upper_gum) - eye));
+    return camera;
+}
+
+double vertices_apart_mm(const Shapes& shapes, const Attempt& attempt, const Moment& moment) {
+    double most = 0.0;
+    for (const Surface& surface : attempt.patient.surfaces) {
+        const auto shape = std::ranges::find(shapes.organs, surface.name, &Shape::name);
+        for (std::size_t v = 0; v < surface.skin.size(); ++v) {
+            const Vec3f server = skin_point(surface.mesh.vertices[v], surface.skin[v],
+                                            attempt.patient.frame_rest_centre, moment.snapshot.frames);
+            most = std::max(most, 1e3 * static_cast<double>((shape->vertices[v] - server).norm()));
+        }
+    }
+    return most;
+}
+
+class Bench {
+  public:
+    explicit Bench(const RenderOptions& options)
+        : options_(options), results_(options.out / "render.csv"), artist_(options.width, options.height) {}
+
+    void look_at(const Attempt& attempt) {
+        const std::string scenario = attempt.scenario.name, script = attempt.script.name;
+        const view::SceneView rest = staged(attempt);
+        Sheet sheet(render::views().size(), options_.width, options_.height);
+        for (std::size_t m = 0; m < attempt.moments.size(); ++m) {
+            if (stop_asked() || !attempt.moments[m]) {
+                continue;
+            }
+            const Moment& moment = *attempt.moments[m];
+            const view::SceneView scene = staged(rest, moment);
+            const Shapes shapes = shapes_of(scene);
+            const auto add = [&](std::string_view view, std::string_view measure, double value,
+                                 std::string_view where = "") {
+                results_.add(scenario, script, moment_names[m], view, measure, value, where);
+            };
+            add("all", "vertices_apart", vertices_apart_mm(shapes, attempt, moment));
+            if (m < touch) {
+                const Stretch stretch = edge_stretch(shapes);
+                add("all", "edge_stretch", stretch.ratio, stretch.where);
+            }
+            for (const Contours& c : section_contours(shapes, Vec3f::Zero(), Vec3f::UnitX())) {
+                add("section", "open_contours", c.open, c.name);
+            }
+            for (std::size_t v = 0; v < render::views().size(); ++v) {
+                const render::View& view = render::views()[v];
+                measure_view(attempt, moment, m, view, scene, shapes, add, sheet, v);
+            }
+            if (m == best) {
+                compare_eyes(attempt, moment, scene, shapes, add);
+            }
+        }
+        if (options_.pictures) {
+            sheet.write(options_.out / fmt::format("{}_{}.png", scenario, script));
+        }
+    }
+
+    void print() const { results_.print(); }
+
+  private:
+    static constexpr std::size_t touch = 2, best = 3;
+
+    template <typename Add>
+    void measure_view(const Attempt& attempt, const Moment& moment, std::size_t m, const render::View& view,
+                      const view::SceneView& scene, const Shapes& shapes, Add&& add, Sheet& sheet,
+                      std::size_t v) {
+        const render::Camera camera = view.camera(scene, {});
+        if (options_.pictures || m == best) {
+            const render::Image picture = artist_.draw(view, scene);
+            sheet.put(m, v, picture);
+            if (options_.pictures) {
+                render::write_png(
+                    picture, options_.out / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
+                                                        attempt.script.name, moment_names[m], view.name));
+            }
+            if (m == best && view.skin == render::Skin::lips_aside) {
+                const Raster raster = raster_of(shapes, camera, options_.width, options_.height);
+                const Luminances light =
+                    luminances(picture, raster, shapes, camera, moment.snapshot.glottis_contour);
+                add(view.name, "lumen_to_cords", light.lumen / light.cords);
+                add(view.name, "lumen_to_tongue", light.lumen / light.tongue);
+            }
+        }
+        if (view.cut) {
+            return;  // half of the patient is away: what one sees from behind lies under the faces of the cut
+        }
+        const Raster raster = raster_of(shapes, camera, options_.width, options_.height);
+        add(view.name, "back_faces", back_faces_percent(raster));
+        add(view.name, "blade_in_tissue",
+            blade_in_tissue_percent(shapes, camera, options_.width, options_.height));
+        for (const Outline& outline : outlines(shapes, raster, 10.0 * options_.height / 1080.0)) {
+            add(view.name, "fine_outline", outline.fine_percent, outline.name);
+        }
+    }
+
+    template <typename Add>
+    void compare_eyes(const Attempt& attempt, const Moment& moment, const view::SceneView& scene,
+                      const Shapes& shapes, Add&& add) {
+        constexpr float reach = 20e-3f;       // [m], of the eyes about the best one, to each side
+        constexpr float tolerance = 0.5e-3f;  // [m], as the server's rays have it
+        constexpr int side = 360;             // pixels
+        metrics::GlotticViewer viewer(attempt.patient, attempt.scope);
+        Random random(20'20);
+        for (int i = 0; i < options_.eyes && !stop_asked(); ++i) {
+            Vec3f aside;
+            for (int axis = 0; axis < 3; ++axis) {
+                aside[axis] = reach * (2.0f * random.uniform() - 1.0f);
+            }
+            const Vec3f eye = best_eye(scene.landmarks()) + (i == 0 ? Vec3f(Vec3f::Zero()) : aside);
+            const render::Camera camera = towards_glottis(eye, scene.landmarks());
+            const double seen = opening_in_picture(raster_of(shapes, camera, side, side), camera,
+                                                   moment.snapshot.glottis_contour, tolerance);
+            const double rays = viewer.look(moment.snapshot, eye).opening_percent;
+            add("eye", "pogo_apart", std::abs(seen - rays),
+                fmt::format("picture {:.1f} rays {:.1f}", seen, rays));
+        }
+    }
+
+    const RenderOptions& options_;
+    Results results_;
+    render::HeadlessContext context_;
+    Artist artist_;
+};
+
+}  // namespace
+
+int render_bench(const RenderOptions& options) {
+    std::filesystem::create_directories(options.out);
+    Bench bench(options);
+    for (const std::string& scenario : options.scenarios) {
+        for (const std::string& script : options.operators) {
+            if (stop_asked()) {
+                break;
+            }
+            spdlog::info("{} by {}", scenario, script);
+            const Attempt attempt = perform_and_keep(load_scenario(find_data_file(scenario, "scenarios")),
+                                                     load_operator(find_data_file(script, "operators")));
+            spdlog::info("{} by {}: {}", scenario, script, attempt.reason);
+            bench.look_at(attempt);
+        }
+    }
+    bench.print();
+    return stop_asked() ? 1 : 0;
+}
+
+}  // namespace eti::bench
