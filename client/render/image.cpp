@@ -33,4 +33,16 @@ void write_png(const Image& image, const std::filesystem::path& file) {
     }
 }
 
+Image read_png(const std::filesystem::path& file) {
+    const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
+    if (bgr.empty()) {
+        throw std::runtime_error(fmt::format("{}: no picture could be read here", file.string()));
+    }
+    Image image{.width = bgr.cols, .height = bgr.rows, .rgba = {}};
+    image.rgba.resize(4 * bgr.total());
+    cv::Mat rgba(bgr.rows, bgr.cols, CV_8UC4, image.rgba.data());
+    cv::cvtColor(bgr, rgba, cv::COLOR_BGR2RGBA);
+    return image;
+}
+
 }  // namespace eti::render

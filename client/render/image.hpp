@@ -23,4 +23,7 @@ struct Image {
 /// Writes an opaque PNG. Throws std::runtime_error naming the file and the remedy.
 void write_png(const Image& image, const std::filesystem::path& file);
 
+/// Reads what write_png() wrote. Throws std::runtime_error naming the file where it is missing or no picture.
+[[nodiscard]] Image read_png(const std::filesystem::path& file);
+
 }  // namespace eti::render

@@ -34,6 +34,12 @@ int main(int argc, char** argv) {
                      ->capture_default_str()
                      ->check(CLI::Range(0, 100000));
     render->add_flag("!--no-pictures", options.pictures, "Only the table");
+    auto* golden =
+        render->add_option("--golden", options.golden,
+                           "Folder of small pictures to compare with: of every view as the blade comes in "
+                           "and at the best view");
+    render->add_flag("--renew", options.renew, "Write those pictures anew instead of comparing")
+        ->needs(golden);
     render->add_flag("--quick", quick, "The expert on the term newborn, forty eye poses");
     try {
         app.parse(argc, argv);

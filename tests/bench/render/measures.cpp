@@ -311,4 +311,19 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
     return {cords.value(), lumen.value(), tongue.value()};
 }
 
+double pixels_apart_percent(const render::Image& a, const render::Image& b, int levels) {
+    if (a.width != b.width || a.height != b.height) {
+        return 100.0;
+    }
+    int apart = 0;
+    for (std::size_t p = 0; p < a.rgba.size(); p += 4) {
+        bool differs = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            differs |= std::abs(int{a.rgba[p + k]} - int{b.rgba[p + k]}) > levels;
+        }
+        apart += differs ? 1 : 0;
+    }
+    return 100.0 * apart / (a.width * a.height);
+}
+
 }  // namespace eti::bench

@@ -79,4 +79,7 @@ struct Luminances {
 [[nodiscard]] Luminances luminances(const render::Image& picture, const Raster& raster, const Shapes& shapes,
                                     const render::Camera& camera, std::span<const Vec3f> contour);
 
+/// Share of the pixels [%] that differ by more than `levels` of 256 in a channel; 100 where the sizes differ.
+[[nodiscard]] double pixels_apart_percent(const render::Image& a, const render::Image& b, int levels);
+
 }  // namespace eti::bench

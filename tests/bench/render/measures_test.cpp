@@ -162,5 +162,14 @@ TEST(Measures, AnOpeningBehindHalfAScreenIsHalfSeen) {
     EXPECT_NEAR(opening_in_picture(raster, camera, square, 2e-3f), 100.0, 1e-6);
 }
 
+TEST(Measures, OnePixelOfFourApartIsAQuarter) {
+    const render::Image a{.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 100)};
+    render::Image b = a;
+    b.rgba[4] = 130;
+    b.rgba[8] = 110;
+    EXPECT_EQ(pixels_apart_percent(a, b, 20), 25.0);
+    EXPECT_EQ(pixels_apart_percent(a, {.width = 1, .height = 1, .rgba = {0, 0, 0, 0}}, 20), 100.0);
+}
+
 }  // namespace
 }  // namespace eti::bench

@@ -16,6 +16,8 @@ struct RenderOptions {
     int width = 1920, height = 1080;
     int eyes = 200;  ///< poses from which the picture's POGO and that of the server's rays are compared
     bool pictures = true;
+    std::filesystem::path golden;  ///< pictures to compare with; empty: none
+    bool renew = false;            ///< write them instead
 };
 
 /// Measures what is seen at six moments of scripted attempts, writes render.csv, pictures and a contact sheet
