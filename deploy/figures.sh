@@ -6,12 +6,12 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures readers)
+PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers)
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute"
-                  [readers]="five minutes")
+                  [render]="half an hour" [readers]="five minutes")
 PICTURES=(laryngoscope section overview)
 CHARTS=$ETI_ROOT/docs/charts
 OUT=$ETI_ROOT/out/figures
@@ -30,8 +30,8 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --no-install  do not look for missing packages
   --list        name the files that it makes, and make none
   --help        print this
-Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, readers what a
-lab's own program reads and what that costs.
+Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, render what one
+sees against its goals, readers what a lab's own program reads and what that costs.
 USAGE
 }
 
@@ -100,6 +100,14 @@ pictures() {
     done
 }
 
+# What one sees at moments of attempts, against goals, and a contact sheet.
+render() {
+    local folder=$OUT/render
+    rm -rf "$folder"
+    "$ETI_ROOT/build/release/bin/eti-bench" render --out "$folder" && cp "$folder/render-goals.csv" "$CHARTS" &&
+        cp "$folder/term_expert.png" "$ETI_ROOT/docs/rendering.png"
+}
+
 # What a lab's reader gets while the blade lifts the tongue, and what reading costs the server.
 readers() {
     local folder=$OUT/readers bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 96) server read
@@ -120,7 +128,7 @@ measure() {
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;
-        anatomy | pictures | readers) "$1" ;;
+        anatomy | pictures | render | readers) "$1" ;;
     esac
 }
 
@@ -130,6 +138,7 @@ if [ $list = yes ]; then
         case $part in
             anatomy) printf '%s\n' "$ETI_ROOT"/docs/anatomy/{phantom,cranium}.png ;;
             pictures) printf "$ETI_ROOT/docs/%s.png\n" "${PICTURES[@]}" ;;
+            render) printf '%s\n' "$ETI_ROOT/docs/rendering.png" ;;
             readers) printf '%s\n' "$ETI_ROOT/docs/lab_readers.png" ;;
         esac
     done | sed "s|^$ETI_ROOT/||"

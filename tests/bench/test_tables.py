@@ -50,6 +50,17 @@ class Tables(unittest.TestCase):
                         self.agrees(force, float(row[f"{what}_force_max_n"]))
                     self.assertEqual(intubated, "yes" if row["success"] == "1" else "no")
 
+    def test_goals_of_pictures(self):
+        measured = {row["meaning"]: row for row in rows_of(CHARTS / "render-goals.csv")}
+        _, *rows = table("rendering.md", "Goals")
+        self.assertEqual(sorted(row[0] for row in rows), sorted(measured))
+        for meaning, goal, worst, met in rows:
+            row = measured[meaning]
+            with self.subTest(measure=meaning):
+                self.assertEqual(goal, f"{row['goal']} {row['unit']}".strip())
+                self.agrees(worst, float(row["worst"]))
+                self.assertEqual(met, f"{row['met']} of {row['cases']}")
+
     def test_errors_of_blocks(self):
         errors = {(row["case"], row["method"]): row["error"] for row in read(CHARTS / "accuracy.csv")
                   if (row["spacing"], row["substeps"], row["iterations"]) == (2.5, 8, 1)}

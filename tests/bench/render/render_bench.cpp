@@ -84,19 +84,30 @@ class Results {
         }
     }
 
-    void print() const {
+    /// How each measure stands, on standard output and as a table.
+    void conclude(const std::filesystem::path& file) const {
+        std::ofstream table(file);
+        table << "measure,unit,goal,worst,met,cases,meaning,where\n";
         fmt::print("{:<16} {:>10} {:>10}  {:>9}  {}\n", "measure", "worst", "goal", "met",
                    "where the worst is");
         for (const Goal& goal : goals) {
             const auto found = standings_.find(goal.measure);
-            if (found != standings_.end()) {
-                const Standing& s = found->second;
-                fmt::print("{:<16} {:>10.3g} {:>10}  {:>4}/{:<4}  {}\n", goal.measure, s.worst,
-                           fmt::format("{}{:g}", goal.at_least ? ">=" : "<=", goal.bound), s.met, s.cases,
-                           s.where);
+            if (found == standings_.end()) {
+                continue;
             }
+            const Standing& s = found->second;
+            const std::string bound =
+                fmt::format("{} {:g}", goal.at_least ? "at least" : "at most", goal.bound);
+            table << fmt::format("{},{},{},{:.3g},{},{},\"{}\",\"{}\"\n", goal.measure, goal.unit, bound,
+                                 s.worst, s.met, s.cases, goal.meaning, s.where);
+            fmt::print("{:<16} {:>10.3g} {:>13}  {:>4}/{:<4}  {}\n", goal.measure, s.worst, bound, s.met,
+                       s.cases, s.where);
         }
-        fmt::print("table: {}\n", path_.string());
+        table.close();
+        if (!table) {
+            throw std::runtime_error(file.string() + ": could not be written; is the disk full?");
+        }
+        fmt::print("tables: {}, {}\n", path_.string(), file.string());
     }
 
   private:
@@ -192,7 +203,7 @@ class Bench {
         }
     }
 
-    void print() const { results_.print(); }
+    void conclude() const { results_.conclude(options_.out / "render-goals.csv"); }
 
   private:
     static constexpr std::size_t mouth = 1, touch = 2, best = 3;
@@ -298,7 +309,7 @@ int render_bench(const RenderOptions& options) {
             bench.look_at(attempt);
         }
     }
-    bench.print();
+    bench.conclude();
     return stop_asked() ? 1 : 0;
 }
 
