@@ -40,9 +40,9 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
     client::Window window(320, 240, "test");
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
-    client::Compositor compositor(window.width(), window.height(), 1);
+    client::Compositor compositor(window.width(), window.height(), render::qualities().front());
     compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false),
-                    window.orbit(), false);
+                    {.orbit = window.orbit(), .cut = {}}, false);
     compositor.target().copy_to_window();
     // What the window is about to show, read from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);
