@@ -104,7 +104,7 @@ pictures() {
 render() {
     local folder=$OUT/render
     rm -rf "$folder"
-    "$ETI_ROOT/build/release/bin/eti-bench" render --out "$folder" && cp "$folder/render-goals.csv" "$CHARTS" &&
+    "$ETI_ROOT/build/release/bin/eti-bench" render --out "$folder" && cp "$folder"/render-{goals,costs}.csv "$CHARTS" &&
         cp "$folder/term_expert.png" "$ETI_ROOT/docs/rendering.png"
 }
 

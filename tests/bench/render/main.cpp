@@ -33,6 +33,10 @@ int main(int argc, char** argv) {
     auto* eyes = render->add_option("--eyes", options.eyes, "Eye poses for POGO")
                      ->capture_default_str()
                      ->check(CLI::Range(0, 100000));
+    auto* costs =
+        render->add_option("--costs", options.costs, "Pictures of each view and size that are timed")
+            ->capture_default_str()
+            ->check(CLI::Range(0, 10000));
     render->add_flag("!--no-pictures", options.pictures, "Only the table");
     auto* golden =
         render->add_option("--golden", options.golden,
@@ -40,7 +44,7 @@ int main(int argc, char** argv) {
                            "and at the best view");
     render->add_flag("--renew", options.renew, "Write those pictures anew instead of comparing")
         ->needs(golden);
-    render->add_flag("--quick", quick, "The expert on the term newborn, forty eye poses");
+    render->add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -52,6 +56,9 @@ int main(int argc, char** argv) {
         }
         if (operators->empty()) {
             options.operators = {"expert"};
+        }
+        if (costs->empty()) {
+            options.costs = 0;
         }
         if (eyes->empty()) {
             options.eyes = 40;

@@ -107,10 +107,17 @@ Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, 
     return raster;
 }
 
-double back_faces_percent(const Raster& raster) {
-    const auto back = std::ranges::count_if(
-        raster.hits(), [](const Hit& hit) { return hit.back && hit.object != Shapes::blade_id; });
-    return 100.0 * static_cast<double>(back) / static_cast<double>(raster.hits().size());
+double back_faces_percent(const render::Image& ids) {
+    std::vector<std::array<std::uint8_t, 3>> behind;
+    for (std::size_t t = 0; t < tissue_count; ++t) {
+        behind.push_back(render::back_colour(static_cast<Tissue>(t)));
+    }
+    int back = 0;
+    for (std::size_t p = 0; p < ids.rgba.size(); p += 4) {
+        const std::array<std::uint8_t, 3> colour{ids.rgba[p], ids.rgba[p + 1], ids.rgba[p + 2]};
+        back += std::ranges::find(behind, colour) != behind.end() ? 1 : 0;
+    }
+    return 100.0 * back / (ids.width * ids.height);
 }
 
 double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camera, int width, int height) {

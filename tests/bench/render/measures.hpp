@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/render/camera.hpp"
+#include "client/render/drawing.hpp"
 #include "client/render/image.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/model/tissue.hpp"
@@ -34,8 +35,9 @@ struct Shapes {
 /// Organs and blade, not the bones, from a camera. `half`: only what lies on the right of the sagittal plane.
 [[nodiscard]] Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height);
 
-/// Share of the pixels in which one sees a surface from behind [%].
-[[nodiscard]] double back_faces_percent(const Raster& raster);
+/// Share of the pixels in which one sees a surface from behind [%], of a picture by
+/// Shading::object_id_both_sides.
+[[nodiscard]] double back_faces_percent(const render::Image& ids);
 
 /// Share of the pixels [%] in which the blade's face lies within an organ: a ray from the eye to it has
 /// entered that organ once more than left it.

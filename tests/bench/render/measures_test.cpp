@@ -86,7 +86,7 @@ TEST(Raster, ASphereCoversTheDiscThatPerspectiveGivesIt) {
     const double angle = std::asin(0.05 / 0.3), focal = 200.0 / std::tan(20.0 * degree);
     const double disc = std::numbers::pi * std::pow(focal * std::tan(angle), 2);
     EXPECT_NEAR(static_cast<double>(covered) / disc, 1.0, 0.01);
-    EXPECT_EQ(back_faces_percent(raster), 0.0);
+    EXPECT_TRUE(std::ranges::none_of(raster.hits(), &Hit::back));
 }
 
 TEST(Raster, ASphereTurnedInsideOutIsSeenFromBehind) {
@@ -94,7 +94,16 @@ TEST(Raster, ASphereTurnedInsideOutIsSeenFromBehind) {
     for (Triangle& t : stage.meshes[0].triangles) {
         std::swap(t[1], t[2]);
     }
-    EXPECT_GT(back_faces_percent(raster_of(stage.shapes(), from_front(0.3f), 100, 100)), 5.0);
+    const Raster raster = raster_of(stage.shapes(), from_front(0.3f), 100, 100);
+    EXPECT_TRUE(
+        std::ranges::all_of(raster.hits(), [](const Hit& hit) { return hit.object < 0 || hit.back; }));
+}
+
+TEST(Measures, PixelsInTheColoursOfBackFacesAreCounted) {
+    const auto back = render::back_colour(Tissue::tongue), front = render::object_colour(Tissue::tongue);
+    render::Image ids{
+        .width = 2, .height = 1, .rgba = {back[0], back[1], back[2], 255, front[0], front[1], front[2], 255}};
+    EXPECT_EQ(back_faces_percent(ids), 50.0);
 }
 
 TEST(Raster, WhatLiesBehindTheEyeIsCutOff) {

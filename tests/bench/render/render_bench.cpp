@@ -19,6 +19,7 @@
 #include "common/scenario/yaml_map.hpp"
 #include "server/metrics/glottic_view.hpp"
 #include "tests/bench/render/attempt.hpp"
+#include "tests/bench/render/cost.hpp"
 #include "tests/bench/render/measures.hpp"
 #include "tests/bench/render/sheet.hpp"
 #include "tests/bench/render/stage.hpp"
@@ -45,6 +46,7 @@ constexpr std::array goals = {
     Goal{"open_contours", "", 0.0, false, "contours of the section that are not closed"},
     Goal{"pogo_apart", "points", 3.0, false, "POGO of the picture against the server's rays"},
     Goal{"golden_apart", "%", 2.0, false, "pixels that differ from the golden picture by 24 levels"},
+    Goal{"kilobytes", "kB", 150.0, false, "sent to the graphics card for a picture"},
     Goal{"vertices_apart", "mm", 0.1, false, "drawn vertices from the server's surface"},
 };
 
@@ -126,11 +128,10 @@ class Artist {
   public:
     Artist(int width, int height) : target_(width, height, 1) {}
 
-    [[nodiscard]] render::Image draw(const render::View& view, const view::SceneView& scene) {
-        target_.bind_scene();
+    [[nodiscard]] render::Image draw(const render::View& view, const view::SceneView& scene,
+                                     render::Shading shading = render::Shading::lit) {
         renderer_.sync(scene);
-        renderer_.draw(view, scene, {0, 0, target_.width(), target_.height()});
-        target_.resolve();
+        renderer_.draw(view, scene, target_, {0, 0, target_.width(), target_.height()}, {}, shading);
         return target_.read();
     }
 
@@ -203,6 +204,28 @@ class Bench {
         }
     }
 
+    /// What drawing costs, while the blade lifts the tongue.
+    void measure_costs(const Attempt& attempt) {
+        if (!attempt.moments[touch] || !attempt.moments[best]) {
+            return;
+        }
+        const view::SceneView rest = staged(attempt);
+        const view::SceneView a = staged(rest, *attempt.moments[touch]),
+                              b = staged(rest, *attempt.moments[best]);
+        std::ofstream table(options_.out / "render-costs.csv");
+        table << "driver,quality,width,height,view,sync_ms,draw_ms,slowest_ms,kilobytes\n";
+        const render::Quality& quality = render::affordable_quality();
+        for (const auto& [width, height] : {std::pair{960, 540}, {1920, 1080}, {2880, 1600}}) {
+            for (const Cost& cost : costs(a, b, width, height, options_.costs, quality)) {
+                table << fmt::format("\"{}\",{},{},{},{},{:.3g},{:.4g},{:.4g},{:.4g}\n",
+                                     render::driver_name(), quality.name, width, height, cost.view,
+                                     cost.sync_ms, cost.draw_ms, cost.slowest_ms, cost.kilobytes);
+                results_.add(attempt.scenario.name, attempt.script.name, "lift", cost.view, "kilobytes",
+                             cost.kilobytes);
+            }
+        }
+    }
+
     void conclude() const { results_.conclude(options_.out / "render-goals.csv"); }
 
   private:
@@ -221,7 +244,7 @@ class Bench {
                     picture, options_.out / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
                                                         attempt.script.name, moment_names[m], view.name));
             }
-            if (m == best && view.skin == render::Skin::lips_aside) {
+            if (m == best && view.lips_aside) {
                 const Raster raster = raster_of(shapes, camera, options_.width, options_.height);
                 const Luminances light =
                     luminances(picture, raster, shapes, camera, moment.snapshot.glottis_contour);
@@ -229,11 +252,12 @@ class Bench {
                 add(view.name, "lumen_to_tongue", light.lumen / light.tongue);
             }
         }
+        add(view.name, "back_faces",
+            back_faces_percent(artist_.draw(view, scene, render::Shading::object_id_both_sides)));
         if (view.cut) {
-            return;  // half of the patient is away: what one sees from behind lies under the faces of the cut
+            return;
         }
         const Raster raster = raster_of(shapes, camera, options_.width, options_.height);
-        add(view.name, "back_faces", back_faces_percent(raster));
         add(view.name, "blade_in_tissue",
             blade_in_tissue_percent(shapes, camera, options_.width, options_.height));
         for (const Outline& outline : outlines(shapes, raster, 10.0 * options_.height / 1080.0)) {
@@ -307,6 +331,10 @@ int render_bench(const RenderOptions& options) {
                                                      load_operator(find_data_file(script, "operators")));
             spdlog::info("{} by {}: {}", scenario, script, attempt.reason);
             bench.look_at(attempt);
+            if (options.costs > 0 && scenario == options.scenarios.front() &&
+                script == options.operators.front()) {
+                bench.measure_costs(attempt);
+            }
         }
     }
     bench.conclude();

@@ -15,6 +15,7 @@ struct RenderOptions {
     std::vector<std::string> operators = {"expert", "novice", "no_lift"};
     int width = 1920, height = 1080;
     int eyes = 200;  ///< poses from which the picture's POGO and that of the server's rays are compared
+    int costs = 11;  ///< pictures of each view and size whose cost is measured
     bool pictures = true;
     std::filesystem::path golden;  ///< pictures to compare with; empty: none
     bool renew = false;            ///< write them instead
