@@ -44,8 +44,9 @@ void add(std::vector<hud::Mark>& marks, const Projection& projection, const Vec3
     }
 }
 
-void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene) {
-    const view::Sight sight = view::sight_of(scene.landmarks());
+void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene,
+               const view::TraineeEye& eye) {
+    const view::Sight sight = view::sight_of(eye, scene.landmarks());
     const auto met = view::obstacle(scene, sight);
     add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
     if (met) {
@@ -59,17 +60,17 @@ void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, cons
 }  // namespace
 
 std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
-                               const render::Orbit& orbit, const hud::Tile& tile) {
+                               const render::Vantage& vantage, const hud::Tile& tile) {
     std::vector<hud::Mark> marks;
     if (!scene.metrics()) {
         return marks;
     }
-    const Projection projection(view.camera(scene, orbit), tile);
+    const Projection projection(view.camera(scene, vantage), tile);
     const Vec3f& gum = at(scene.landmarks(), Landmark::upper_gum);
     const float force = scene.metrics()->gum_force_n();
     add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force));
     if (view.cut) {
-        add_sight(marks, projection, scene);
+        add_sight(marks, projection, scene, vantage.eye);
     }
     return marks;
 }

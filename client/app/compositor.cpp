@@ -36,7 +36,7 @@ void Compositor::resize(int width, int height) {
 }
 
 void Compositor::draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
-                      const render::Orbit& orbit, bool measured) {
+                      const render::Vantage& vantage, bool measured) {
     std::vector<hud::Tile> tiles;
     target_.bind_scene();
     renderer_.sync(scene);
@@ -44,11 +44,11 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
         if (scene.enhanced()) {
-            tile.marks = aids_of(*placed.view, scene, orbit, tile);
+            tile.marks = aids_of(*placed.view, scene, vantage, tile);
         }
         // OpenGL counts rows from below.
         renderer_.draw(*placed.view, scene,
-                       {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, orbit);
+                       {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, vantage);
         tiles.push_back(tile);
         if (measured) {
             glFinish();

@@ -36,7 +36,7 @@ class Compositor {
     /// The picture is then in target(), with what helps a learner where the session asks for the enhanced
     /// view. `measured`: waits after each view to time it.
     void draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
-              const render::Orbit& orbit, bool measured);
+              const render::Vantage& vantage, bool measured);
 
     [[nodiscard]] const render::RenderTarget& target() const { return target_; }
     void resize(int width, int height);

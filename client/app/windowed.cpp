@@ -41,7 +41,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     if (!options.observe) {
         commands.emplace(node, options.bus.name);
     }
-    Controls controls(*options.selection, commands ? &*commands : nullptr);
+    Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
                           options.samples > 0 ? options.samples : affordable_samples());
@@ -59,6 +59,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             event.down ? controls.press(event.key, event.repeated, scene, now)
                        : controls.release(event.key, now);
         }
+        for (const Drag& mouse : window.take_drags()) {
+            controls.drag(mouse, scene, window.width(), window.height());
+        }
         controls.tend(now);
         scene.update();
         if (lost(input) != was_lost) {
@@ -68,10 +71,10 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         compositor.resize(window.width(), window.height());
         hud::Readout readout = hud::readout_of(scene, was_lost);
         controls.put_into(readout, now);
-        compositor.draw(controls.selection().views(scene), scene, readout, window.orbit(), options.json);
+        compositor.draw(controls.selection().views(scene), scene, readout, controls.vantage(), options.json);
         compositor.target().copy_to_window();
         window.show_frame();
-        input.publish_eye(scene);
+        input.publish_eye(scene, controls.vantage().eye);
         frames += scene.complete() ? 1 : 0;
         // A display without vertical sync would have every core drawing the same picture.
         std::this_thread::sleep_until(next_frame);

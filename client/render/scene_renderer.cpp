@@ -110,8 +110,8 @@ void SceneRenderer::sync(const view::SceneView& scene) {
 }
 
 void SceneRenderer::draw(const View& view, const view::SceneView& scene, const Viewport& viewport,
-                         const Orbit& orbit, Shading shading) {
-    const Camera camera = view.camera(scene, orbit);
+                         const Vantage& from, Shading shading) {
+    const Camera camera = view.camera(scene, from);
     const float aspect = static_cast<float>(viewport.width) / static_cast<float>(viewport.height);
     std::optional<Light> lamp;
     if (scene.laryngoscope_pose() && scene.keys()) {
@@ -220,8 +220,7 @@ void SceneRenderer::draw_skin(const Drawing& drawing) {
     program.set("clip_plane", drawing.clip_plane);
     drawing.lighting.apply(program, drawing.camera.eye);
     if (drawing.view.skin == Skin::lips_aside) {
-        lip_retraction(laryngoscope_camera(drawing.scene.landmarks()), drawing.scene.landmarks())
-            .apply(program);
+        apply(lip_retraction(drawing.camera.eye, drawing.scene.landmarks()), program);
     } else if (drawing.view.skin == Skin::shadowed && !drawing.ids) {
         program.set("shadow_map", 0);
         program.set("shadow_matrix",

@@ -40,7 +40,7 @@ class SceneRenderer {
 
     /// Draws one view into the bound framebuffer, which has depth and stencil.
     void draw(const View& view, const view::SceneView& scene, const Viewport& viewport,
-              const Orbit& orbit = {}, Shading shading = Shading::lit);
+              const Vantage& from = {}, Shading shading = Shading::lit);
 
   private:
     struct Drawing;  // what one draw() needs throughout

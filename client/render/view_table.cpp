@@ -9,26 +9,21 @@
 namespace eti::render {
 namespace {
 
-constexpr float glottis_below_centre = 7e-3f;  // [m]
-
-Camera from_above(const view::SceneView& scene, const Orbit& orbit) {
+Camera from_above(const view::SceneView& scene, const Vantage& from) {
     const float table_angle = scene.live().table_angle;
-    return overview_camera(scene.landmarks(), orbit, std::isfinite(table_angle) ? table_angle : 0.0f);
+    return overview_camera(scene.landmarks(), from.orbit, std::isfinite(table_angle) ? table_angle : 0.0f);
 }
 
-Camera under_the_blade(const view::SceneView& scene, const Orbit&) {
-    Camera sight = laryngoscope_camera(scene.landmarks());
-    // The gum fills the lower half of the sight line's surroundings; look a little above the glottis.
-    sight.target -= glottis_below_centre * Vec3f::UnitY();
-    return sight;
+Camera under_the_blade(const view::SceneView& scene, const Vantage& from) {
+    return close_up_camera(from.eye, scene.landmarks());
 }
 
-Camera from_the_left(const view::SceneView& scene, const Orbit&) {
+Camera from_the_left(const view::SceneView& scene, const Vantage&) {
     return section_camera(scene.landmarks());
 }
 
-Camera from_the_eye(const view::SceneView& scene, const Orbit&) {
-    return eye_camera(scene.landmarks());
+Camera from_the_eye(const view::SceneView& scene, const Vantage& from) {
+    return eye_camera(from.eye, scene.landmarks());
 }
 
 const std::array table{
@@ -39,6 +34,7 @@ const std::array table{
          .lighting = laryngoscope_lighting,
          .background = Vec3f::Zero(),
          .automatic = Automatic::always,
+         .moves = Moves::eye,
          .skin = Skin::lips_aside,
          .vignette = true},
     View{.name = "overview",
@@ -48,6 +44,7 @@ const std::array table{
          .lighting = overview_lighting,
          .background = Vec3f(0.035f, 0.065f, 0.075f),
          .automatic = Automatic::always,
+         .moves = Moves::onlooker,
          .skin = Skin::shadowed},
     View{.name = "section",
          .key = '2',
@@ -63,6 +60,7 @@ const std::array table{
          .camera = from_the_eye,
          .lighting = laryngoscope_lighting,
          .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .moves = Moves::eye,
          .skin = Skin::lips_aside},
 };
 
