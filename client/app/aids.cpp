@@ -60,17 +60,19 @@ void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, cons
 }  // namespace
 
 std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
-                               const render::Vantage& vantage, const hud::Tile& tile) {
+                               const render::Vantage& from, const hud::Tile& tile) {
     std::vector<hud::Mark> marks;
     if (!scene.metrics()) {
         return marks;
     }
-    const Projection projection(view.camera(scene, vantage), tile);
-    const Vec3f& gum = at(scene.landmarks(), Landmark::upper_gum);
-    const float force = scene.metrics()->gum_force_n();
-    add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force));
-    if (view.cut) {
-        add_sight(marks, projection, scene, vantage.eye);
+    const Projection projection(view.camera(scene, from), tile);
+    if (view.has(render::Overlay::gum_force)) {
+        const Vec3f& gum = at(scene.landmarks(), Landmark::upper_gum);
+        const float force = scene.metrics()->gum_force_n();
+        add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force));
+    }
+    if (view.has(render::Overlay::line_of_sight)) {
+        add_sight(marks, projection, scene, from.eye);
     }
     return marks;
 }

@@ -13,6 +13,6 @@ namespace eti::client {
 /// What the enhanced view draws over a view that fills `tile`: the upper gum in the colour of the force on
 /// it, and in a section the line of sight onto the glottis, with the name of what it meets first.
 [[nodiscard]] std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
-                                             const render::Vantage& vantage, const hud::Tile& tile);
+                                             const render::Vantage& from, const hud::Tile& tile);
 
 }  // namespace eti::client

@@ -3,10 +3,8 @@
 #include "client/app/compositor.hpp"
 
 #include <chrono>
-#include <string>
 
 #include "client/app/aids.hpp"
-#include "client/render/headless_context.hpp"
 
 namespace eti::client {
 
@@ -26,47 +24,47 @@ std::vector<PlacedView> layout(const Views& views, int width, int height) {
     return out;
 }
 
-Compositor::Compositor(int width, int height, int samples)
-    : samples_(samples), target_(width, height, samples), times_(render::views().size()) {}
+Compositor::Compositor(int width, int height, const render::Quality& quality)
+    : quality_(quality),
+      target_(width, height, quality.samples),
+      renderer_(quality),
+      times_(render::views().size()) {}
 
 void Compositor::resize(int width, int height) {
     if (width != target_.width() || height != target_.height()) {
-        target_ = render::RenderTarget(width, height, samples_);
+        target_ = render::RenderTarget(width, height, quality_.samples);
     }
 }
 
 void Compositor::draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
-                      const render::Vantage& vantage, bool measured) {
+                      const render::Vantage& from, bool measured) {
     std::vector<hud::Tile> tiles;
-    target_.bind_scene();
-    renderer_.sync(scene);
+    target_.bind_picture();
+    glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    const auto start = std::chrono::steady_clock::now();
+    renderer_.sync(scene, baking_);
+    if (measured) {
+        glFinish();
+        sync_time_.add(start);
+    }
     for (const PlacedView& placed : layout(views, target_.width(), target_.height())) {
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
         if (scene.enhanced()) {
-            tile.marks = aids_of(*placed.view, scene, vantage, tile);
+            tile.marks = aids_of(*placed.view, scene, from, tile);
         }
         // OpenGL counts rows from below.
-        renderer_.draw(*placed.view, scene,
-                       {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, vantage);
+        renderer_.draw(*placed.view, scene, target_,
+                       {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);
         tiles.push_back(tile);
         if (measured) {
             glFinish();
-            DrawTime& time = times_[static_cast<std::size_t>(placed.view - render::views().data())];
-            time.sum_ms +=
-                std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-            ++time.frames;
+            times_[static_cast<std::size_t>(placed.view - render::views().data())].add(begin);
         }
     }
-    target_.resolve();
+    target_.bind_picture();
     hud_.draw(readout, tiles, target_.width(), target_.height());
-}
-
-int affordable_samples() {
-    const std::string driver = render::driver_name();
-    const bool software =
-        driver.find("llvmpipe") != std::string::npos || driver.find("softpipe") != std::string::npos;
-    return software ? 1 : 4;
 }
 
 }  // namespace eti::client

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <vector>
 
@@ -26,32 +27,43 @@ struct PlacedView {
 struct DrawTime {
     double sum_ms = 0.0;
     std::uint64_t frames = 0;
+
+    [[nodiscard]] double mean_ms() const { return frames > 0 ? sum_ms / static_cast<double>(frames) : 0.0; }
+    void add(std::chrono::steady_clock::time_point since) {
+        sum_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
+        ++frames;
+    }
 };
 
 /// Draws whole pictures: views side by side with the readout over them.
 class Compositor {
   public:
-    Compositor(int width, int height, int samples);
+    Compositor(int width, int height, const render::Quality& quality);
 
     /// The picture is then in target(), with what helps a learner where the session asks for the enhanced
-    /// view. `measured`: waits after each view to time it.
+    /// view. Without views it is the readout alone. `measured`: waits after each view to time it.
     void draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
-              const render::Vantage& vantage, bool measured);
+              const render::Vantage& from, bool measured);
+    /// What a new scene needs before it is drawn goes on beside the drawing, which shows nothing of it
+    /// meanwhile; else it is waited for.
+    void bake_beside() { baking_ = render::Baking::go_on; }
 
     [[nodiscard]] const render::RenderTarget& target() const { return target_; }
+    [[nodiscard]] const render::Quality& quality() const { return quality_; }
     void resize(int width, int height);
+    /// Of bringing the scene's state to the graphics card.
+    [[nodiscard]] const DrawTime& sync_time() const { return sync_time_; }
     /// In the order of render::views().
     [[nodiscard]] const std::vector<DrawTime>& times() const { return times_; }
 
   private:
-    int samples_;
+    const render::Quality& quality_;
+    render::Baking baking_ = render::Baking::wait;
     render::RenderTarget target_;
     render::SceneRenderer renderer_;
     hud::Hud hud_;
+    DrawTime sync_time_;
     std::vector<DrawTime> times_;
 };
-
-/// Samples a pixel that this driver can afford: 1 for software, 4 else.
-[[nodiscard]] int affordable_samples();
 
 }  // namespace eti::client

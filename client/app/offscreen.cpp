@@ -28,6 +28,9 @@ constexpr double silent_for_s = 15.0;
 // Longer than this no picture is held in the video: simulation time that jumps is a new session.
 constexpr std::int64_t longest_hold_s = 20;
 constexpr int drawing_nice = 5;
+// A server tells where all frames are within a second of being joined; on a bad link some may still be
+// missing.
+constexpr auto longest_without_shape = 3s;
 
 enum class End { none, finished, lost, stopped, enough_frames };
 
@@ -55,7 +58,7 @@ class Offscreen {
           // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
           input_(node, options.frames_per_second > 30.0, !options.observe),
           compositor_(options.width, options.height,
-                      options.samples > 0 ? options.samples : affordable_samples()),
+                      options.quality != nullptr ? *options.quality : render::affordable_quality()),
           pictures_(options.offscreen, options.vantage) {
         if (!options.video.empty()) {
             video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
@@ -66,15 +69,18 @@ class Offscreen {
     // False: no scene came.
     bool wait_for_scene() {
         auto deadline = Clock::now() + std::chrono::duration<double>(options_.wait_s);
-        bool announced = false;
-        while (!scene_.complete()) {
+        bool announced = false, deadline_of_shape = false;
+        while (!scene_.shaped()) {
             input_.take_into(scene_);
             bus::refuse_other_protocol(node_);
             if (stop_asked()) {
                 end_ = End::stopped;
                 return true;
             }
-            if (input_.server_on_bus()) {
+            if (scene_.complete() && !deadline_of_shape) {
+                deadline_of_shape = true;
+                deadline = Clock::now() + longest_without_shape;
+            } else if (input_.server_on_bus() && !scene_.complete()) {
                 // It is there and still builds its patient: that may take longer than any fixed time.
                 deadline = Clock::now() + std::chrono::duration<double>(options_.wait_s);
                 if (!announced) {
@@ -83,7 +89,7 @@ class Offscreen {
                 }
             }
             if (Clock::now() > deadline) {
-                return false;
+                return scene_.complete();
             }
             input_.wait(20ms);
         }
@@ -139,7 +145,7 @@ class Offscreen {
         for (std::size_t v = 0; v < compositor_.times().size(); ++v) {
             const DrawTime& time = compositor_.times()[v];
             if (time.frames > 0) {
-                times[std::string(render::views()[v].name)] = time.sum_ms / static_cast<double>(time.frames);
+                times[std::string(render::views()[v].name)] = time.mean_ms();
             }
         }
         nlohmann::json report{
@@ -150,6 +156,8 @@ class Offscreen {
             {"frames", frames_},
             {"frames_drawn", drawn_},
             {"frames_held", held_},
+            {"quality", std::string(compositor_.quality().name)},
+            {"sync_ms", compositor_.sync_time().mean_ms()},
             {"draw_ms", times},
             {"best_glottic_opening_percent", best_.percent()},
             {"messages_dropped", scene_.dropped()},

@@ -61,6 +61,13 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         names.emplace_back(one.name);
         of_views += fmt::format("{}{}: {}", of_views.empty() ? "" : "; ", one.name, one.help);
     }
+    std::vector<std::string> quality_names{"auto"};
+    std::string of_qualities = "auto: high with a graphics card, low without";
+    for (const render::Quality& one : render::qualities()) {
+        quality_names.emplace_back(one.name);
+        of_qualities += fmt::format("; {}: {}", one.name, one.help);
+    }
+    std::string quality = "auto";
     std::string view(options.selection->name);
     std::string size = "960x540";
     std::string eye_offset = "0,0,0";
@@ -121,10 +128,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                                             "numbers from 64 to 7680, e.g. 1280x720";
             },
             "WxH");
-    app.add_option("--samples", options.samples,
-                   "Samples a pixel, for smooth edges; 0: 4 with a graphics card, 1 without")
+    app.add_option("--quality", quality, of_qualities)
         ->capture_default_str()
-        ->check(CLI::Range(0, 16));
+        ->check(CLI::IsMember(quality_names));
     bus::add_options(app, options.bus);
     app.add_flag("--json", options.json, "Print what was made as one JSON object");
     try {
@@ -133,6 +139,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         return app.exit(error) == 0 ? 0 : 2;
     }
     options.selection = selection_named(view);
+    options.quality = render::quality_named(quality);
     (void)read_size(size, options.width, options.height);
     options.vantage.eye = view::TraineeEye(*read_offset(eye_offset));
     if (!no_video && options.video.empty() && !options.offscreen.empty() && !options.observe) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "client/app/selection.hpp"
+#include "client/render/quality.hpp"
 #include "common/bus/bus.hpp"
 
 namespace eti::client {
@@ -25,7 +26,7 @@ struct Options {
     double wait_s = 20.0;             ///< for a scene, before giving up
     int width = 960;
     int height = 540;
-    int samples = 0;  ///< a pixel; 0: 4 with a graphics card, 1 in software
+    const render::Quality* quality = nullptr;  ///< none: what the driver can afford
     bool json = false;
 };
 

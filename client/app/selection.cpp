@@ -19,6 +19,9 @@ const std::vector<Selection>& table() {
                             .enhanced = {}};
         for (const render::View& view : render::views()) {
             out.push_back({view.name, view.key, view.help, {&view}, {&view}});
+            if (view.automatic == render::Automatic::alone) {
+                continue;
+            }
             all.plain.push_back(&view);
             if (view.automatic == render::Automatic::always) {
                 automatic.plain.push_back(&view);

@@ -87,6 +87,10 @@ int Window::width() const {
     return std::max(width, 64);
 }
 
+bool Window::minimised() const {
+    return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+}
+
 int Window::height() const {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);

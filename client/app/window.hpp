@@ -30,6 +30,8 @@ class Window {
     Window& operator=(const Window&) = delete;
 
     [[nodiscard]] bool open() const;
+    /// Nobody sees what would be drawn.
+    [[nodiscard]] bool minimised() const;
     void poll_events();
     void show_frame();
 

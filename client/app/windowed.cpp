@@ -44,7 +44,8 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
-                          options.samples > 0 ? options.samples : affordable_samples());
+                          options.quality != nullptr ? *options.quality : render::affordable_quality());
+    compositor.bake_beside();
     std::uint64_t frames = 0;
     bool was_lost = false;
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
@@ -68,12 +69,16 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             was_lost = !was_lost;
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
-        compositor.resize(window.width(), window.height());
-        hud::Readout readout = hud::readout_of(scene, was_lost);
-        controls.put_into(readout, now);
-        compositor.draw(controls.selection().views(scene), scene, readout, controls.vantage(), options.json);
-        compositor.target().copy_to_window();
-        window.show_frame();
+        if (!window.minimised()) {
+            compositor.resize(window.width(), window.height());
+            hud::Readout readout = hud::readout_of(scene, was_lost);
+            controls.put_into(readout, now);
+            // Before every part of the patient has been heard of, a picture would show none that there is.
+            compositor.draw(scene.shaped() ? controls.selection().views(scene) : Views{}, scene, readout,
+                            controls.vantage(), options.json);
+            compositor.target().copy_to_window();
+            window.show_frame();
+        }
         input.publish_eye(scene, controls.vantage().eye);
         frames += scene.complete() ? 1 : 0;
         // A display without vertical sync would have every core drawing the same picture.

@@ -2,14 +2,34 @@
 // Copyright the NeoETI authors
 #include "client/render/gpu_mesh.hpp"
 
+#include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace eti::render {
 namespace {
 
 static_assert(sizeof(view::LitVertex) == 24 && offsetof(view::LitVertex, normal) == 12);
-static_assert(sizeof(view::TubeVertex) == 32 && offsetof(view::TubeVertex, from_tip) == 24);
 static_assert(sizeof(Triangle) == 12 && sizeof(VertexColour) == 4);
+
+// The tube is sent anew with each state: 20 bytes a vertex in place of 32.
+struct PackedTubeVertex {
+    Vec3f position;
+    std::uint32_t normal;  // ten bits a component
+    Eigen::half from_tip, around;
+};
+static_assert(sizeof(PackedTubeVertex) == 20 && offsetof(PackedTubeVertex, from_tip) == 16);
+
+std::uint32_t ten_bits(const Vec3f& normal) {
+    std::uint32_t packed = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto value = static_cast<std::int32_t>(std::lround(511.0f * normal[axis]));
+        packed |= (static_cast<std::uint32_t>(value) & 0x3ffu) << (10 * axis);
+    }
+    return packed;
+}
+
+}  // namespace
 
 void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,
                std::size_t offset) {
@@ -18,11 +38,12 @@ void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, G
                           reinterpret_cast<const void*>(offset));
 }
 
-}  // namespace
-
-GpuMesh::GpuMesh(std::span<const Triangle> triangles, std::span<const VertexColour> colours) {
+GpuMesh::GpuMesh(std::span<const Triangle> triangles, std::span<const view::LitVertex> vertices,
+                 std::span<const VertexColour> colours) {
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
+                 GL_STATIC_DRAW);
     attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, 24, 0);
     attribute(Attribute::normal, 3, GL_FLOAT, GL_FALSE, 24, 12);
     glBindBuffer(GL_ARRAY_BUFFER, colours_.name());
@@ -35,9 +56,9 @@ GpuMesh::GpuMesh(std::span<const Triangle> triangles, std::span<const VertexColo
 GpuMesh::GpuMesh(std::span<const Triangle> triangles) {
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
-    attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, 32, 0);
-    attribute(Attribute::normal, 3, GL_FLOAT, GL_FALSE, 32, 12);
-    attribute(Attribute::course, 2, GL_FLOAT, GL_FALSE, 32, 24);
+    attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, sizeof(PackedTubeVertex), 0);
+    attribute(Attribute::normal, 4, GL_INT_2_10_10_10_REV, GL_TRUE, sizeof(PackedTubeVertex), 12);
+    attribute(Attribute::course, 2, GL_HALF_FLOAT, GL_FALSE, sizeof(PackedTubeVertex), 16);
     set_indices(triangles);
 }
 
@@ -49,30 +70,20 @@ void GpuMesh::set_indices(std::span<const Triangle> triangles) {
     glBindVertexArray(0);
 }
 
-void GpuMesh::upload_bytes(const void* data, std::size_t bytes) {
-    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), data, GL_STREAM_DRAW);
-}
-
-void GpuMesh::upload(std::span<const view::LitVertex> vertices) {
-    upload_bytes(vertices.data(), vertices.size_bytes());
-}
-
 void GpuMesh::upload(std::span<const view::TubeVertex> vertices) {
-    upload_bytes(vertices.data(), vertices.size_bytes());
-}
-
-void GpuMesh::draw(std::span<const Triangle> triangles) const {
-    glBindVertexArray(array_.name());
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chosen_.name());
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size_bytes()), triangles.data(),
-                 GL_STREAM_DRAW);
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangles.size()), GL_UNSIGNED_INT, nullptr);
+    std::vector<PackedTubeVertex> packed;
+    packed.reserve(vertices.size());
+    for (const view::TubeVertex& vertex : vertices) {
+        packed.push_back({vertex.position, ten_bits(vertex.normal), Eigen::half(vertex.from_tip),
+                          Eigen::half(vertex.around)});
+    }
+    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(packed.size() * sizeof(PackedTubeVertex)),
+                 packed.data(), GL_STREAM_DRAW);
 }
 
 void GpuMesh::draw() const {
     glBindVertexArray(array_.name());
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 

@@ -16,32 +16,32 @@ namespace eti::render {
 /// Vertex attributes as the shaders number them.
 enum class Attribute : GLuint { position = 0, normal = 1, colour = 2, course = 3 };
 
-/// A triangle mesh on the graphics card whose vertices may be replaced and whose triangles stay.
+/// Says where in the bound buffer the bound array finds an attribute, [bytes].
+void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,
+               std::size_t offset);
+
+/// A tool's triangle mesh on the graphics card; its triangles stay.
 class GpuMesh {
   public:
-    GpuMesh(std::span<const Triangle> triangles, std::span<const VertexColour> colours);
+    /// A rigid one: its vertices stay too.
+    GpuMesh(std::span<const Triangle> triangles, std::span<const view::LitVertex> vertices,
+            std::span<const VertexColour> colours);
     /// The tube: position, normal, distance from the tip and turn in place of colour.
     explicit GpuMesh(std::span<const Triangle> triangles);
 
-    void upload(std::span<const view::LitVertex> vertices);
     void upload(std::span<const view::TubeVertex> vertices);
-    /// All triangles.
     void draw() const;
-    /// These triangles only.
-    void draw(std::span<const Triangle> triangles) const;
 
     /// Revision of what was last uploaded, kept for the caller.
     std::uint64_t revision = 0;
 
   private:
-    void upload_bytes(const void* data, std::size_t bytes);
     void set_indices(std::span<const Triangle> triangles);
 
     VertexArray array_;
     Buffer vertices_;
     Buffer colours_;
     Buffer indices_;
-    Buffer chosen_;
     GLsizei index_count_ = 0;
 };
 

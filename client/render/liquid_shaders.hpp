@@ -50,14 +50,6 @@ void main() {
 }
 )";
 
-inline constexpr std::string_view quad_vertex = R"(
-out vec2 at;
-void main() {
-    at = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-    gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
-}
-)";
-
 /// One direction of a smoothing that does not mix near with far: a difference of more than a few radii is
 /// another surface.
 inline constexpr std::string_view smooth_fragment = R"(
@@ -146,7 +138,7 @@ void main() {
         float nh64 = pow(nh8, 8.0);
         mirrored += light.colour * (0.01 * nh8 * nh8 * nh8 + 0.25 * nh64 * nh64 * nh64 * nh64);
     }
-    pixel = vec4(edge * tone(milky * scattered + mirrored), 1.0 - edge * (1.0 - (1.0 - milky) * (1.0 - fresnel)));
+    pixel = vec4(edge * min(milky * scattered + mirrored, brightest), 1.0 - edge * (1.0 - (1.0 - milky) * (1.0 - fresnel)));
 }
 )";
 

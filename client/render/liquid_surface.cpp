@@ -8,8 +8,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "client/render/light_shaders.hpp"
 #include "client/render/liquid_shaders.hpp"
-#include "client/render/shader_sources.hpp"
+#include "client/render/tone_shaders.hpp"
 
 namespace eti::render {
 namespace {

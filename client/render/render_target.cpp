@@ -40,34 +40,45 @@ RenderTarget::RenderTarget(int width, int height, int samples) : width_(width), 
     GLint most = 1;
     glGetIntegerv(GL_MAX_SAMPLES, &most);
     const int used = std::clamp(samples, 1, std::max(1, static_cast<int>(most)));
-    store(plain_colour_.name(), GL_SRGB8_ALPHA8, width, height, 1);
-    attach(plain_.name(), GL_COLOR_ATTACHMENT0, plain_colour_.name());
+    store(picture_colour_.name(), GL_SRGB8_ALPHA8, width, height, 1);
+    attach(picture_.name(), GL_COLOR_ATTACHMENT0, picture_colour_.name());
+    require_complete(picture_.name(), width, height);
+    glBindTexture(GL_TEXTURE_2D, light_.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, scene_.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, light_.name(), 0);
     store(depth_stencil_.name(), GL_DEPTH24_STENCIL8, width, height, used);
     if (used > 1) {
         sampled_.emplace();
-        sampled_colour_.emplace();
-        store(sampled_colour_->name(), GL_SRGB8_ALPHA8, width, height, used);
-        attach(sampled_->name(), GL_COLOR_ATTACHMENT0, sampled_colour_->name());
-        attach(sampled_->name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
-        require_complete(sampled_->name(), width, height);
+        store(sampled_->light.name(), GL_RGBA16F, width, height, used);
+        attach(sampled_->framebuffer.name(), GL_COLOR_ATTACHMENT0, sampled_->light.name());
+        attach(sampled_->framebuffer.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        require_complete(sampled_->framebuffer.name(), width, height);
     } else {
-        attach(plain_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        attach(scene_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
     }
-    require_complete(plain_.name(), width, height);
+    require_complete(scene_.name(), width, height);
 }
 
 void RenderTarget::bind_scene() const {
-    glBindFramebuffer(GL_FRAMEBUFFER, sampled_ ? sampled_->name() : plain_.name());
-    glViewport(0, 0, width_, height_);
+    glBindFramebuffer(GL_FRAMEBUFFER, sampled_ ? sampled_->framebuffer.name() : scene_.name());
 }
 
-void RenderTarget::resolve() const {
+void RenderTarget::resolve(const Viewport& area) const {
     if (sampled_) {
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, sampled_->name());
-        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, plain_.name());
-        glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        const int right = area.x + area.width, top = area.y + area.height;
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, sampled_->framebuffer.name());
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, scene_.name());
+        glBlitFramebuffer(area.x, area.y, right, top, area.x, area.y, right, top, GL_COLOR_BUFFER_BIT,
+                          GL_NEAREST);
     }
-    glBindFramebuffer(GL_FRAMEBUFFER, plain_.name());
+}
+
+void RenderTarget::bind_picture() const {
+    glBindFramebuffer(GL_FRAMEBUFFER, picture_.name());
     glViewport(0, 0, width_, height_);
 }
 
@@ -75,7 +86,7 @@ Image RenderTarget::read() const {
     Image image{width_, height_, {}};
     const std::size_t row = 4 * static_cast<std::size_t>(width_);
     image.rgba.resize(row * static_cast<std::size_t>(height_));
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, plain_.name());
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.name());
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
     // OpenGL's first row is the bottom one.
@@ -89,7 +100,7 @@ Image RenderTarget::read() const {
 }
 
 void RenderTarget::copy_to_window() const {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, plain_.name());
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.name());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);

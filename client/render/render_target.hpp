@@ -6,11 +6,12 @@
 
 #include "client/render/gl_object.hpp"
 #include "client/render/image.hpp"
+#include "client/render/viewport.hpp"
 
 namespace eti::render {
 
-/// An off-screen picture: sRGB colour with depth and stencil. With `samples` over one, edges are
-/// smoothed; resolve() then brings the result into the plain picture, on which an overlay may be drawn.
+/// Where pictures are made: a scene of linear light (16-bit floats, depth and stencil) and the sRGB picture
+/// that is made of it. With `samples` over one the scene's edges are smoothed.
 class RenderTarget {
   public:
     /// Throws std::runtime_error when the driver refuses the size.
@@ -21,21 +22,28 @@ class RenderTarget {
 
     /// Draw the scene here.
     void bind_scene() const;
-    /// Averages the samples and binds the plain picture.
-    void resolve() const;
-    /// Reads the plain picture back; waits for the driver.
+    /// Averages the samples of an area of the scene into light().
+    void resolve(const Viewport& area) const;
+    [[nodiscard]] const Texture& light() const { return light_; }
+    /// Draw here what becomes the picture, and overlays on it.
+    void bind_picture() const;
+    /// Reads the picture back; waits for the driver.
     [[nodiscard]] Image read() const;
-    /// Copies the plain picture into framebuffer 0 (a window's).
+    /// Copies the picture into framebuffer 0 (a window's).
     void copy_to_window() const;
 
   private:
+    struct Sampled {
+        Framebuffer framebuffer;
+        Renderbuffer light;
+    };
+
     int width_;
     int height_;
-    Framebuffer plain_;
-    Renderbuffer plain_colour_;
-    Renderbuffer depth_stencil_;
-    std::optional<Framebuffer> sampled_;
-    std::optional<Renderbuffer> sampled_colour_;
+    Framebuffer picture_, scene_;
+    Renderbuffer picture_colour_, depth_stencil_;
+    Texture light_;
+    std::optional<Sampled> sampled_;
 };
 
 }  // namespace eti::render

@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #include "client/render/scene_meshes.hpp"
 
-#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
 
 #include "client/render/creased_mesh.hpp"
 #include "common/math/units.hpp"
@@ -12,50 +14,58 @@ namespace {
 
 constexpr float crease_angle = 40.0f * degree;
 
-// Body, then organs, then bones.
-int layer(const SurfaceMesh& surface) {
-    return surface.tissue == Tissue::soft ? 0 : surface.bone ? 2 : 1;
-}
-
 }  // namespace
 
 void SceneMeshes::rebuild(const view::SceneView& scene) {
-    surfaces_.clear();
+    scene_revision_ = scene.scene_revision();
+    ready_ = false;
+    std::vector<std::shared_ptr<const view::RestSurface>> models;
     for (const auto& [name, surface] : scene.surfaces()) {
-        const view::RestSurface& model = surface.model();
-        std::vector<VertexColour> colours = surface_colours(model, scene.rest_landmarks());
-        GpuMesh mesh(model.mesh.triangles, colours);
-        surfaces_.push_back({name, model.tissue, is_bone(model.tissue), std::move(colours), std::move(mesh),
-                             TriangleBlocks(model.mesh.triangles, model.mesh.vertices)});
+        models.push_back(surface.shared_model());
     }
-    std::stable_sort(surfaces_.begin(), surfaces_.end(),
-                     [](const SurfaceMesh& a, const SurfaceMesh& b) { return layer(a) < layer(b); });
+    baking_ = std::async(std::launch::async, [models, rest = scene.rest_landmarks()] {
+        Colours colours;
+        for (const auto& model : models) {
+            colours[model->name] = surface_colours(*model, rest);
+        }
+        return colours;
+    });
+    patient_.build(scene);
     blade_.reset();
     if (scene.laryngoscope()) {
         const CreasedMesh mesh = creased(scene.laryngoscope()->mesh, crease_angle);
         const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
-        blade_.emplace(mesh.triangles, steel);
-        blade_->upload(mesh.vertices);
+        blade_.emplace(mesh.triangles, mesh.vertices, steel);
     }
     tube_.reset();
-    scene_revision_ = scene.scene_revision();
 }
 
-void SceneMeshes::sync(const view::SceneView& scene) {
+void SceneMeshes::take_colours(Baking baking) {
+    if (!baking_.valid() ||
+        (baking == Baking::go_on && baking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) {
+        return;
+    }
+    colours_ = baking_.get();
+    for (std::size_t part = 0; part < patient_.parts().size(); ++part) {
+        patient_.set_colours(part, colours_.at(patient_.parts()[part].name));
+    }
+    ready_ = true;
+}
+
+void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (!scene.complete()) {
+        ready_ = false;
+        scene_revision_ = 0;
         return;
     }
     if (scene_revision_ != scene.scene_revision()) {
         rebuild(scene);
     }
-    for (SurfaceMesh& surface : surfaces_) {
-        const auto& shape = scene.surfaces().at(surface.name);
-        if (surface.mesh.revision != shape.revision()) {
-            surface.mesh.upload(shape.vertices());
-            surface.blocks.update(shape.vertices());
-            surface.mesh.revision = shape.revision();
-        }
+    take_colours(baking);
+    if (!ready_) {
+        return;
     }
+    patient_.update(scene);
     if (const view::TubeSweep* sweep = scene.tube()) {
         if (!tube_) {
             tube_.emplace(sweep->triangles());
@@ -64,6 +74,8 @@ void SceneMeshes::sync(const view::SceneView& scene) {
             tube_->upload(sweep->vertices());
             tube_->revision = sweep->revision();
         }
+    } else {
+        tube_.reset();
     }
 }
 

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "client/render/section_cut.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -12,12 +13,6 @@ namespace eti::render {
 namespace {
 
 static_assert(sizeof(CutVertex) == 16 && offsetof(CutVertex, colour) == 12);
-
-struct Crossing {
-    Vec3f position;
-    Vec3f inward;  // unit, in the plane
-    VertexColour colour;
-};
 
 VertexColour blend(const VertexColour& a, const VertexColour& b, float t) {
     VertexColour mixed{};
@@ -30,39 +25,64 @@ VertexColour blend(const VertexColour& a, const VertexColour& b, float t) {
 
 }  // namespace
 
-std::vector<CutVertex> section_band(std::span<const Triangle> triangles,
-                                    std::span<const view::LitVertex> vertices,
-                                    std::span<const VertexColour> colours, float x, float width) {
-    std::vector<CutVertex> band;
+std::vector<CutSegment> section_contour(std::span<const Triangle> triangles,
+                                        std::span<const view::LitVertex> vertices,
+                                        std::span<const VertexColour> colours, const CutPlane& plane) {
+    std::vector<float> side(vertices.size());
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+        side[v] = plane.normal.dot(vertices[v].position - plane.origin);
+    }
+    std::vector<CutSegment> contour;
     for (const Triangle& triangle : triangles) {
-        std::array<Crossing, 2> ends;
+        std::array<CutSegment::End, 2> ends;
         std::size_t found = 0;
         for (std::size_t corner = 0; corner < 3 && found < 2; ++corner) {
             const std::uint32_t i = triangle[corner], j = triangle[(corner + 1) % 3];
-            const view::LitVertex& a = vertices[i];
-            const view::LitVertex& b = vertices[j];
             // Half-open, so that a vertex in the plane belongs to one side.
-            if ((a.position.x() < x) == (b.position.x() < x)) {
+            if ((side[i] < 0.0f) == (side[j] < 0.0f)) {
                 continue;
             }
-            const float t = (x - a.position.x()) / (b.position.x() - a.position.x());
+            // From the same end in both triangles of the edge, so that their segments meet in one point.
+            const auto [low, high] = std::minmax(i, j);
+            const float t = side[low] / (side[low] - side[high]);
+            const view::LitVertex& a = vertices[low];
+            const view::LitVertex& b = vertices[high];
             Vec3f inward = -(a.normal + t * (b.normal - a.normal));
-            inward.x() = 0.0f;
+            inward -= inward.dot(plane.normal) * plane.normal;
             const float length = inward.norm();
-            Vec3f position = a.position + t * (b.position - a.position);
-            position.x() = x;
-            ends[found++] = {position, length > 1e-6f ? Vec3f(inward / length) : Vec3f::Zero(),
-                             blend(colours[i], colours[j], t)};
+            ends[found++] = {a.position + t * (b.position - a.position),
+                             length > 1e-6f ? Vec3f(inward / length) : Vec3f::Zero(),
+                             blend(colours[low], colours[high], t)};
         }
         if (found == 2) {
-            const CutVertex a{ends[0].position, ends[0].colour};
-            const CutVertex b{ends[1].position, ends[1].colour};
-            const CutVertex c{ends[0].position + width * ends[0].inward, ends[0].colour};
-            const CutVertex d{ends[1].position + width * ends[1].inward, ends[1].colour};
-            band.insert(band.end(), {a, b, c, b, d, c});
+            contour.push_back({ends[0], ends[1]});
         }
     }
+    return contour;
+}
+
+std::vector<CutVertex> section_band(std::span<const CutSegment> contour, float width) {
+    std::vector<CutVertex> band;
+    band.reserve(6 * contour.size());
+    for (const CutSegment& segment : contour) {
+        const CutVertex a{segment.a.position, segment.a.colour};
+        const CutVertex b{segment.b.position, segment.b.colour};
+        const CutVertex c{segment.a.position + width * segment.a.inward, segment.a.colour};
+        const CutVertex d{segment.b.position + width * segment.b.inward, segment.b.colour};
+        band.insert(band.end(), {a, b, c, b, d, c});
+    }
     return band;
+}
+
+std::vector<CutVertex> section_fan(std::span<const CutSegment> contour) {
+    std::vector<CutVertex> fan;
+    fan.reserve(3 * contour.size());
+    for (const CutSegment& segment : contour) {
+        fan.push_back({contour.front().a.position, {}});
+        fan.push_back({segment.a.position, {}});
+        fan.push_back({segment.b.position, {}});
+    }
+    return fan;
 }
 
 CutMesh::CutMesh() {

@@ -35,18 +35,39 @@ class Shader {
     GLuint shader_;
 };
 
-}  // namespace
-
-ShaderProgram::ShaderProgram(std::string_view name, std::initializer_list<std::string_view> defines,
-                             std::string_view vertex, std::string_view fragment) {
+std::string head_of(const ShaderProgram::Defines& defines) {
     std::string head = "#version 330 core\n";
-    for (const std::string_view define : defines) {
+    for (const std::string& define : defines) {
         head += fmt::format("#define {}\n", define);
     }
+    return head;
+}
+
+}  // namespace
+
+ShaderProgram::ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
+                             std::string_view fragment) {
+    const std::string head = head_of(defines);
     const Shader vertex_shader(GL_VERTEX_SHADER, name, head + std::string(vertex));
     const Shader fragment_shader(GL_FRAGMENT_SHADER, name, head + std::string(fragment));
     glAttachShader(program_.name(), vertex_shader.name());
     glAttachShader(program_.name(), fragment_shader.name());
+    link(name);
+    glDetachShader(program_.name(), vertex_shader.name());
+    glDetachShader(program_.name(), fragment_shader.name());
+}
+
+ShaderProgram::ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
+                             std::initializer_list<const char*> outputs) {
+    const Shader vertex_shader(GL_VERTEX_SHADER, name, head_of(defines) + std::string(vertex));
+    glAttachShader(program_.name(), vertex_shader.name());
+    glTransformFeedbackVaryings(program_.name(), static_cast<GLsizei>(outputs.size()), outputs.begin(),
+                                GL_INTERLEAVED_ATTRIBS);
+    link(name);
+    glDetachShader(program_.name(), vertex_shader.name());
+}
+
+void ShaderProgram::link(std::string_view name) {
     glLinkProgram(program_.name());
     GLint linked = 0;
     glGetProgramiv(program_.name(), GL_LINK_STATUS, &linked);
@@ -56,8 +77,6 @@ ShaderProgram::ShaderProgram(std::string_view name, std::initializer_list<std::s
         throw std::runtime_error(
             fmt::format("shader '{}' does not link on this OpenGL driver: {}", name, log.data()));
     }
-    glDetachShader(program_.name(), vertex_shader.name());
-    glDetachShader(program_.name(), fragment_shader.name());
 }
 
 GLint ShaderProgram::location(std::string_view uniform) {

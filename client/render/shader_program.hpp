@@ -6,8 +6,10 @@
 
 #include <initializer_list>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "client/render/gl_object.hpp"
 #include "common/math/transform.hpp"
@@ -17,9 +19,15 @@ namespace eti::render {
 /// A linked vertex and fragment shader. Setting a uniform that the compiler found unused is no error.
 class ShaderProgram {
   public:
-    /// `defines` are put before both sources. Throws std::runtime_error with the driver's log.
-    ShaderProgram(std::string_view name, std::initializer_list<std::string_view> defines,
-                  std::string_view vertex, std::string_view fragment);
+    /// Go before both sources, as "NAME" or "NAME value".
+    using Defines = std::vector<std::string>;
+
+    /// Throws std::runtime_error with the driver's log.
+    ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
+                  std::string_view fragment);
+    /// Writes the vertex shader's `outputs` interleaved into a buffer and draws nothing.
+    ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
+                  std::initializer_list<const char*> outputs);
 
     void use() const { glUseProgram(program_.name()); }
 
@@ -32,6 +40,7 @@ class ShaderProgram {
     void set(std::string_view uniform, const Eigen::Matrix4f& value);
 
   private:
+    void link(std::string_view name);
     GLint location(std::string_view uniform);
 
     Program program_;

@@ -2,14 +2,22 @@
 // Copyright the NeoETI authors
 #include "client/render/shadow_map.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <stdexcept>
+
+#include "client/render/camera.hpp"
 
 namespace eti::render {
 namespace {
-constexpr GLsizei size = 512;  // 0.6 mm a texel over a head
-}
 
-ShadowMap::ShadowMap() {
+// What lies nearer to a lamp than this [m] is the lamp's own glass.
+constexpr float lamp_near_plane = 1.2e-3f;
+
+}  // namespace
+
+ShadowMap::ShadowMap(int size, Beyond beyond) : size_(size) {
     glBindTexture(GL_TEXTURE_2D, depth_.name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
                  nullptr);
@@ -17,8 +25,11 @@ ShadowMap::ShadowMap() {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    const float border = beyond == Beyond::lit ? 1.0f : 0.0f;
+    const std::array<float, 4> depth{border, border, border, border};
+    glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, depth.data());
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.name(), 0);
     glDrawBuffer(GL_NONE);
@@ -30,7 +41,28 @@ ShadowMap::ShadowMap() {
     }
 }
 
-Eigen::Matrix4f ShadowMap::clip_matrix(const Light& light, const Vec3f& centre, float radius) {
+void ShadowMap::begin(const Eigen::Matrix4f& clip, std::uint64_t state) {
+    clip_ = clip;
+    state_ = state;
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    glViewport(0, 0, size_, size_);
+    glDisable(GL_SCISSOR_TEST);
+    glDepthMask(GL_TRUE);
+    glClear(GL_DEPTH_BUFFER_BIT);
+}
+
+Eigen::Matrix4f ShadowMap::lookup() const {
+    Eigen::Matrix4f half = 0.5f * Eigen::Matrix4f::Identity();
+    half.col(3) = Eigen::Vector4f(0.5f, 0.5f, 0.5f, 1.0f);
+    return half * clip_;
+}
+
+void ShadowMap::bind_texture(GLenum unit) const {
+    glActiveTexture(unit);
+    glBindTexture(GL_TEXTURE_2D, depth_.name());
+}
+
+Eigen::Matrix4f parallel_clip(const Light& light, const Vec3f& centre, float radius) {
     Camera from_light;
     from_light.eye = centre - radius * 2.0f * (centre - light.position).normalized();
     from_light.target = centre;
@@ -43,18 +75,15 @@ Eigen::Matrix4f ShadowMap::clip_matrix(const Light& light, const Vec3f& centre, 
     return parallel * from_light.view();
 }
 
-Eigen::Matrix4f ShadowMap::matrix(const Light& light, const Vec3f& centre, float radius) {
-    Eigen::Matrix4f half = 0.5f * Eigen::Matrix4f::Identity();
-    half.col(3) = Eigen::Vector4f(0.5f, 0.5f, 0.5f, 1.0f);
-    return half * clip_matrix(light, centre, radius);
-}
-
-void ShadowMap::begin() const {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-    glViewport(0, 0, size, size);
-    glDisable(GL_SCISSOR_TEST);
-    glDepthMask(GL_TRUE);
-    glClear(GL_DEPTH_BUFFER_BIT);
+Eigen::Matrix4f cone_clip(const Light& lamp, float reach) {
+    Camera from_lamp;
+    from_lamp.eye = lamp.position;
+    from_lamp.target = lamp.position + lamp.direction;
+    from_lamp.up = lamp.direction.unitOrthogonal();
+    from_lamp.vertical_field = 2.0f * std::acos(std::clamp(lamp.cos_outer, 0.1f, 0.99f));
+    from_lamp.near_plane = lamp_near_plane;
+    from_lamp.far_plane = reach;
+    return from_lamp.projection(1.0f) * from_lamp.view();
 }
 
 }  // namespace eti::render

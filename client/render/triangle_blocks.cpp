@@ -6,6 +6,8 @@
 #include <array>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 namespace eti::render {
 namespace {
 
@@ -23,7 +25,8 @@ std::uint32_t morton(const Vec3f& unit) {
 
 }  // namespace
 
-TriangleBlocks::TriangleBlocks(std::span<const Triangle> triangles, std::span<const Vec3f> rest) {
+TriangleBlocks::TriangleBlocks(std::span<const Triangle> triangles, std::span<const Vec3f> rest,
+                               std::span<const SkinWeights> skin) {
     Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max());
     Vec3f high = -low;
     for (const Vec3f& p : rest) {
@@ -44,37 +47,44 @@ TriangleBlocks::TriangleBlocks(std::span<const Triangle> triangles, std::span<co
     }
     for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
         Block block;
-        block.first = first;
-        block.count = std::min(block_size, triangles_.size() - first);
-        // Neighbours share their corners: a vertex belongs to some six triangles.
-        std::vector<std::uint32_t> corners;
-        for (std::size_t t = first; t < first + block.count; ++t) {
-            corners.insert(corners.end(), triangles_[t].begin(), triangles_[t].end());
+        block.triangles = {first, std::min(block_size, triangles_.size() - first)};
+        block.first_frame = frames_.size();
+        Eigen::AlignedBox3f box;
+        for (const Triangle& t : std::span(triangles_).subspan(first, block.triangles.count)) {
+            for (const std::uint32_t v : t) {
+                box.extend(rest[v]);
+                for (std::size_t k = 0; k < skin[v].frame.size(); ++k) {
+                    if (skin[v].weight[k] > 0.0f) {
+                        frames_.push_back(skin[v].frame[k]);
+                    }
+                }
+            }
         }
-        std::ranges::sort(corners);
-        corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-        block.first_corner = corners_.size();
-        block.corner_count = corners.size();
-        corners_.insert(corners_.end(), corners.begin(), corners.end());
+        const auto begin = frames_.begin() + static_cast<std::ptrdiff_t>(block.first_frame);
+        std::sort(begin, frames_.end());
+        frames_.erase(std::unique(begin, frames_.end()), frames_.end());
+        block.frame_count = frames_.size() - block.first_frame;
+        block.rest_centre = block.centre = box.center();
+        block.rest_radius = block.radius = 0.5f * box.diagonal().norm();
         blocks_.push_back(block);
     }
 }
 
-void TriangleBlocks::update(std::span<const view::LitVertex> vertices) {
+void TriangleBlocks::update(std::span<const FrameMap> frames, float slack) {
     for (Block& block : blocks_) {
-        Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max());
-        Vec3f high = -low;
-        for (const std::uint32_t v : std::span(corners_).subspan(block.first_corner, block.corner_count)) {
-            low = low.cwiseMin(vertices[v].position);
-            high = high.cwiseMax(vertices[v].position);
+        Eigen::AlignedBox3f centres;
+        for (const std::uint16_t f : std::span(frames_).subspan(block.first_frame, block.frame_count)) {
+            centres.extend(frames[f] * block.rest_centre);
         }
-        block.centre = 0.5f * (low + high);
-        block.radius = 0.5f * (high - low).norm();
+        block.centre = centres.center();
+        // Frames turn and shift, so that the ball keeps its size.
+        block.radius = 0.5f * centres.diagonal().norm() + block.rest_radius + slack;
     }
 }
 
-std::span<const Triangle> TriangleBlocks::visible(const Eigen::Matrix4f& view_projection, const Vec3f& eye,
-                                                  const Eigen::Vector4f& plane) {
+std::span<const TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matrix4f& view_projection,
+                                                               const Vec3f& eye,
+                                                               const Eigen::Vector4f& plane) {
     // The frustum's planes are sums and differences of the matrix's rows (Gribb & Hartmann 2001).
     std::array<Eigen::Vector4f, 7> planes;
     for (int axis = 0; axis < 3; ++axis) {
@@ -97,8 +107,7 @@ std::span<const Triangle> TriangleBlocks::visible(const Eigen::Matrix4f& view_pr
     });
     order_.clear();
     for (const Seen& seen : seen_) {
-        const auto first = triangles_.begin() + static_cast<std::ptrdiff_t>(blocks_[seen.block].first);
-        order_.insert(order_.end(), first, first + static_cast<std::ptrdiff_t>(blocks_[seen.block].count));
+        order_.push_back(blocks_[seen.block].triangles);
     }
     return order_;
 }

@@ -9,62 +9,109 @@
 namespace eti::render {
 namespace {
 
-Camera from_above(const view::SceneView& scene, const Vantage& from) {
+constexpr float glottis_below_centre = 7e-3f;  // [m]
+constexpr float between_eyes = 63e-3f;         // [m], a grown person's
+
+using Cameras = std::vector<Camera>;
+
+Cameras from_above(const view::SceneView& scene, const Vantage& from) {
     const float table_angle = scene.live().table_angle;
-    return overview_camera(scene.landmarks(), from.orbit, std::isfinite(table_angle) ? table_angle : 0.0f);
+    return {overview_camera(scene.landmarks(), from.orbit, std::isfinite(table_angle) ? table_angle : 0.0f)};
 }
 
-Camera under_the_blade(const view::SceneView& scene, const Vantage& from) {
-    return close_up_camera(from.eye, scene.landmarks());
+Cameras under_the_blade(const view::SceneView& scene, const Vantage& from) {
+    Camera sight = close_up_camera(from.eye, scene.landmarks());
+    // The gum fills the lower half of the sight line's surroundings; look a little above the glottis.
+    sight.target -= glottis_below_centre * Vec3f::UnitY();
+    return {sight};
 }
 
-Camera from_the_left(const view::SceneView& scene, const Vantage&) {
-    return section_camera(scene.landmarks());
+Cameras from_the_left(const view::SceneView& scene, const Vantage&) {
+    return {section_camera(scene.landmarks())};
 }
 
-Camera from_the_eye(const view::SceneView& scene, const Vantage& from) {
-    return eye_camera(from.eye, scene.landmarks());
+Cameras from_the_eye(const view::SceneView& scene, const Vantage& from) {
+    return {eye_camera(from.eye, scene.landmarks())};
 }
+
+// Parallel, so that a picture for each eye needs no correction beyond a lens's.
+Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
+    Camera left = from_the_eye(scene, from).front(), right = left;
+    const Vec3f aside = 0.5f * between_eyes * left.view().block<1, 3>(0, 0).transpose();
+    for (const auto& [eye, shift] : {std::pair{&left, Vec3f(-aside)}, std::pair{&right, aside}}) {
+        eye->eye += shift;
+        eye->target += shift;
+    }
+    return {left, right};
+}
+
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid};
 
 const std::array table{
     View{.name = "laryngoscope",
          .key = '3',
          .help = "under the blade",
-         .camera = under_the_blade,
+         .cameras = under_the_blade,
          .lighting = laryngoscope_lighting,
-         .background = Vec3f::Zero(),
+         .passes = of_a_mouth,
+         .tone = {.vignette = 1.0f},
          .automatic = Automatic::always,
          .moves = Moves::eye,
-         .skin = Skin::lips_aside,
-         .vignette = true},
+         .lips_aside = true},
     View{.name = "overview",
          .key = '1',
          .help = "head and hands from outside",
-         .camera = from_above,
+         .cameras = from_above,
          .lighting = overview_lighting,
+         .passes = {Pass::room_shadow, Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid},
          .background = Vec3f(0.035f, 0.065f, 0.075f),
          .automatic = Automatic::always,
-         .moves = Moves::onlooker,
-         .skin = Skin::shadowed},
+         .moves = Moves::onlooker},
     View{.name = "section",
          .key = '2',
          .help = "cut open along the middle",
-         .camera = from_the_left,
+         .cameras = from_the_left,
          .lighting = section_lighting,
+         .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools},
+         .overlays = {Overlay::gum_force, Overlay::line_of_sight},
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::enhanced,
          .cut = true},
     View{.name = "eye",
          .key = '5',
          .help = "what the trainee's own eye sees",
-         .camera = from_the_eye,
+         .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
+         .passes = of_a_mouth,
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .moves = Moves::eye,
-         .skin = Skin::lips_aside},
+         .lips_aside = true},
+    View{.name = "stereo",
+         .key = '6',
+         .help = "the trainee's both eyes, side by side",
+         .cameras = from_both_eyes,
+         .lighting = laryngoscope_lighting,
+         .passes = of_a_mouth,
+         .overlays = {},  // they would need a depth
+         .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .automatic = Automatic::alone,
+         .moves = Moves::eye,
+         .lips_aside = true},
 };
 
 }  // namespace
+
+bool View::has(Pass pass) const {
+    return std::ranges::find(passes, pass) != passes.end();
+}
+
+bool View::has(Overlay overlay) const {
+    return std::ranges::find(overlays, overlay) != overlays.end();
+}
+
+Camera View::camera(const view::SceneView& scene, const Vantage& from) const {
+    return cameras(scene, from).front();
+}
 
 std::span<const View> views() {
     return table;

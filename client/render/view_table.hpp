@@ -6,22 +6,36 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
+#include "client/render/camera.hpp"
 #include "client/render/lighting.hpp"
+#include "client/render/tone_pass.hpp"
 #include "client/render/vantage.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
 
-/// How the patient's surfaces are shaded.
-enum class Skin : std::uint8_t {
-    plain,
-    shadowed,    ///< light 0 throws shadows
-    lips_aside,  ///< fingers hold the lips aside for the eye that looks, see LipRetraction
+/// What a view draws, in the order of its row.
+enum class Pass : std::uint8_t {
+    room_shadow,  ///< light 0 throws shadows
+    lamp_shadow,  ///< light 1, the laryngoscope's, throws shadows
+    caps,         ///< faces of the cut; before the patient, whom they hide in good part
+    patient,
+    tools,
+    liquid,
+    hidden_tools,  ///< what of the tools lies behind what was drawn, shining through
+};
+
+/// What the enhanced view draws over a view.
+enum class Overlay : std::uint8_t {
+    gum_force,      ///< a mark on the upper gum
+    line_of_sight,  ///< from the eye onto the glottis
 };
 
 /// Whether a view is shown where nothing was asked for.
 enum class Automatic : std::uint8_t {
+    alone,  ///< only by itself, not even among all
     never,
     always,
     enhanced,  ///< while the session asks for the enhanced view
@@ -36,15 +50,23 @@ struct View {
     std::string_view name;  ///< on the command line, in file names and in pictures
     char key;               ///< that shows it in a window
     std::string_view help;
-    Camera (*camera)(const view::SceneView& scene, const Vantage& from);
+    /// One, or one for each eye; they then stand side by side.
+    std::vector<Camera> (*cameras)(const view::SceneView& scene, const Vantage& from);
     /// `lamp`: the laryngoscope's, where there is one.
     Lighting (*lighting)(const Camera& camera, const std::optional<Light>& lamp);
-    Vec3f background;  ///< linear
+    std::vector<Pass> passes;
+    std::vector<Overlay> overlays = {Overlay::gum_force};
+    Vec3f background = Vec3f::Zero();  ///< linear
+    ToneMapping tone = {};
     Automatic automatic = Automatic::never;
     Moves moves = Moves::nothing;
-    Skin skin = Skin::plain;
-    bool cut = false;       ///< opened along the mid-sagittal plane, with the faces of the cut
-    bool vignette = false;  ///< darker towards the edges, as through a mouth
+    bool lips_aside = false;  ///< fingers hold the lips aside for the trainee, see LipRetraction
+    bool cut = false;         ///< opened along the plane of the vantage
+
+    [[nodiscard]] bool has(Pass pass) const;
+    [[nodiscard]] bool has(Overlay overlay) const;
+    /// The only camera, or the left eye's.
+    [[nodiscard]] Camera camera(const view::SceneView& scene, const Vantage& from) const;
 };
 
 /// Every view; the first takes the larger part of a picture with several.

@@ -127,8 +127,11 @@ void SceneView::keep(const std::string&, RestFrames&& object) {
         frames_[f].centre = rest_centres_[f];
     }
     moved_.assign(rest_centres_.size(), 1);
+    unskinned_.assign(rest_centres_.size(), 0);
     any_moved_ = true;
     frame_time_ns_.assign(rest_centres_.size(), 0);
+    heard_.assign(rest_centres_.size(), 0);
+    heard_count_ = 0;
     for (auto surface = surfaces_.begin(); surface != surfaces_.end();) {
         const std::uint16_t highest = surface->second.model().highest_frame;
         if (highest >= rest_centres_.size()) {
@@ -161,8 +164,11 @@ void SceneView::clear_scene() {
     frames_.clear();
     maps_.clear();
     moved_.clear();
+    unskinned_.clear();
     frame_time_ns_.clear();
-    any_moved_ = false;
+    heard_.clear();
+    heard_count_ = 0;
+    any_moved_ = any_unskinned_ = false;
 }
 
 void SceneView::note_time(std::uint64_t time_ns) {
@@ -229,6 +235,8 @@ bool SceneView::apply(const msg::DeformationState& message) {
             continue;
         }
         frame_time_ns_[f] = time;
+        heard_count_ += heard_[f] == 0 ? 1 : 0;
+        heard_[f] = 1;
         // The slow refresh repeats what is known.
         if (!same(frames_[f], decoded_[i])) {
             frames_[f] = decoded_[i];
@@ -330,13 +338,13 @@ void SceneView::update() {
         for (std::size_t f = 0; f < frames_.size(); ++f) {
             if (moved_[f] != 0) {
                 maps_[f] = frame_map(frames_[f], rest_centres_[f]);
+                unskinned_[f] = 1;
             }
-        }
-        for (auto& [name, surface] : surfaces_) {
-            surface.update(maps_, moved_);
         }
         std::fill(moved_.begin(), moved_.end(), std::uint8_t{0});
         any_moved_ = false;
+        any_unskinned_ = true;
+        frames_revision_ = next_revision();
     }
     if (liquid_moved_) {
         liquid_.clear();
@@ -350,6 +358,21 @@ void SceneView::update() {
         tube_->update(tube_nodes_);
         tube_moved_ = false;
     }
+}
+
+const std::map<std::string, SkinnedSurface>& SceneView::surfaces() const {
+    if (any_unskinned_) {
+        for (auto& [name, surface] : surfaces_) {
+            surface.update(maps_, unskinned_);
+        }
+        std::fill(unskinned_.begin(), unskinned_.end(), std::uint8_t{0});
+        any_unskinned_ = false;
+    }
+    return surfaces_;
+}
+
+bool SceneView::shaped() const {
+    return complete() && heard_count_ == heard_.size();
 }
 
 bool SceneView::complete() const {

@@ -36,13 +36,17 @@ class SceneView {
     bool apply(const msg::SessionStatus& message);
     bool apply(const msg::AttemptSummary& message);
 
-    /// Brings surfaces and tube up to date with the frames and nodes that arrived.
+    /// Brings frames, tube and liquid up to date with what arrived.
     void update();
 
     /// The session's description and all objects that the server announced have arrived.
     [[nodiscard]] bool complete() const;
+    /// complete(), and where each frame is has been heard: from then on a picture shows the patient as it is.
+    [[nodiscard]] bool shaped() const;
 
-    [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const { return surfaces_; }
+    /// As of the last update(). Shapes are computed when they are first asked for after it: what is drawn is
+    /// skinned elsewhere, from frame_maps().
+    [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const;
     [[nodiscard]] const std::optional<ToolMesh>& laryngoscope() const { return laryngoscope_; }
     [[nodiscard]] const std::optional<RigidTransform>& laryngoscope_pose() const {
         return laryngoscope_pose_;
@@ -81,6 +85,10 @@ class SceneView {
     [[nodiscard]] std::uint64_t scene_revision() const { return scene_revision_; }
     [[nodiscard]] std::uint64_t dropped() const { return drops_.count(); }
     [[nodiscard]] std::span<const FramePose> frames() const { return frames_; }
+    /// What the frames do to rest points, as of the last update().
+    [[nodiscard]] std::span<const FrameMap> frame_maps() const { return maps_; }
+    /// Another whenever frame_maps() are.
+    [[nodiscard]] std::uint64_t frames_revision() const { return frames_revision_; }
 
   private:
     /// A part of the liquid, and when it was so.
@@ -108,9 +116,15 @@ class SceneView {
     std::vector<FrameMap> maps_;
     std::vector<std::uint8_t> moved_;           ///< since the last update()
     std::vector<std::uint64_t> frame_time_ns_;  ///< of the newest update of each frame
+    std::vector<std::uint8_t> heard_;           ///< by frame: whether any update has arrived
+    std::size_t heard_count_ = 0;
     bool any_moved_ = false;
+    std::uint64_t frames_revision_ = 0;
 
-    std::map<std::string, SkinnedSurface> surfaces_;
+    // Shapes follow when they are asked for.
+    mutable std::map<std::string, SkinnedSurface> surfaces_;
+    mutable std::vector<std::uint8_t> unskinned_;  ///< by frame: moved since shapes were last computed
+    mutable bool any_unskinned_ = false;
     std::optional<ToolMesh> laryngoscope_;
     std::optional<RigidTransform> laryngoscope_pose_;
     std::optional<TubeSweep> tube_;

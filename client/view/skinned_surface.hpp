@@ -32,6 +32,8 @@ class SkinnedSurface {
     bool update(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved);
 
     [[nodiscard]] const RestSurface& model() const { return *model_; }
+    /// For work that goes on beside the surface and may outlive it.
+    [[nodiscard]] std::shared_ptr<const RestSurface> shared_model() const { return model_; }
     [[nodiscard]] std::span<const LitVertex> vertices() const { return vertices_; }
     /// Another after each reshaping, so that a copy elsewhere knows whether it is current.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }

@@ -39,7 +39,7 @@ class PictureAgainstRays : public ::testing::Test {
                                       {.samples = 800, .tube_radius = scenario.tube.outer_radius()}};
         render::HeadlessContext context;
         render::RenderTarget target{width, height, 1};
-        render::SceneRenderer renderer;
+        render::SceneRenderer renderer{render::qualities().front()};
     };
 
     static void SetUpTestSuite() {
@@ -146,11 +146,11 @@ class PictureAgainstRays : public ::testing::Test {
     [[nodiscard]] static int opening_pixels(const view::SceneView& scene, const render::Vantage& from) {
         Session& s = *session_;
         render::View close = *render::view_named("eye");
-        close.camera = close_up;
-        s.target.bind_scene();
+        close.cameras = [](const view::SceneView& seen, const render::Vantage& vantage) {
+            return std::vector{close_up(seen, vantage)};
+        };
         s.renderer.sync(scene);
-        s.renderer.draw(close, scene, {0, 0, width, height}, from, render::Shading::object_id);
-        s.target.resolve();
+        s.renderer.draw(close, scene, s.target, {0, 0, width, height}, from, render::Shading::object_id);
         const render::Image image = s.target.read();
         const auto colour = render::object_colour(opening);
         int pixels = 0;

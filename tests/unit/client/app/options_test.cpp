@@ -69,7 +69,7 @@ TEST(Options, RefusesWhatCannotBe) {
         {"--size", "640x480x2"}, {"--size", "-640x480"}, {"--size", "999999x999998"},
         {"--view", "nowhere"},   {"--domain", "300"},    {"--every", "-1"},
         {"--fps", "0"},          {"--video", "a.mp4"},   {"--frames", "-3"},
-        {"--profile", "absent"}, {"--samples", "99"},    {"--no-such-option"},
+        {"--profile", "absent"}, {"--quality", "best"},  {"--no-such-option"},
     };
     for (const auto& mistake : mistakes) {
         client::Options options;

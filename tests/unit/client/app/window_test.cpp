@@ -40,7 +40,7 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
     client::Window window(320, 240, "test");
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
-    client::Compositor compositor(window.width(), window.height(), 1);
+    client::Compositor compositor(window.width(), window.height(), render::qualities().front());
     compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false), {},
                     false);
     compositor.target().copy_to_window();

@@ -107,7 +107,7 @@ TEST(Hud, DrawsTheVerdictGreenOrRed) {
         hud::Readout readout;
         readout.link = hud::Link::running;
         readout.verdict = verdict;
-        target.bind_scene();
+        target.bind_picture();
         glClearColor(0, 0, 0, 1);
         glClear(GL_COLOR_BUFFER_BIT);
         overlay.draw(readout, {}, 640, 360);
@@ -134,7 +134,7 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
     render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
     const auto lit_pixels = [&](const hud::Readout& readout) {
-        target.bind_scene();
+        target.bind_picture();
         glClearColor(0, 0, 0, 1);
         glClear(GL_COLOR_BUFFER_BIT);
         overlay.draw(readout, {}, 640, 360);
@@ -165,7 +165,7 @@ TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
         hud::Readout readout;
         readout.link = hud::Link::running;
         readout.gum_force_n = force;
-        target.bind_scene();
+        target.bind_picture();
         glClearColor(0, 0, 0, 1);
         glClear(GL_COLOR_BUFFER_BIT);
         overlay.draw(readout, {&tile, 1}, 320, 240);

@@ -30,10 +30,8 @@ const View& named(std::string_view name) {
 class SceneRendererTest : public ::testing::Test {
   protected:
     [[nodiscard]] render::Image picture(const View& view, const view::SceneView& scene, Shading shading) {
-        target_.bind_scene();
         renderer_.sync(scene);
-        renderer_.draw(view, scene, {0, 0, width, height}, {}, shading);
-        target_.resolve();
+        renderer_.draw(view, scene, target_, {0, 0, width, height}, {}, shading);
         return target_.read();
     }
 
@@ -116,7 +114,7 @@ TEST_F(SceneRendererTest, SectionShowsToolsOnTopOfTheCut) {
 TEST_F(SceneRendererTest, LaryngoscopeLooksIntoTheMouthWithTheBladeAbove) {
     const render::Image ids = picture(named("laryngoscope"), scene_, Shading::object_id);
     ASSERT_GT(count(ids, render::blade_colour), 100);
-    ASSERT_GT(count(ids, render::tube_colour), 100);
+    ASSERT_GT(count(ids, render::tube_colour), 50);
     EXPECT_LT(mean_row(ids, render::blade_colour), height / 2.0);
     EXPECT_GT(mean_row(ids, render::object_colour(Tissue::tongue)), mean_row(ids, render::blade_colour));
 }
@@ -125,10 +123,8 @@ TEST_F(SceneRendererTest, PicturesAreLitAndTheSameBitByBit) {
     for (const View& view : render::views()) {
         const render::Image first = picture(view, scene_, Shading::lit);
         render::SceneRenderer other;
-        target_.bind_scene();
         other.sync(scene_);
-        other.draw(view, scene_, {0, 0, width, height});
-        target_.resolve();
+        other.draw(view, scene_, target_, {0, 0, width, height});
         EXPECT_EQ(first.rgba, target_.read().rgba) << view.name;
         // Many shades, none of them a NaN's black speck amid the lit head.
         std::array<bool, 256> seen{};
@@ -152,6 +148,9 @@ TEST_F(SceneRendererTest, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
     ASSERT_TRUE(wet.apply(message));
     wet.update();
     for (const View& view : render::views()) {
+        if (view.cameras(wet, {}).size() > 1) {
+            continue;  // two half pictures; each is drawn as that of one camera
+        }
         const render::Image dry_picture = picture(view, scene_, Shading::lit);
         const render::Image wet_picture = picture(view, wet, Shading::lit);
         const Eigen::Matrix4f projection =
@@ -192,19 +191,15 @@ TEST_F(SceneRendererTest, ACopyThatWentItsOwnWayIsDrawnAsItIs) {
     (void)picture(section, scene_, Shading::lit);
     const render::Image after_another = picture(section, kept, Shading::lit);
     render::SceneRenderer fresh;
-    target_.bind_scene();
     fresh.sync(kept);
-    fresh.draw(section, kept, {0, 0, width, height});
-    target_.resolve();
+    fresh.draw(section, kept, target_, {0, 0, width, height});
     EXPECT_EQ(after_another.rgba, target_.read().rgba);
 }
 
 TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {
     const render::Image plain = picture(named("section"), scene_, Shading::lit);
     render::RenderTarget smooth(width, height, 4);
-    smooth.bind_scene();
-    renderer_.draw(named("section"), scene_, {0, 0, width, height});
-    smooth.resolve();
+    renderer_.draw(named("section"), scene_, smooth, {0, 0, width, height});
     const render::Image averaged = smooth.read();
     double difference = 0.0;
     for (std::size_t i = 0; i < plain.rgba.size(); ++i) {
@@ -215,14 +210,127 @@ TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {
     EXPECT_GT(difference, 0.0);
 }
 
+// Reference: the skinning that server and clients share, on the processor.
+TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
+    const auto state = synthetic::deformation(source_, 2'000'000, 0.006f, 0.02f);
+    msg::DeformationState turned = state;
+    const FramePose pose{source_.rest_centres[1],
+                         Quatf(Eigen::AngleAxisf(0.4f, Vec3f(1, 2, 3).normalized()))};
+    turned.frames()[1] = synthetic::frame_update(1, pose);
+    scene_.apply(turned);
+    scene_.update();
+    renderer_.sync(scene_);
+    const auto drawn = renderer_.meshes().patient().vertices();
+    float farthest = 0.0f, most_tilted = 0.0f;
+    for (const auto& part : renderer_.meshes().patient().parts()) {
+        const view::RestSurface& model = scene_.surfaces().at(part.name).model();
+        const auto expected = scene_.surfaces().at(part.name).vertices();
+        for (std::size_t v = 0; v < part.vertex_count; ++v) {
+            const view::LitVertex& vertex = drawn[part.first_vertex + v];
+            farthest = std::max(farthest, (vertex.position - skin_point(model.mesh.vertices[v], model.skin[v],
+                                                                        scene_.frame_maps()))
+                                              .norm());
+            // Where one frame carries a vertex and all its neighbours, its normal turns with them.
+            if (part.name == "tongue") {
+                most_tilted = std::max(most_tilted, (vertex.normal - expected[v].normal).norm());
+            }
+        }
+    }
+    // Half a micrometre is what single precision keeps of 0.1 m over a dozen operations; 0.1 mm are asked
+    // for.
+    EXPECT_LT(farthest, 1e-6f);
+    EXPECT_LT(most_tilted, 1e-4f);
+}
+
+TEST_F(SceneRendererTest, ShowsFacesSeenFromBehindWhereAskedTo) {
+    // From within the head every surface of it shows its back.
+    View inside = named("overview");
+    inside.cameras = [](const view::SceneView&, const render::Vantage&) {
+        render::Camera camera;
+        camera.eye = Vec3f(0.0f, 0.075f, 0.03f);
+        camera.target = Vec3f(0.0f, 0.2f, 0.03f);
+        camera.near_plane = 1e-3f;
+        return std::vector{camera};
+    };
+    EXPECT_EQ(count(picture(inside, scene_, Shading::object_id), render::object_colour(Tissue::soft)), 0);
+    const render::Image both = picture(inside, scene_, Shading::object_id_both_sides);
+    EXPECT_GT(count(both, render::back_colour(Tissue::soft)), width * height / 2);
+    const render::Image outside = picture(named("overview"), scene_, Shading::object_id_both_sides);
+    EXPECT_EQ(count(outside, render::back_colour(Tissue::soft)), 0);
+    EXPECT_EQ(
+        count(outside, render::object_colour(Tissue::soft)),
+        count(picture(named("overview"), scene_, Shading::object_id), render::object_colour(Tissue::soft)));
+}
+
+TEST_F(SceneRendererTest, BothEyesStandSideBySideAndSeeFromTwoPlaces) {
+    const render::Image both = picture(named("stereo"), scene_, Shading::object_id);
+    const auto cameras = named("stereo").cameras(scene_, {});
+    ASSERT_EQ(cameras.size(), 2u);
+    EXPECT_NEAR((cameras[1].eye - cameras[0].eye).norm(), 0.063f, 1e-5f);
+    // The right eye sees the blade farther to the left than the left one does.
+    std::array<double, 2> column{}, pixels{};
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (std::memcmp(both.pixel(x, y), render::blade_colour.data(), 3) == 0) {
+                const std::size_t eye = x < width / 2 ? 0 : 1;
+                column[eye] += x - static_cast<int>(eye) * width / 2;
+                pixels[eye] += 1.0;
+            }
+        }
+    }
+    ASSERT_GT(pixels[0], 50);
+    ASSERT_GT(pixels[1], 50);
+    EXPECT_LT(column[1] / pixels[1], column[0] / pixels[0] - 3.0);
+}
+
+TEST_F(SceneRendererTest, EveryRungOfTheLadderDrawsEveryView) {
+    for (const render::Quality& quality : render::qualities()) {
+        render::SceneRenderer renderer(quality);
+        render::RenderTarget target(width, height, quality.samples);
+        renderer.sync(scene_);
+        for (const View& view : render::views()) {
+            renderer.draw(view, scene_, target, {0, 0, width, height});
+            const render::Image image = target.read();
+            int lit = 0;
+            for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+                lit += image.rgba[i] > 60 ? 1 : 0;
+            }
+            EXPECT_GT(lit, width * height / 20) << quality.name << ", " << view.name;
+        }
+    }
+}
+
+// What the vignette takes from a corner it leaves in the middle; fog lifts what is black.
+TEST_F(SceneRendererTest, ToneMappingIsThatOfTheViewsRow) {
+    const View& mouth = named("laryngoscope");
+    View open = mouth, fogged = mouth;
+    open.tone.vignette = 0.0f;
+    fogged.tone.fogging = 1.0f;
+    const render::Image with = picture(mouth, scene_, Shading::lit),
+                        without = picture(open, scene_, Shading::lit),
+                        fog = picture(fogged, scene_, Shading::lit);
+    EXPECT_EQ(std::memcmp(with.pixel(width / 2, height / 2), without.pixel(width / 2, height / 2), 3), 0);
+    double corner_with = 0.0, corner_without = 0.0;
+    int darkest = 255;
+    for (int y = height - 20; y < height; ++y) {
+        for (int x = 0; x < 20; ++x) {
+            corner_with += with.pixel(x, y)[0];
+            corner_without += without.pixel(x, y)[0];
+        }
+    }
+    EXPECT_LT(corner_with, 0.6 * corner_without);
+    for (std::size_t i = 0; i < fog.rgba.size(); i += 4) {
+        darkest = std::min<int>(darkest, fog.rgba[i]);
+    }
+    EXPECT_GT(darkest, 10);
+}
+
 TEST_F(SceneRendererTest, AnIncompleteSceneDrawsOnlyBackground) {
     view::SceneView partial;
     partial.apply(source_.objects[1]);
     render::SceneRenderer renderer;
-    target_.bind_scene();
     renderer.sync(partial);
-    renderer.draw(named("overview"), partial, {0, 0, width, height}, {}, Shading::object_id);
-    target_.resolve();
+    renderer.draw(named("overview"), partial, target_, {0, 0, width, height}, {}, Shading::object_id);
     EXPECT_EQ(count(target_.read(), {0, 0, 0}), width * height);
 }
 

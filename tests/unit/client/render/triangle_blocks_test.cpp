@@ -13,12 +13,27 @@
 namespace eti {
 namespace {
 
-std::vector<view::LitVertex> lit(const TriangleMesh& mesh) {
-    std::vector<view::LitVertex> vertices(mesh.vertices.size());
-    for (std::size_t v = 0; v < vertices.size(); ++v) {
-        vertices[v].position = mesh.vertices[v];
+// Every vertex carried by both of two frames, in shares that go over from one to the other along z.
+std::vector<SkinWeights> skin_of(const TriangleMesh& mesh) {
+    std::vector<SkinWeights> skin(mesh.vertices.size());
+    for (std::size_t v = 0; v < skin.size(); ++v) {
+        const float share = std::clamp(0.5f + 10.0f * mesh.vertices[v].z(), 0.0f, 1.0f);
+        skin[v].frame = {0, 1};
+        skin[v].weight = {share, 1.0f - share};
     }
-    return vertices;
+    return skin;
+}
+
+const std::vector<FrameMap> at_rest(2);
+
+std::vector<Triangle> triangles_of(const render::TriangleBlocks& blocks,
+                                   std::span<const render::TriangleBlocks::Range> ranges) {
+    std::vector<Triangle> out;
+    for (const auto& range : ranges) {
+        const auto part = blocks.triangles().subspan(range.first, range.count);
+        out.insert(out.end(), part.begin(), part.end());
+    }
+    return out;
 }
 
 std::vector<Triangle> sorted(std::span<const Triangle> triangles) {
@@ -31,21 +46,22 @@ const Eigen::Vector4f everywhere(0.0f, 0.0f, 0.0f, 1.0f);
 
 TEST(TriangleBlocks, SeeEverythingOnceFromAfar) {
     const TriangleMesh mesh = synthetic::body_mesh();
-    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices);
-    blocks.update(lit(mesh));
+    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
+    blocks.update(at_rest);
     render::Camera camera;
     camera.eye = Vec3f(0.5f, -0.5f, 0.5f);
     camera.target = Vec3f(0.0f, 0.04f, 0.0f);
     camera.vertical_field = 1.0f;
-    const auto all = blocks.visible(camera.projection(1.0f) * camera.view(), camera.eye, everywhere);
+    const auto all =
+        triangles_of(blocks, blocks.visible(camera.projection(1.0f) * camera.view(), camera.eye, everywhere));
     EXPECT_EQ(sorted(all), sorted(mesh.triangles));
 }
 
 // Reference: every vertex projected by itself. A triangle with a corner in the picture must be there.
 TEST(TriangleBlocks, NeverLeaveOutWhatIsInThePicture) {
     const TriangleMesh mesh = synthetic::body_mesh();
-    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices);
-    blocks.update(lit(mesh));
+    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
+    blocks.update(at_rest);
     const Eigen::Vector4f right_half(-1.0f, 0.0f, 0.0f, 0.0f);
     for (const float field : {0.05f, 0.2f, 0.6f}) {
         render::Camera camera;
@@ -53,7 +69,7 @@ TEST(TriangleBlocks, NeverLeaveOutWhatIsInThePicture) {
         camera.target = Vec3f(0.0f, 0.03f, 0.0f);
         camera.vertical_field = field;
         const Eigen::Matrix4f matrix = camera.projection(4.0f / 3.0f) * camera.view();
-        const auto drawn = sorted(blocks.visible(matrix, camera.eye, right_half));
+        const auto drawn = sorted(triangles_of(blocks, blocks.visible(matrix, camera.eye, right_half)));
         std::size_t needed = 0;
         for (const Triangle& triangle : mesh.triangles) {
             const bool seen = std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) {
@@ -72,15 +88,47 @@ TEST(TriangleBlocks, NeverLeaveOutWhatIsInThePicture) {
     }
 }
 
+// The half whose second frame has moved away comes into a picture that holds nothing at rest.
+TEST(TriangleBlocks, FollowTheFramesThatCarryThem) {
+    const TriangleMesh mesh = synthetic::body_mesh();
+    const std::vector<SkinWeights> skin = skin_of(mesh);
+    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin);
+    std::vector<FrameMap> frames(2);
+    frames[1].linear = Eigen::AngleAxisf(0.5f, Vec3f::UnitX()).toRotationMatrix();
+    frames[1].offset = Vec3f(0.4f, 0.0f, 0.0f);
+    render::Camera camera;
+    camera.eye = Vec3f(0.35f, -0.5f, 0.0f);
+    camera.target = Vec3f(0.35f, 0.04f, 0.0f);
+    camera.vertical_field = 0.3f;
+    const Eigen::Matrix4f matrix = camera.projection(1.0f) * camera.view();
+    blocks.update(at_rest);
+    EXPECT_TRUE(blocks.visible(matrix, camera.eye, everywhere).empty());
+    blocks.update(frames);
+    const auto drawn = sorted(triangles_of(blocks, blocks.visible(matrix, camera.eye, everywhere)));
+    std::size_t needed = 0;
+    for (const Triangle& triangle : mesh.triangles) {
+        if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) {
+                const Eigen::Vector4f clip =
+                    matrix * skin_point(mesh.vertices[v], skin[v], frames).homogeneous();
+                return clip.head<3>().cwiseAbs().maxCoeff() < clip.w();
+            })) {
+            ++needed;
+            EXPECT_TRUE(std::binary_search(drawn.begin(), drawn.end(), triangle));
+        }
+    }
+    EXPECT_GT(needed, 100u);
+}
+
 TEST(TriangleBlocks, ComeNearestFirst) {
     const TriangleMesh mesh = synthetic::body_mesh();
-    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices);
-    blocks.update(lit(mesh));
+    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
+    blocks.update(at_rest);
     render::Camera camera;
     camera.eye = Vec3f(0.0f, -0.6f, 0.0f);
     camera.target = Vec3f(0.0f, 0.04f, 0.0f);
     camera.vertical_field = 1.0f;
-    const auto drawn = blocks.visible(camera.projection(1.0f) * camera.view(), camera.eye, everywhere);
+    const auto drawn =
+        triangles_of(blocks, blocks.visible(camera.projection(1.0f) * camera.view(), camera.eye, everywhere));
     const auto distance = [&](const Triangle& t) { return (mesh.vertices[t[0]] - camera.eye).norm(); };
     const std::size_t tenth = drawn.size() / 10;
     double first = 0.0, last = 0.0;

@@ -57,10 +57,10 @@ TEST_F(SceneViewTest, SceneMayArriveInAnyOrder) {
 }
 
 TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
-    const auto& tongue = view_.surfaces().at("tongue");
-    const Vec3f rest = tongue.model().mesh.vertices.front();
+    const auto tongue = [&]() -> const view::SkinnedSurface& { return view_.surfaces().at("tongue"); };
+    const Vec3f rest = tongue().model().mesh.vertices.front();
     // fill() lifted the tongue by 3 mm towards anterior (-y); quaternions are exact for the identity.
-    EXPECT_NEAR(tongue.vertices().front().position.y(), rest.y() - 0.003f, 1e-7f);
+    EXPECT_NEAR(tongue().vertices().front().position.y(), rest.y() - 0.003f, 1e-7f);
     const std::uint64_t before = view_.surfaces().at("spine").revision();
     msg::DeformationState state;
     state.chunks(1);
@@ -71,7 +71,7 @@ TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
     view_.update();
     const Vec3f expected = quarter * (rest - scene_.rest_centres[2]) + Vec3f(0.01f, 0.0f, 0.0f);
     // A component is rounded to 1/65534; at 17 mm from the centre that moves a point by under 1 um.
-    EXPECT_LT((tongue.vertices().front().position - expected).norm(), 1e-6f);
+    EXPECT_LT((tongue().vertices().front().position - expected).norm(), 1e-6f);
     EXPECT_EQ(view_.surfaces().at("spine").revision(), before) << "its frame did not move";
 }
 

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "client/render/quality.hpp"
+#include "client/render/shader_program.hpp"
+#include "client/render/view_table.hpp"
+#include "client/render/viewport.hpp"
+#include "common/model/lip_retraction.hpp"
+
+namespace eti::render {
+
+enum class Shading : std::uint8_t {
+    lit,
+    object_id,  ///< each object in one flat colour, see object_colour(); for measuring what is seen
+    object_id_both_sides,  ///< back faces too, in back_colour()
+};
+
+/// Stable colours of Shading::object_id, 8 bits a channel.
+[[nodiscard]] std::array<std::uint8_t, 3> object_colour(Tissue tissue);
+/// Of faces seen from behind: nobody should see one.
+[[nodiscard]] std::array<std::uint8_t, 3> back_colour(Tissue tissue);
+inline constexpr std::array<std::uint8_t, 3> blade_colour{0, 255, 0};
+inline constexpr std::array<std::uint8_t, 3> tube_colour{0, 0, 255};
+
+/// What the passes of one camera's picture share.
+struct Drawing {
+    const View& view;
+    const view::SceneView& scene;
+    const Quality& quality;
+    Camera camera;
+    Lighting lighting;
+    Eigen::Matrix4f view_projection;
+    Eigen::Vector4f clip_plane;  ///< dot(xyz, p) + w >= 0 is drawn
+    CutPlane cut;
+    LipRetraction lips;
+    Viewport viewport;
+    Shading shading = Shading::lit;
+
+    [[nodiscard]] bool ids() const { return shading != Shading::lit; }
+};
+
+inline const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
+
+[[nodiscard]] inline Eigen::Vector4f flat(const std::array<std::uint8_t, 3>& colour) {
+    return Eigen::Vector4f(colour[0], colour[1], colour[2], 255.0f) / 255.0f;
+}
+
+[[nodiscard]] inline Eigen::Matrix4f matrix_of(const RigidTransform& pose) {
+    Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
+    matrix.block<3, 3>(0, 0) = pose.rotation.toRotationMatrix();
+    matrix.block<3, 1>(0, 3) = pose.translation;
+    return matrix;
+}
+
+/// Sets what every mesh's vertex shader needs; the program must be in use.
+void place(ShaderProgram& program, const Drawing& drawing, const Eigen::Matrix4f& model,
+           const Eigen::Vector4f& clip_plane);
+
+}  // namespace eti::render

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string_view>
+
+namespace eti::render::source {
+
+/// All meshes. Defines: TUBE (course in place of colour), ROOM_SHADOW and LAMP_SHADOW (also look into that
+/// light's shadow map), RETRACT (lips held aside, see LipRetraction).
+inline constexpr std::string_view mesh_vertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+#ifdef TUBE
+layout(location = 3) in vec2 course;
+out vec2 course_at;
+#else
+layout(location = 2) in vec4 colour;
+out vec4 colour_at;
+#endif
+uniform mat4 model;
+uniform mat4 view_projection;
+uniform vec4 clip_plane;
+out vec3 world;
+out vec3 normal_at;
+#ifdef ROOM_SHADOW
+uniform mat4 room_lookup;
+out vec4 room_at;
+#endif
+#ifdef LAMP_SHADOW
+uniform mat4 lamp_lookup;
+out vec4 lamp_at;
+#endif
+#ifdef RETRACT
+uniform mat4 to_sight;
+uniform vec3 sight_up;
+uniform vec2 lip_shift;   // upper lip downwards, lower lip upwards [m]
+uniform vec2 lip_edge;    // [m] along sight_up
+uniform vec4 lip_shape;   // where it begins and is complete [m], breadth [m^2], gather [m]
+// LipRetraction::held_aside() of common/model computes the same.
+vec3 held_aside(vec3 p) {
+    vec3 q = (to_sight * vec4(p, 1.0)).xyz;
+    float before = smoothstep(lip_shape.x, lip_shape.y, q.z) * exp(-q.x * q.x / lip_shape.z);
+    float split = 0.5 * (lip_edge.x + lip_edge.y);
+    float upper = q.y < split ? smoothstep(lip_edge.x - lip_shape.w, lip_edge.x, q.y) : 0.0;
+    float lower = q.y < split ? 0.0 : 1.0 - smoothstep(lip_edge.y, lip_edge.y + lip_shape.w, q.y);
+    return p + sight_up * before * (lip_shift.y * lower - lip_shift.x * upper);
+}
+#endif
+invariant gl_Position;
+void main() {
+    vec4 p = model * vec4(position, 1.0);
+#ifdef RETRACT
+    p.xyz = held_aside(p.xyz);
+#endif
+    world = p.xyz;
+    normal_at = mat3(model) * normal;
+#ifdef TUBE
+    course_at = course;
+#else
+    colour_at = vec4(pow(colour.rgb, vec3(2.2)), colour.a);
+#endif
+#ifdef ROOM_SHADOW
+    room_at = room_lookup * p;
+#endif
+#ifdef LAMP_SHADOW
+    lamp_at = lamp_lookup * p;
+#endif
+    gl_ClipDistance[0] = dot(clip_plane, p);
+    gl_Position = view_projection * p;
+}
+)";
+
+/// Goes before the lighting of a mesh.
+inline constexpr std::string_view mesh_inputs = R"(
+in vec3 world;
+in vec3 normal_at;
+)";
+
+/// One colour, not lit: object ids, BOTH_SIDES with another for back faces; with no colour written depth and
+/// stencil.
+inline constexpr std::string_view flat_fragment = R"(
+out vec4 pixel;
+uniform vec4 flat_colour;
+#ifdef BOTH_SIDES
+uniform vec4 back_colour;
+void main() { pixel = gl_FrontFacing ? flat_colour : back_colour; }
+#else
+void main() { pixel = flat_colour; }
+#endif
+)";
+
+}  // namespace eti::render::source

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/patient_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "client/render/gpu_mesh.hpp"
+#include "client/render/skinning_shaders.hpp"
+
+namespace eti::render {
+namespace {
+
+// Frames a vertex, in groups of four as attributes have them.
+constexpr std::size_t influences = decltype(SkinWeights::frame){}.size();
+constexpr std::size_t groups = influences / 4;
+static_assert(influences % 4 == 0, "attributes take four frames each");
+static_assert(sizeof(view::LitVertex) == 24 && offsetof(view::LitVertex, normal) == 12);
+
+using Row = Eigen::Vector4f;
+
+// Three rows of linear part and offset.
+std::vector<Row> rows_of(std::span<const FrameMap> frames) {
+    std::vector<Row> rows;
+    rows.reserve(3 * frames.size());
+    for (const FrameMap& frame : frames) {
+        for (int i = 0; i < 3; ++i) {
+            rows.emplace_back(frame.linear(i, 0), frame.linear(i, 1), frame.linear(i, 2), frame.offset[i]);
+        }
+    }
+    return rows;
+}
+
+template <class Value>
+void store(GLenum target, const Buffer& buffer, const std::vector<Value>& values, GLenum usage) {
+    glBindBuffer(target, buffer.name());
+    glBufferData(target, static_cast<GLsizeiptr>(values.size() * sizeof(Value)), values.data(), usage);
+}
+
+const void* offset(std::size_t bytes) {
+    return reinterpret_cast<const void*>(bytes);
+}
+
+}  // namespace
+
+PatientMesh::PatientMesh()
+    : skinning_("skinning", {fmt::format("GROUPS {}", groups), fmt::format("FIRST_WEIGHT {}", 2 + groups)},
+                source::skinning_vertex, {"skinned_position", "skinned_normal"}) {
+    skinning_.use();
+    skinning_.set("frames", 0);
+    glBindRenderbuffer(GL_RENDERBUFFER, pixel_.name());
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 1, 1);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, pixel_.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void PatientMesh::build(const view::SceneView& scene) {
+    parts_.clear();
+    vertex_count_ = 0;
+    frames_revision_ = 0;
+    std::vector<view::LitVertex> rest;
+    std::vector<SkinWeights> weights;
+    std::vector<Triangle> triangles;
+    // Outermost first, so that in a section the organs lie over the body around them.
+    for (const bool body : {true, false}) {
+        for (const auto& [name, surface] : scene.surfaces()) {
+            const view::RestSurface& model = surface.model();
+            if (is_bone(model.tissue) || (model.tissue == Tissue::soft) != body) {
+                continue;
+            }
+            const std::size_t count = model.mesh.vertices.size();
+            Part part{name,
+                      model.tissue,
+                      rest.size(),
+                      count,
+                      triangles.size(),
+                      TriangleBlocks(model.mesh.triangles, model.mesh.vertices, model.skin)};
+            for (const Triangle& t : part.blocks.triangles()) {
+                const auto first = static_cast<std::uint32_t>(part.first_vertex);
+                triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+            }
+            std::vector<view::LitVertex> lit(count);
+            for (std::size_t v = 0; v < count; ++v) {
+                lit[v].position = model.mesh.vertices[v];
+            }
+            view::recompute_normals(model.mesh.triangles, lit);
+            rest.insert(rest.end(), lit.begin(), lit.end());
+            weights.insert(weights.end(), model.skin.begin(), model.skin.end());
+            parts_.push_back(std::move(part));
+        }
+    }
+    vertex_count_ = rest.size();
+    glBindVertexArray(rest_array_.name());
+    store(GL_ARRAY_BUFFER, rest_, rest, GL_STATIC_DRAW);
+    for (GLuint i = 0; i < 2; ++i) {
+        glEnableVertexAttribArray(i);
+        glVertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(view::LitVertex), offset(12 * i));
+    }
+    store(GL_ARRAY_BUFFER, weights_, weights, GL_STATIC_DRAW);
+    for (GLuint group = 0; group < groups; ++group) {
+        const GLuint frame = 2 + group, weight = 2 + static_cast<GLuint>(groups) + group;
+        glEnableVertexAttribArray(frame);
+        glVertexAttribIPointer(frame, 4, GL_UNSIGNED_SHORT, sizeof(SkinWeights),
+                               offset(offsetof(SkinWeights, frame) + 8 * group));
+        glEnableVertexAttribArray(weight);
+        glVertexAttribPointer(weight, 4, GL_FLOAT, GL_FALSE, sizeof(SkinWeights),
+                              offset(offsetof(SkinWeights, weight) + 16 * group));
+    }
+    glBindVertexArray(array_.name());
+    store(GL_ARRAY_BUFFER, skinned_, rest, GL_DYNAMIC_COPY);
+    attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, 24, 0);
+    attribute(Attribute::normal, 3, GL_FLOAT, GL_FALSE, 24, 12);
+    store(GL_ARRAY_BUFFER, colours_, std::vector<VertexColour>(vertex_count_), GL_STATIC_DRAW);
+    attribute(Attribute::colour, 4, GL_UNSIGNED_BYTE, GL_TRUE, 4, 0);
+    store(GL_ELEMENT_ARRAY_BUFFER, indices_, triangles, GL_STATIC_DRAW);
+    glBindVertexArray(0);
+}
+
+void PatientMesh::set_colours(std::size_t part, std::span<const VertexColour> colours) {
+    glBindBuffer(GL_ARRAY_BUFFER, colours_.name());
+    glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(sizeof(VertexColour) * parts_[part].first_vertex),
+                    static_cast<GLsizeiptr>(colours.size_bytes()), colours.data());
+}
+
+void PatientMesh::update(const view::SceneView& scene) {
+    if (frames_revision_ == scene.frames_revision() || vertex_count_ == 0) {
+        return;
+    }
+    skin(scene.frame_maps());
+    for (Part& part : parts_) {
+        part.blocks.update(scene.frame_maps(), slack);
+    }
+    frames_revision_ = scene.frames_revision();
+}
+
+void PatientMesh::skin(std::span<const FrameMap> frames) {
+    store(GL_TEXTURE_BUFFER, frames_, rows_of(frames), GL_STREAM_DRAW);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_BUFFER, frames_texture_.name());
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, frames_.name());
+    GLint bound = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    skinning_.use();
+    glBindVertexArray(rest_array_.name());
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, skinned_.name());
+    glEnable(GL_RASTERIZER_DISCARD);
+    glBeginTransformFeedback(GL_POINTS);
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(vertex_count_));
+    glEndTransformFeedback();
+    glDisable(GL_RASTERIZER_DISCARD);
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+    glBindTexture(GL_TEXTURE_BUFFER, 0);
+    glBindVertexArray(0);
+    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
+}
+
+void PatientMesh::draw(std::size_t part, const Eigen::Matrix4f& view_projection, const Vec3f& eye,
+                       const Eigen::Vector4f& plane) {
+    Part& drawn = parts_[part];
+    counts_.clear();
+    offsets_.clear();
+    for (const TriangleBlocks::Range& range : drawn.blocks.visible(view_projection, eye, plane)) {
+        counts_.push_back(static_cast<GLsizei>(3 * range.count));
+        offsets_.push_back(offset(sizeof(Triangle) * (drawn.first_triangle + range.first)));
+    }
+    glBindVertexArray(array_.name());
+    glMultiDrawElements(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_INT, offsets_.data(),
+                        static_cast<GLsizei>(counts_.size()));
+}
+
+void PatientMesh::draw(std::size_t part) const {
+    glBindVertexArray(array_.name());
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * parts_[part].blocks.triangles().size()),
+                   GL_UNSIGNED_INT, offset(sizeof(Triangle) * parts_[part].first_triangle));
+}
+
+std::vector<view::LitVertex> PatientMesh::vertices() const {
+    std::vector<view::LitVertex> read(vertex_count_);
+    glBindBuffer(GL_ARRAY_BUFFER, skinned_.name());
+    glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(read.size() * sizeof(view::LitVertex)),
+                       read.data());
+    return read;
+}
+
+}  // namespace eti::render

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/patient_pass.hpp"
+
+#include <string>
+
+#include "client/render/light_shaders.hpp"
+#include "client/render/lip_retraction.hpp"
+#include "client/render/mesh_shaders.hpp"
+#include "client/render/tissue_shaders.hpp"
+
+namespace eti::render {
+
+PatientPass::PatientPass()
+    : tissue_("tissue", std::string(source::mesh_vertex),
+              std::string(source::mesh_inputs) + std::string(source::lighting) +
+                  std::string(source::tissue_fragment)),
+      flat_("flat tissue", std::string(source::mesh_vertex), std::string(source::flat_fragment)) {}
+
+ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows) {
+    ShaderProgram::Defines defines;
+    if (drawing.view.lips_aside) {
+        defines.emplace_back("RETRACT");
+    }
+    if (drawing.ids()) {
+        if (drawing.shading == Shading::object_id_both_sides) {
+            defines.emplace_back("BOTH_SIDES");
+        }
+        return flat_.with(defines);
+    }
+    for (std::string& define : shadows.defines(drawing)) {
+        defines.push_back(std::move(define));
+    }
+    if (drawing.quality.fine) {
+        defines.emplace_back("FINE");
+    }
+    return tissue_.with(defines);
+}
+
+void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const ShadowPass& shadows) {
+    ShaderProgram& skin = program(drawing, shadows);
+    skin.use();
+    place(skin, drawing, Eigen::Matrix4f::Identity(), drawing.clip_plane);
+    if (drawing.view.lips_aside) {
+        apply(drawing.lips, skin);
+    }
+    if (!drawing.ids()) {
+        drawing.lighting.apply(skin, drawing.camera.eye);
+        shadows.apply(drawing, skin);
+    }
+    if (drawing.view.cut) {
+        glEnable(GL_CLIP_DISTANCE0);
+    }
+    if (drawing.shading == Shading::object_id_both_sides) {
+        glDisable(GL_CULL_FACE);
+    }
+    PatientMesh& patient = meshes.patient();
+    for (std::size_t part = 0; part < patient.parts().size(); ++part) {
+        if (drawing.ids()) {
+            skin.set("flat_colour", flat(object_colour(patient.parts()[part].tissue)));
+            skin.set("back_colour", flat(back_colour(patient.parts()[part].tissue)));
+        }
+        patient.draw(part, drawing.view_projection, drawing.camera.eye, drawing.clip_plane);
+    }
+    glEnable(GL_CULL_FACE);
+    glDisable(GL_CLIP_DISTANCE0);
+}
+
+}  // namespace eti::render

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "client/render/drawing.hpp"
+#include "client/render/scene_meshes.hpp"
+#include "client/render/shader_family.hpp"
+#include "client/render/shadow_pass.hpp"
+
+namespace eti::render {
+
+/// The patient's surfaces: skin, mucosa, cords.
+class PatientPass {
+  public:
+    PatientPass();
+    void draw(const Drawing& drawing, SceneMeshes& meshes, const ShadowPass& shadows);
+
+  private:
+    [[nodiscard]] ShaderProgram& program(const Drawing& drawing, const ShadowPass& shadows);
+
+    ShaderFamily tissue_, flat_;
+};
+
+}  // namespace eti::render

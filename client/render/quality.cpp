@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/quality.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "client/render/headless_context.hpp"
+
+namespace eti::render {
+namespace {
+
+constexpr std::array ladder{
+    Quality{.name = "low",
+            .help = "one sample a pixel, shadows of 512 texels, no fine relief",
+            .samples = 1,
+            .shadow_size = 512,
+            .shadow_taps = 1,
+            .fine = false},
+    Quality{.name = "medium",
+            .help = "two samples a pixel, shadows of 1024 texels, fine relief",
+            .samples = 2,
+            .shadow_size = 1024,
+            .shadow_taps = 2,
+            .fine = true},
+    Quality{.name = "high",
+            .help = "four samples a pixel, soft shadows of 2048 texels, fine relief",
+            .samples = 4,
+            .shadow_size = 2048,
+            .shadow_taps = 4,
+            .fine = true},
+};
+
+}  // namespace
+
+std::span<const Quality> qualities() {
+    return ladder;
+}
+
+const Quality* quality_named(std::string_view name) {
+    const auto found = std::ranges::find(ladder, name, &Quality::name);
+    return found == ladder.end() ? nullptr : &*found;
+}
+
+const Quality& affordable_quality() {
+    const std::string driver = driver_name();
+    const bool software =
+        driver.find("llvmpipe") != std::string::npos || driver.find("softpipe") != std::string::npos;
+    return software ? ladder.front() : ladder.back();
+}
+
+}  // namespace eti::render

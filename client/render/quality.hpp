@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace eti::render {
+
+/// One rung of the ladder from what a software rasteriser can bear to what a graphics card can do.
+struct Quality {
+    std::string_view name;
+    std::string_view help;
+    int samples;      ///< a pixel; more cost memory, and in software time by half
+    int shadow_size;  ///< texels along a shadow map's side
+    int shadow_taps;  ///< looks into a shadow map along each side of a soft edge
+    bool fine;        ///< pores, vessels and the coat's own relief, computed for each pixel
+};
+
+/// Lowest first.
+[[nodiscard]] std::span<const Quality> qualities();
+
+/// The rung of a name, or nullptr.
+[[nodiscard]] const Quality* quality_named(std::string_view name);
+
+/// What the driver of the current context can afford: the lowest in software, the highest else.
+[[nodiscard]] const Quality& affordable_quality();
+
+}  // namespace eti::render

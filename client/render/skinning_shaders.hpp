@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <string_view>
+
+namespace eti::render::source {
+
+/// Linear blend skinning into a buffer, one point a vertex. Defines: GROUPS of four frames a
+/// vertex, FIRST_WEIGHT, the attribute after theirs.
+inline constexpr std::string_view skinning_vertex = R"(
+layout(location = 0) in vec3 rest_position;
+layout(location = 1) in vec3 rest_normal;
+layout(location = 2) in uvec4 frame[GROUPS];
+layout(location = FIRST_WEIGHT) in vec4 weight[GROUPS];
+uniform samplerBuffer frames;   // three rows a frame: linear part and offset
+out vec3 skinned_position;
+out vec3 skinned_normal;
+void main() {
+    vec4 row0 = vec4(0.0), row1 = vec4(0.0), row2 = vec4(0.0);
+    for (int group = 0; group < GROUPS; ++group) {
+        for (int k = 0; k < 4; ++k) {
+            float w = weight[group][k];
+            int at = 3 * int(frame[group][k]);
+            row0 += w * texelFetch(frames, at);
+            row1 += w * texelFetch(frames, at + 1);
+            row2 += w * texelFetch(frames, at + 2);
+        }
+    }
+    vec4 p = vec4(rest_position, 1.0);
+    skinned_position = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
+    // Normals follow the cofactors: frames that disagree shear and squeeze.
+    vec3 n = vec3(dot(cross(row1.xyz, row2.xyz), rest_normal), dot(cross(row2.xyz, row0.xyz), rest_normal),
+                  dot(cross(row0.xyz, row1.xyz), rest_normal));
+    skinned_normal = n * inversesqrt(max(dot(n, n), 1e-20));
+}
+)";
+
+}  // namespace eti::render::source
