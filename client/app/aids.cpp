@@ -44,8 +44,9 @@ void add(std::vector<hud::Mark>& marks, const Projection& projection, const Vec3
     }
 }
 
-void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene) {
-    const view::Sight sight = view::sight_of(scene.landmarks());
+void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene,
+               const view::TraineeEye& eye) {
+    const view::Sight sight = view::sight_of(eye, scene.landmarks());
     const auto met = view::obstacle(scene, sight);
     add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
     if (met) {
@@ -71,7 +72,7 @@ std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& 
         add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force));
     }
     if (view.has(render::Overlay::line_of_sight)) {
-        add_sight(marks, projection, scene);
+        add_sight(marks, projection, scene, from.eye);
     }
     return marks;
 }

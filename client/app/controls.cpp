@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "client/app/compositor.hpp"
+#include "client/app/vantage_controls.hpp"
+
 namespace eti::client {
 namespace {
 
@@ -19,6 +22,10 @@ std::vector<std::pair<std::string, std::string>> keys_help(bool commands) {
     for (const Selection& one : selections()) {
         out.emplace_back(std::string(1, one.key), fmt::format("{}: {}", one.name, one.help));
     }
+    out.emplace_back("mouse", mouse_help());
+    for (const VantageKey& key : vantage_keys()) {
+        out.emplace_back(key.caption, key.help);
+    }
     if (commands) {
         for (const CommandKey& key : command_keys()) {
             out.emplace_back(key.caption, key.help);
@@ -32,6 +39,8 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
         selection_ = chosen;
     } else if (key == U'h' || key == U'?') {
         help_ = repeated ? help_ : !help_;
+    } else if (const VantageKey* const moved = vantage_key(key)) {
+        moved->press(vantage_, scene.landmarks());
     } else if (const CommandKey* const command = command_key(key)) {
         if (commands_ == nullptr) {
             say("an observer gives no commands", now);
@@ -46,6 +55,17 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
 void Controls::release(char32_t key, Time now) {
     if (const CommandKey* const command = command_key(key)) {
         send(typing_.release(*command), now);
+    }
+}
+
+void Controls::drag(const Drag& mouse, const view::SceneView& scene, int width, int height) {
+    for (const auto& [view, tile] : layout(selection_->views(scene), width, height)) {
+        const float x = mouse.from_x - static_cast<float>(tile.x);
+        const float y = mouse.from_y - static_cast<float>(tile.y);
+        if (x >= 0.0f && y >= 0.0f && x < static_cast<float>(tile.width) &&
+            y < static_cast<float>(tile.height)) {
+            client::drag(vantage_, *view, mouse, scene.landmarks());
+        }
     }
 }
 

@@ -59,7 +59,7 @@ class Offscreen {
           input_(node, options.frames_per_second > 30.0, !options.observe),
           compositor_(options.width, options.height,
                       options.quality != nullptr ? *options.quality : render::affordable_quality()),
-          pictures_(options.offscreen) {
+          pictures_(options.offscreen, options.vantage) {
         if (!options.video.empty()) {
             video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
                                                      options.height);
@@ -120,7 +120,8 @@ class Offscreen {
             scene_.update();
             take_pictures(scene_, "final");
             if (video_) {
-                compositor_.draw(options_.selection->views(scene_), scene_, readout(), {}, false);
+                compositor_.draw(options_.selection->views(scene_), scene_, readout(), options_.vantage,
+                                 false);
                 video_->add(compositor_.target().read(),
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
@@ -217,11 +218,11 @@ class Offscreen {
             next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         if (video_) {
-            compositor_.draw(options_.selection->views(scene_), scene_, readout(), {}, true);
+            compositor_.draw(options_.selection->views(scene_), scene_, readout(), options_.vantage, true);
             add_to_video(tick);
             ++drawn_;
         }
-        input_.publish_eye(scene_);
+        input_.publish_eye(scene_, options_.vantage.eye);
         ++frames_;
         last_tick_ = tick;
         const auto spent = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();

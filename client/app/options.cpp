@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <charconv>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -30,6 +31,26 @@ bool read_size(const std::string& text, int& width, int& height) {
     return second.ec == std::errc() && second.ptr == end && fits(width) && fits(height);
 }
 
+// "X,Y,Z", in millimetres, within the eye's reach; in metres.
+std::optional<Vec3f> read_offset(const std::string& text) {
+    constexpr float most_mm = 1e3f * view::TraineeEye::farthest;
+    Vec3f offset;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (axis > 0 && (at == end || *at++ != ',')) {
+            return std::nullopt;
+        }
+        const auto [past, error] = std::from_chars(at, end, offset[axis]);
+        // Written so that NaN fails.
+        if (error != std::errc() || !(std::abs(offset[axis]) <= most_mm)) {
+            return std::nullopt;
+        }
+        at = past;
+    }
+    return at == end ? std::optional<Vec3f>(1e-3f * offset) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
@@ -49,6 +70,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string quality = "auto";
     std::string view(options.selection->name);
     std::string size = "960x540";
+    std::string eye_offset = "0,0,0";
     bool no_video = false;
     std::string keys = "Keys in the window:";
     for (const auto& [key, help] : keys_help(true)) {
@@ -60,6 +82,20 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_flag("--observe", options.observe,
                  "Watch only: publishes nothing and gives no commands; without it the trainee's "
                  "line of sight is published");
+    app.add_option("--eye-offset-mm", eye_offset,
+                   "The trainee's eye stands so far from where the glottis is best seen: to the patient's "
+                   "left, to its back and towards its head")
+        ->capture_default_str()
+        ->check(
+            [](const std::string& text) {
+                return read_offset(text)
+                           ? std::string()
+                           : fmt::format(
+                                 "'{}' is no place of an eye; expected X,Y,Z in mm, each "
+                                 "from -{:.0f} to {:.0f}, e.g. 10,0,-5",
+                                 text, 1e3f * view::TraineeEye::farthest, 1e3f * view::TraineeEye::farthest);
+            },
+            "X,Y,Z");
     auto* const offscreen = app.add_option("--offscreen", options.offscreen,
                                            "Draw without a display; pictures go into this folder");
     auto* const video =
@@ -105,6 +141,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     options.selection = selection_named(view);
     options.quality = render::quality_named(quality);
     (void)read_size(size, options.width, options.height);
+    options.vantage.eye = view::TraineeEye(*read_offset(eye_offset));
     if (!no_video && options.video.empty() && !options.offscreen.empty() && !options.observe) {
         options.video = options.offscreen / "session.mp4";
     }

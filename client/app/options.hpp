@@ -17,6 +17,7 @@ struct Options {
     bus::Options bus{.name = "eti-client", .one_of_many = true};
     bool observe = false;  ///< watch only: publishes nothing
     const Selection* selection = &default_selection();
+    render::Vantage vantage;          ///< from where views are drawn, until somebody moves it
     std::filesystem::path offscreen;  ///< folder for pictures; empty: a window
     std::filesystem::path video;      ///< empty: none
     double every_s = 5.0;             ///< of simulation time between pictures; 0: only best and last

@@ -36,7 +36,8 @@ class BestView {
 /// Draws pictures of single views, and of several side by side if that is selected, into a folder.
 class Pictures {
   public:
-    explicit Pictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    Pictures(std::filesystem::path folder, const render::Vantage& vantage)
+        : folder_(std::move(folder)), vantage_(vantage) {}
 
     /// Throws std::runtime_error when a picture cannot be written.
     void take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
@@ -45,6 +46,7 @@ class Pictures {
 
   private:
     std::filesystem::path folder_;
+    render::Vantage vantage_;
     std::vector<std::filesystem::path> files_;
 };
 

@@ -60,13 +60,13 @@ void SessionInput::wait(std::chrono::milliseconds timeout) {
     (void)deformation_.wait(timeout);
 }
 
-void SessionInput::publish_eye(const view::SceneView& scene) {
+void SessionInput::publish_eye(const view::SceneView& scene, const view::TraineeEye& eye) {
     if (!eye_ || !scene.complete()) {
         return;
     }
     msg::EyePose message;
     message.header(bus::make_header(scene.simulation_time_ns(), ++eye_number_));
-    message.pose(bus::to_msg(render::laryngoscope_camera(scene.landmarks()).pose()));
+    message.pose(bus::to_msg(eye.pose(scene.landmarks())));
     eye_->publish(message);
 }
 

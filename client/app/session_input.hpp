@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "client/app/arrival.hpp"
-#include "client/render/camera.hpp"
 #include "client/view/scene_view.hpp"
+#include "client/view/trainee_eye.hpp"
 #include "common/bus/bus.hpp"
 
 namespace eti::client {
@@ -32,7 +32,7 @@ class SessionInput {
     /// Waits until a new shape arrives or the time is over.
     void wait(std::chrono::milliseconds timeout);
     /// As the trainee: tells the server where the eye is. Else does nothing.
-    void publish_eye(const view::SceneView& scene);
+    void publish_eye(const view::SceneView& scene, const view::TraineeEye& eye);
 
     [[nodiscard]] Presence presence() const { return presence_; }
     /// Since when presence() is what it is [s].

@@ -12,13 +12,9 @@
 #include <fmt/format.h>
 
 #include "client/app/command_keys.hpp"
-#include "common/math/units.hpp"
 
 namespace eti::client {
 namespace {
-
-constexpr float turn_per_pixel = 0.35f * degree;
-constexpr float zoom_per_notch = 0.92f;
 
 std::string last_glfw_error() {
     const char* text = nullptr;
@@ -61,19 +57,11 @@ Window::Window(int width, int height, const std::string& title) {
     // As characters: where they lie on the keyboard differs between languages.
     glfwSetCharCallback(window_,
                         [](GLFWwindow* w, unsigned character) { window_of(w).on_character(character); });
-    glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
-        if (button == GLFW_MOUSE_BUTTON_LEFT) {
-            Window& self = window_of(w);
-            self.dragging_ = action == GLFW_PRESS;
-            glfwGetCursorPos(w, &self.last_x_, &self.last_y_);
-        }
-    });
-    glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_drag(x, y); });
-    glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double notches) {
-        float& distance = window_of(w).orbit_.distance;
-        distance =
-            std::clamp(distance * (notches > 0.0 ? zoom_per_notch : 1.0f / zoom_per_notch), 0.2f, 1.5f);
-    });
+    glfwSetMouseButtonCallback(
+        window_, [](GLFWwindow* w, int button, int action, int) { window_of(w).on_button(button, action); });
+    glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_move(x, y); });
+    glfwSetScrollCallback(window_,
+                          [](GLFWwindow* w, double, double notches) { window_of(w).on_wheel(notches); });
 }
 
 Window::~Window() {
@@ -132,14 +120,41 @@ void Window::on_character(unsigned character) {
     keys_.push_back({lower(character), true, repeating_});
 }
 
-void Window::on_drag(double x, double y) {
-    if (dragging_) {
-        orbit_.azimuth -= turn_per_pixel * static_cast<float>(x - last_x_);
-        orbit_.elevation = std::clamp(orbit_.elevation + turn_per_pixel * static_cast<float>(y - last_y_),
-                                      -60.0f * degree, 85.0f * degree);
+double Window::pixels_per_unit() const {
+    int units = 0, height = 0;
+    glfwGetWindowSize(window_, &units, &height);
+    return units > 0 ? static_cast<double>(width()) / units : 1.0;
+}
+
+void Window::on_button(int button, int action) {
+    if (action == GLFW_RELEASE) {
+        held_ = button == held_ ? -1 : held_;
+    } else if (button == GLFW_MOUSE_BUTTON_LEFT || button == GLFW_MOUSE_BUTTON_RIGHT) {
+        held_ = button;
+        const double scale = pixels_per_unit();
+        begun_ = {.from_x = static_cast<float>(scale * last_x_),
+                  .from_y = static_cast<float>(scale * last_y_),
+                  .second = button == GLFW_MOUSE_BUTTON_RIGHT};
+    }
+}
+
+void Window::on_move(double x, double y) {
+    if (held_ >= 0) {
+        const double scale = pixels_per_unit();
+        Drag moved = begun_;
+        moved.x = static_cast<float>(scale * (x - last_x_));
+        moved.y = static_cast<float>(scale * (y - last_y_));
+        drags_.push_back(moved);
     }
     last_x_ = x;
     last_y_ = y;
+}
+
+void Window::on_wheel(double notches) {
+    const double scale = pixels_per_unit();
+    drags_.push_back({.from_x = static_cast<float>(scale * last_x_),
+                      .from_y = static_cast<float>(scale * last_y_),
+                      .notches = static_cast<float>(notches)});
 }
 
 }  // namespace eti::client

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/render/camera.hpp"
+#include "client/app/drag.hpp"
 
 struct GLFWwindow;
 
@@ -19,8 +19,8 @@ struct KeyEvent {
     bool repeated;
 };
 
-/// A window with an OpenGL 3.3 context, which is current. The mouse turns the overview and its wheel moves it
-/// nearer, Esc closes; other keys wait to be taken.
+/// A window with an OpenGL 3.3 context, which is current. Esc closes; other keys and what the mouse did wait
+/// to be taken.
 class Window {
   public:
     /// Throws std::runtime_error where there is no display, naming --offscreen as the remedy.
@@ -40,19 +40,25 @@ class Window {
     [[nodiscard]] int height() const;
     /// What happened to the keys since the last call, oldest first.
     [[nodiscard]] std::vector<KeyEvent> take_keys() { return std::exchange(keys_, {}); }
-    [[nodiscard]] const render::Orbit& orbit() const { return orbit_; }
+    /// The same of the mouse.
+    [[nodiscard]] std::vector<Drag> take_drags() { return std::exchange(drags_, {}); }
 
   private:
     void on_key(int key, int scancode, int action);
     void on_character(unsigned character);
-    void on_drag(double x, double y);
+    void on_button(int button, int action);
+    void on_move(double x, double y);
+    void on_wheel(double notches);
+    /// In pixels of the drawing area: a window's own units may be larger.
+    [[nodiscard]] double pixels_per_unit() const;
 
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;
     bool repeating_ = false;
-    render::Orbit orbit_;
+    std::vector<Drag> drags_;
     double last_x_ = 0.0, last_y_ = 0.0;
-    bool dragging_ = false;
+    int held_ = -1;  ///< mouse button, or none
+    Drag begun_;     ///< where that went down
 };
 
 }  // namespace eti::client

@@ -41,7 +41,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     if (!options.observe) {
         commands.emplace(node, options.bus.name);
     }
-    Controls controls(*options.selection, commands ? &*commands : nullptr);
+    Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
                           options.quality != nullptr ? *options.quality : render::affordable_quality());
@@ -60,6 +60,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             event.down ? controls.press(event.key, event.repeated, scene, now)
                        : controls.release(event.key, now);
         }
+        for (const Drag& mouse : window.take_drags()) {
+            controls.drag(mouse, scene, window.width(), window.height());
+        }
         controls.tend(now);
         scene.update();
         if (lost(input) != was_lost) {
@@ -72,11 +75,11 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             controls.put_into(readout, now);
             // Before every part of the patient has been heard of, a picture would show none that there is.
             compositor.draw(scene.shaped() ? controls.selection().views(scene) : Views{}, scene, readout,
-                            {.orbit = window.orbit(), .cut = {}}, options.json);
+                            controls.vantage(), options.json);
             compositor.target().copy_to_window();
             window.show_frame();
         }
-        input.publish_eye(scene);
+        input.publish_eye(scene, controls.vantage().eye);
         frames += scene.complete() ? 1 : 0;
         // A display without vertical sync would have every core drawing the same picture.
         std::this_thread::sleep_until(next_frame);

@@ -81,21 +81,23 @@ Camera section_camera(const Landmarks& rest) {
     return camera;
 }
 
-Camera laryngoscope_camera(const Landmarks& now) {
+Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now) {
+    const RigidTransform pose = eye.pose(now);
     Camera camera;
-    camera.eye = best_eye(now);
-    camera.target = at(now, Landmark::glottis);
-    camera.vertical_field = 5.0f * degree;
-    camera.near_plane = 0.1f;
+    camera.eye = pose.translation;
+    // A finite target suits the lights, too: as far as the glottis.
+    camera.target = pose * Vec3f(0.0f, 0.0f, -(camera.eye - at(now, Landmark::glottis)).norm());
+    camera.up = pose.rotation * Vec3f::UnitY();
+    camera.vertical_field = 40.0f * degree;
+    // The laryngoscope's handle comes close.
+    camera.near_plane = 0.03f;
     camera.far_plane = 0.8f;
     return camera;
 }
 
-Camera eye_camera(const Landmarks& now) {
-    Camera camera = laryngoscope_camera(now);
-    camera.vertical_field = 40.0f * degree;
-    // The laryngoscope's handle comes close.
-    camera.near_plane = 0.03f;
+Camera close_up_camera(const view::TraineeEye& eye, const Landmarks& now) {
+    Camera camera = eye_camera(eye, now);
+    camera.vertical_field = 5.0f * degree;
     return camera;
 }
 

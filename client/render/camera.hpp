@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "client/view/trainee_eye.hpp"
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
 #include "common/model/landmark.hpp"
@@ -40,11 +41,10 @@ struct Orbit {
 /// From the patient's left onto the mid-sagittal plane, head to the right.
 [[nodiscard]] Camera section_camera(const Landmarks& rest);
 
-/// The examiner's eye: at best_eye(), looking at the glottis, the tongue's side up. A close-up: the mouth
-/// fills the picture.
-[[nodiscard]] Camera laryngoscope_camera(const Landmarks& now);
+/// The trainee's eye, with as much around what it looks at as a person sees clearly.
+[[nodiscard]] Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now);
 
-/// The same eye, with as much around what it looks at as a person sees clearly.
-[[nodiscard]] Camera eye_camera(const Landmarks& now);
+/// The same eye's close-up: the mouth fills the picture.
+[[nodiscard]] Camera close_up_camera(const view::TraineeEye& eye, const Landmarks& now);
 
 }  // namespace eti::render

@@ -9,6 +9,7 @@
 #include "client/render/shader_program.hpp"
 #include "client/render/view_table.hpp"
 #include "client/render/viewport.hpp"
+#include "common/model/lip_retraction.hpp"
 
 namespace eti::render {
 
@@ -35,6 +36,7 @@ struct Drawing {
     Eigen::Matrix4f view_projection;
     Eigen::Vector4f clip_plane;  ///< dot(xyz, p) + w >= 0 is drawn
     CutPlane cut;
+    LipRetraction lips;
     Viewport viewport;
     Shading shading = Shading::lit;
 

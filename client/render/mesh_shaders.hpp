@@ -36,13 +36,14 @@ uniform mat4 to_sight;
 uniform vec3 sight_up;
 uniform vec2 lip_shift;   // upper lip downwards, lower lip upwards [m]
 uniform vec2 lip_edge;    // [m] along sight_up
+uniform vec4 lip_shape;   // where it begins and is complete [m], breadth [m^2], gather [m]
+// LipRetraction::held_aside() of common/model computes the same.
 vec3 held_aside(vec3 p) {
     vec3 q = (to_sight * vec4(p, 1.0)).xyz;
-    float before = smoothstep(-0.0005, 0.0015, q.z) * exp(-q.x * q.x / 4e-4);
+    float before = smoothstep(lip_shape.x, lip_shape.y, q.z) * exp(-q.x * q.x / lip_shape.z);
     float split = 0.5 * (lip_edge.x + lip_edge.y);
-    // Skin gathers over 30 mm beyond either lip.
-    float upper = q.y < split ? smoothstep(lip_edge.x - 0.030, lip_edge.x, q.y) : 0.0;
-    float lower = q.y < split ? 0.0 : 1.0 - smoothstep(lip_edge.y, lip_edge.y + 0.030, q.y);
+    float upper = q.y < split ? smoothstep(lip_edge.x - lip_shape.w, lip_edge.x, q.y) : 0.0;
+    float lower = q.y < split ? 0.0 : 1.0 - smoothstep(lip_edge.y, lip_edge.y + lip_shape.w, q.y);
     return p + sight_up * before * (lip_shift.y * lower - lip_shift.x * upper);
 }
 #endif

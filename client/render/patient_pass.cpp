@@ -42,7 +42,7 @@ void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const Shadow
     skin.use();
     place(skin, drawing, Eigen::Matrix4f::Identity(), drawing.clip_plane);
     if (drawing.view.lips_aside) {
-        lip_retraction(laryngoscope_camera(drawing.scene.landmarks()), drawing.scene.landmarks()).apply(skin);
+        apply(drawing.lips, skin);
     }
     if (!drawing.ids()) {
         drawing.lighting.apply(skin, drawing.camera.eye);

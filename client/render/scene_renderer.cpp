@@ -75,6 +75,7 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
                               camera.projection(part.aspect()) * camera.view(),
                               view.cut ? from.cut.kept() : no_clipping,
                               from.cut,
+                              lip_retraction(from.eye.position(scene.landmarks()), scene.landmarks()),
                               part,
                               shading};
         if (meshes_.ready() && !drawing.ids()) {

@@ -48,9 +48,12 @@ std::uint64_t state_of(const Drawing& drawing, SceneMeshes& meshes, bool lips_as
         }
     }
     if (lips_aside) {
-        for (const Vec3f& landmark : drawing.scene.landmarks()) {
-            digest.add(landmark.x()).add(landmark.y()).add(landmark.z());
+        const LipRetraction& lips = drawing.lips;
+        for (const float number : lips.axes.reshaped()) {
+            digest.add(number);
         }
+        digest.add(lips.origin.x()).add(lips.origin.y()).add(lips.origin.z());
+        digest.add(lips.upper_shift).add(lips.lower_shift).add(lips.upper_edge).add(lips.lower_edge);
     }
     return digest.state();
 }
@@ -97,8 +100,7 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing
     program.set("clip_plane", no_clipping);
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     if (lips_aside) {
-        lip_retraction(laryngoscope_camera(drawing.scene.landmarks()), drawing.scene.landmarks())
-            .apply(program);
+        render::apply(drawing.lips, program);
     }
     const Vec3f from = drawing.lighting.lights[0].position;
     for (std::size_t part = 0; part < meshes.patient().parts().size(); ++part) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "client/render/camera.hpp"
+#include "client/view/trainee_eye.hpp"
 
 namespace eti::render {
 
@@ -19,8 +20,9 @@ struct CutPlane {
 
 /// What whoever sits before the pictures has moved: by mouse, keys and options. Views draw from it.
 struct Vantage {
-    Orbit orbit;   ///< of the onlooker
-    CutPlane cut;  ///< of the section
+    Orbit orbit{};           ///< of the onlooker
+    CutPlane cut{};          ///< of the section
+    view::TraineeEye eye{};  ///< the trainee's own
 };
 
 }  // namespace eti::render

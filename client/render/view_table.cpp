@@ -19,8 +19,8 @@ Cameras from_above(const view::SceneView& scene, const Vantage& from) {
     return {overview_camera(scene.landmarks(), from.orbit, std::isfinite(table_angle) ? table_angle : 0.0f)};
 }
 
-Cameras under_the_blade(const view::SceneView& scene, const Vantage&) {
-    Camera sight = laryngoscope_camera(scene.landmarks());
+Cameras under_the_blade(const view::SceneView& scene, const Vantage& from) {
+    Camera sight = close_up_camera(from.eye, scene.landmarks());
     // The gum fills the lower half of the sight line's surroundings; look a little above the glottis.
     sight.target -= glottis_below_centre * Vec3f::UnitY();
     return {sight};
@@ -30,8 +30,8 @@ Cameras from_the_left(const view::SceneView& scene, const Vantage&) {
     return {section_camera(scene.landmarks())};
 }
 
-Cameras from_the_eye(const view::SceneView& scene, const Vantage&) {
-    return {eye_camera(scene.landmarks())};
+Cameras from_the_eye(const view::SceneView& scene, const Vantage& from) {
+    return {eye_camera(from.eye, scene.landmarks())};
 }
 
 // Parallel, so that a picture for each eye needs no correction beyond a lens's.
@@ -56,6 +56,7 @@ const std::array table{
          .passes = of_a_mouth,
          .tone = {.vignette = 1.0f},
          .automatic = Automatic::always,
+         .moves = Moves::eye,
          .lips_aside = true},
     View{.name = "overview",
          .key = '1',
@@ -64,7 +65,8 @@ const std::array table{
          .lighting = overview_lighting,
          .passes = {Pass::room_shadow, Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid},
          .background = Vec3f(0.035f, 0.065f, 0.075f),
-         .automatic = Automatic::always},
+         .automatic = Automatic::always,
+         .moves = Moves::onlooker},
     View{.name = "section",
          .key = '2',
          .help = "cut open along the middle",
@@ -82,6 +84,7 @@ const std::array table{
          .lighting = laryngoscope_lighting,
          .passes = of_a_mouth,
          .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .moves = Moves::eye,
          .lips_aside = true},
     View{.name = "stereo",
          .key = '6',
@@ -92,6 +95,7 @@ const std::array table{
          .overlays = {},  // they would need a depth
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::alone,
+         .moves = Moves::eye,
          .lips_aside = true},
 };
 

@@ -41,6 +41,9 @@ enum class Automatic : std::uint8_t {
     enhanced,  ///< while the session asks for the enhanced view
 };
 
+/// What a mouse moves in a view's picture.
+enum class Moves : std::uint8_t { nothing, onlooker, eye };
+
 /// One row of the table of views. Options, keys, layout, pictures, timing and the renderer all walk it, so
 /// that a view is added in one place.
 struct View {
@@ -56,7 +59,8 @@ struct View {
     Vec3f background = Vec3f::Zero();  ///< linear
     ToneMapping tone = {};
     Automatic automatic = Automatic::never;
-    bool lips_aside = false;  ///< fingers hold the lips aside, see LipRetraction
+    Moves moves = Moves::nothing;
+    bool lips_aside = false;  ///< fingers hold the lips aside for the trainee, see LipRetraction
     bool cut = false;         ///< opened along the plane of the vantage
 
     [[nodiscard]] bool has(Pass pass) const;

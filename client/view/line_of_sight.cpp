@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/lip_retraction.hpp"
+
 namespace eti::view {
 namespace {
 
@@ -59,16 +61,15 @@ std::string_view said(Tissue tissue) {
 
 }  // namespace
 
-Sight sight_of(const Landmarks& now) {
-    return {best_eye(now), at(now, Landmark::glottis)};
+Sight sight_of(const TraineeEye& eye, const Landmarks& now) {
+    return {eye.position(now), at(now, Landmark::glottis)};
 }
 
 std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
     const Vec3f onward = (sight.to - sight.from).normalized();
-    const float gum = onward.dot(at(scene.landmarks(), Landmark::upper_gum) - sight.from);
-    const Vec3f begin = sight.from + std::max(0.0f, gum) * onward;
     const Vec3f end = sight.to - short_of_glottis * onward;
-    Ray ray(begin, end);
+    const LipRetraction lips = lip_retraction(sight.from, scene.landmarks());
+    Ray ray(sight.from, end);
     std::string_view name;
     for (const auto& [surface_name, surface] : scene.surfaces()) {
         const RestSurface& model = surface.model();
@@ -78,8 +79,17 @@ std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
         const auto vertices = surface.vertices();
         for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
             const auto& [a, b, c] = model.mesh.triangles[t];
-            if (ray.meets(vertices[a].position, vertices[b].position, vertices[c].position)) {
+            const auto corner = [&](std::uint32_t v) { return lips.held_aside(vertices[v].position); };
+            if (ray.meets(corner(a), corner(b), corner(c))) {
                 name = said(model.triangle_tissue[t]);
+            }
+        }
+    }
+    if (const TubeSweep* const tube = scene.tube()) {
+        const auto vertices = tube->vertices();
+        for (const auto& [a, b, c] : tube->triangles()) {
+            if (ray.meets(vertices[a].position, vertices[b].position, vertices[c].position)) {
+                name = "tube";
             }
         }
     }
@@ -87,7 +97,7 @@ std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
     if (scene.laryngoscope() && scene.laryngoscope_pose()) {
         const RigidTransform into_tool = scene.laryngoscope_pose()->inverse();
         const TriangleMesh& mesh = scene.laryngoscope()->mesh;
-        Ray held(into_tool * begin, into_tool * where);
+        Ray held(into_tool * sight.from, into_tool * where);
         for (const auto& [a, b, c] : mesh.triangles) {
             if (held.meets(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
                 name = "blade";

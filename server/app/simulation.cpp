@@ -78,8 +78,9 @@ anatomy::Patient patient_of(const Scenario& scenario) {
     return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
 }
 
-Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, float time_limit)
-    : viewer_(patient, scope) {
+Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+                   float time_limit)
+    : viewer_(patient, scope, {.tube_radius = tube.outer_radius()}) {
     metrics_.begin(patient, scope, static_cast<double>(time_limit));
 }
 
@@ -94,7 +95,7 @@ void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
       scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
-      assessor_(patient, scope_, scenario.time_limit),
+      assessor_(patient, scope_, scenario.tube, scenario.time_limit),
       tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {}
 
 void Simulation::step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye) {

@@ -63,16 +63,16 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
     }
 }
 
-void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames,
+void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction& lips,
                           const scene::Snapshot& snapshot) {
     if (laryngoscope_) {
         const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
         laryngoscope_->block(lines, std::span(&held, 1));
     }
     for (Occluder& surface : surfaces_) {
-        surface.block(lines, frames);
+        surface.block(lines, frames, &lips);
     }
-    if (settings_.tube_hides) {
+    if (settings_.tube_radius > 0.0f) {
         for (std::size_t i = 1; i < snapshot.tube_nodes.size(); ++i) {
             lines.block_by_capsule(lines.seen_from_eye(snapshot.tube_nodes[i - 1]),
                                    lines.seen_from_eye(snapshot.tube_nodes[i]), settings_.tube_radius);
@@ -82,18 +82,15 @@ void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames,
 
 GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& from) {
     GlotticView view;
-    // Fingers hold the lips aside: the line of sight begins where it comes level with the upper gum.
-    const Vec3f onward = (at(snapshot.landmarks, Landmark::glottis) - from).normalized();
-    const Vec3f eye =
-        from + std::max(0.0f, onward.dot(at(snapshot.landmarks, Landmark::upper_gum) - from)) * onward;
     if (snapshot.frames.size() != rest_centres_.size()) {
         return view;
     }
     std::vector<FrameMap> frames(rest_centres_.size());
     std::ranges::transform(snapshot.frames, rest_centres_, frames.begin(), frame_map);
+    const LipRetraction lips = lip_retraction(from, snapshot.landmarks);
     const AreaSamples samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
-    SightLines to_glottis(eye, samples.points, settings_.tolerance);
-    block(to_glottis, frames, snapshot);
+    SightLines to_glottis(from, samples.points, settings_.tolerance);
+    block(to_glottis, frames, lips, snapshot);
     for (std::size_t i = 0; i < to_glottis.size(); ++i) {
         if (!to_glottis.blocked(i)) {
             view.opening_percent += 100.0f * samples.weights[i];
@@ -108,8 +105,8 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
     for (const anatomy::CarriedPoint& point : epiglottis_) {
         targets.push_back(skin_point(point.rest, point.skin, frames));
     }
-    SightLines to_epiglottis(eye, targets, settings_.tolerance);
-    block(to_epiglottis, frames, snapshot);
+    SightLines to_epiglottis(from, targets, settings_.tolerance);
+    block(to_epiglottis, frames, lips, snapshot);
     for (std::size_t i = 0; i < to_epiglottis.size() && !view.epiglottis_seen; ++i) {
         view.epiglottis_seen = !to_epiglottis.blocked(i);
     }

@@ -29,8 +29,8 @@ struct AreaSamples {
 [[nodiscard]] AreaSamples sample_polygon(std::span<const Vec3f> contour, int count);
 
 /// Percentage of glottic opening (Levitan 1998, Acad Emerg Med 5:919), measured as a share of area:
-/// straight lines from the eye to points of the opening that neither the patient's skinned surfaces
-/// nor the laryngoscope block.
+/// straight lines from the eye to points of the opening that neither the patient's skinned surfaces nor
+/// laryngoscope nor tube block. Lips are held aside, as in the trainee's picture.
 class GlotticViewer {
   public:
     struct Settings {
@@ -38,20 +38,19 @@ class GlotticViewer {
         int epiglottis_samples = 48;
         /// [m]; what lies so near to a target does not hide it (the rim the contour runs along).
         float tolerance = 0.5e-3f;
-        bool tube_hides = false;      ///< the glottis was seen before the tube came in front of it
-        float tube_radius = 2.1e-3f;  ///< [m]
+        float tube_radius = 2.1e-3f;  ///< [m]; 0: there is no tube to hide anything
     };
 
     /// Copies what it needs of the patient.
     GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope, const Settings& settings);
     GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope);
 
-    /// `from` [m], patient frame: the eye. Lips do not hide: the assistant's fingers hold them aside, so
-    /// sight begins level with the upper gum. The snapshot must come from the same patient.
+    /// `from` [m], patient frame: the eye. The snapshot must come from the same patient.
     [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& from);
 
   private:
-    void block(SightLines& lines, std::span<const FrameMap> frames, const scene::Snapshot& snapshot);
+    void block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction& lips,
+               const scene::Snapshot& snapshot);
 
     Settings settings_;
     std::vector<Vec3f> rest_centres_;

@@ -207,13 +207,14 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     }
 }
 
-void Occluder::block(SightLines& lines, std::span<const FrameMap> frames) {
+void Occluder::block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction* lips) {
     ++call_;
     tested_ = 0;
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
-            seen_[vertex] = lines.seen_from_eye(skin_point(rest_[vertex], skin_[vertex], frames));
+            const Vec3f skinned = skin_point(rest_[vertex], skin_[vertex], frames);
+            seen_[vertex] = lines.seen_from_eye(lips != nullptr ? lips->held_aside(skinned) : skinned);
         }
         return seen_[vertex];
     };
@@ -228,8 +229,12 @@ void Occluder::block(SightLines& lines, std::span<const FrameMap> frames) {
             low = low.cwiseMin(image);
             high = high.cwiseMax(image);
         }
-        const float radius = block.radius + 0.5f * (high - low).norm();
-        if (!lines.may_meet(lines.seen_from_eye(0.5f * (low + high)), radius)) {
+        const Vec3f centre = 0.5f * (low + high);
+        float radius = block.radius + 0.5f * (high - low).norm();
+        if (lips != nullptr && lips->moves(centre, radius)) {
+            radius += lips->reach();
+        }
+        if (!lines.may_meet(lines.seen_from_eye(centre), radius)) {
             continue;
         }
         for (std::uint32_t t = block.first_triangle; t < block.end_triangle; ++t) {

@@ -8,6 +8,7 @@
 
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/lip_retraction.hpp"
 
 namespace eti::metrics {
 
@@ -55,7 +56,8 @@ class Occluder {
   public:
     Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin);
 
-    void block(SightLines& lines, std::span<const FrameMap> frames);
+    /// `lips`: what holds this mesh aside; null where nothing does.
+    void block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction* lips = nullptr);
 
     /// Triangles skinned and tested in the last call.
     [[nodiscard]] std::size_t tested() const { return tested_; }

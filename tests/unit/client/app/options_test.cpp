@@ -42,6 +42,27 @@ TEST(Options, ReadsSizeAndView) {
     EXPECT_EQ(options.bus.domain, 7);
 }
 
+TEST(Options, PlacesTheTraineesEye) {
+    client::Options options;
+    ASSERT_FALSE(parse({"--eye-offset-mm", "10,-20.5,1e1"}, options));
+    EXPECT_LT((options.vantage.eye.offset() - Vec3f(0.010f, -0.0205f, 0.010f)).norm(), 1e-7f);
+    client::Options plain;
+    ASSERT_FALSE(parse({}, plain));
+    EXPECT_EQ(plain.vantage.eye.offset(), Vec3f::Zero());
+}
+
+TEST(Options, SaysWhatPlaceAnEyeMayHave) {
+    for (const char* const text : {"nan,0,0", "0,inf,0", "1,2", "1,2,3,4", "1,2,", "251,0,0", "a,b,c", ""}) {
+        client::Options options;
+        ::testing::internal::CaptureStderr();
+        const auto status = parse({"--eye-offset-mm", text}, options);
+        const std::string said = ::testing::internal::GetCapturedStderr();
+        ASSERT_TRUE(status) << text;
+        EXPECT_NE(*status, 0);
+        EXPECT_NE(said.find("X,Y,Z in mm, each from -250 to 250"), std::string::npos) << text << ": " << said;
+    }
+}
+
 TEST(Options, RefusesWhatCannotBe) {
     const std::initializer_list<std::initializer_list<const char*>> mistakes = {
         {"--size", "640"},       {"--size", "641x480"},  {"--size", "0x0"},

@@ -41,8 +41,8 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     client::Compositor compositor(window.width(), window.height(), render::qualities().front());
-    compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false),
-                    {.orbit = window.orbit(), .cut = {}}, false);
+    compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false), {},
+                    false);
     compositor.target().copy_to_window();
     // What the window is about to show, read from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);
@@ -91,6 +91,30 @@ TEST(Window, KeepsKeysUntilTheyAreTaken) {
     EXPECT_TRUE(window.take_keys().empty());
     on_key(native, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
     EXPECT_FALSE(window.open());
+}
+
+TEST(Window, KeepsWhatTheMouseDidUntilItIsTaken) {
+    const test::VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::Window window(320, 240, "test");
+    GLFWwindow* const native = glfwGetCurrentContext();
+    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native, nullptr);
+    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native, nullptr);
+    const GLFWscrollfun on_wheel = glfwSetScrollCallback(native, nullptr);
+    on_move(native, 100.0, 50.0);  // no button is held
+    on_button(native, GLFW_MOUSE_BUTTON_RIGHT, GLFW_PRESS, 0);
+    on_move(native, 110.0, 45.0);
+    on_move(native, 112.0, 45.0);
+    on_button(native, GLFW_MOUSE_BUTTON_RIGHT, GLFW_RELEASE, 0);
+    on_move(native, 0.0, 0.0);
+    on_wheel(native, 0.0, -2.0);
+    const std::vector<client::Drag> drags = window.take_drags();
+    ASSERT_EQ(drags.size(), 3u);
+    EXPECT_TRUE(drags[0].from_x == 100.0f && drags[0].from_y == 50.0f && drags[0].second);
+    EXPECT_TRUE(drags[0].x == 10.0f && drags[0].y == -5.0f && drags[0].notches == 0.0f);
+    EXPECT_TRUE(drags[1].from_x == 100.0f && drags[1].x == 2.0f && drags[1].y == 0.0f);
+    EXPECT_TRUE(drags[2].from_x == 0.0f && drags[2].x == 0.0f && drags[2].notches == -2.0f);
+    EXPECT_TRUE(window.take_drags().empty());
 }
 
 TEST(Window, FollowsASessionOverTheBus) {

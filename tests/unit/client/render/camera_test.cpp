@@ -30,15 +30,16 @@ TEST(OverviewCamera, KeepsTheWorldsVerticalOnATiltedTable) {
     EXPECT_EQ(tilted.target, level.target);
 }
 
-// What is published as the trainee's eye is the close-up's pose.
-TEST(EyeCamera, LooksFromThePublishedEyeWithANaturalField) {
+// What is published as the trainee's eye is what its pictures are drawn from.
+TEST(EyeCamera, IsThePublishedEyeWithANaturalField) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
     const View* const eye = view_named("eye");
     ASSERT_NE(eye, nullptr);
-    const Camera camera = eye->camera(scene, {});
-    const RigidTransform published = laryngoscope_camera(source.landmarks).pose();
+    const Vantage from{.eye = view::TraineeEye(Vec3f(0.01f, -0.02f, 0.0f))};
+    const Camera camera = eye->camera(scene, from);
+    const RigidTransform published = from.eye.pose(source.landmarks);
     EXPECT_LT((camera.pose().translation - published.translation).norm(), 1e-6f);
     EXPECT_LT(camera.pose().rotation.angularDistance(published.rotation), 1e-3f);
     // At arm's length, 0.3 m from the gum, the picture holds a head of 10 cm twice.

@@ -28,8 +28,9 @@ class LineOfSight : public ::testing::Test {
 };
 
 TEST_F(LineOfSight, GoesFromTheEyeToTheGlottis) {
-    const view::Sight sight = view::sight_of(source_.landmarks);
-    EXPECT_EQ(sight.from, best_eye(source_.landmarks));
+    const view::TraineeEye eye(Vec3f(0.01f, 0.0f, 0.0f));
+    const view::Sight sight = view::sight_of(eye, source_.landmarks);
+    EXPECT_EQ(sight.from, eye.position(source_.landmarks));
     EXPECT_EQ(sight.to, at(source_.landmarks, Landmark::glottis));
 }
 
@@ -61,16 +62,26 @@ TEST_F(LineOfSight, ABladeInTheWayIsNamed) {
     EXPECT_NEAR((met->where - middle).norm(), 0.003f, 5e-4f);
 }
 
-TEST_F(LineOfSight, WhatLiesBeforeTheGumDoesNotCount) {
-    // From above the head through all of it, seen from an eye far out: only what comes after the gum.
-    const view::Sight sight = view::sight_of(source_.landmarks);
-    const auto met = view::obstacle(bare_, sight);
-    if (met) {
-        const Vec3f onward = (sight.to - sight.from).normalized();
-        EXPECT_GE(onward.dot(met->where - at(source_.landmarks, Landmark::upper_gum)), -1e-6f);
-    }
-    // The same look that ends at the gum meets nothing.
-    EXPECT_FALSE(view::obstacle(bare_, {sight.from, mouth_ - Vec3f(0.0f, 0.004f, -0.004f)}));
+TEST_F(LineOfSight, ATubeInTheWayIsNamed) {
+    // Across it, outside the mouth.
+    const auto nodes = held_.tube_nodes();
+    const Vec3f middle = nodes[2];
+    const float radius = held_.tube()->tube().outer_radius();
+    const Vec3f aside(2.0f * radius, 0.0f, 0.0f);
+    const auto met = view::obstacle(held_, {middle + aside, middle});
+    ASSERT_TRUE(met);
+    EXPECT_EQ(met->name, "tube");
+}
+
+TEST_F(LineOfSight, LipsAreHeldAsideForIt) {
+    // Down to the mouth's cavity, level with the gum, nothing is met.
+    const view::TraineeEye eye;
+    EXPECT_FALSE(view::obstacle(bare_, {eye.position(source_.landmarks), mouth_}));
+    // An eye moved far aside looks through the cheek, which no finger holds.
+    const view::TraineeEye aside(Vec3f(0.25f, 0.0f, 0.0f));
+    const auto met = view::obstacle(bare_, view::sight_of(aside, source_.landmarks));
+    ASSERT_TRUE(met);
+    EXPECT_EQ(met->name, "soft tissue");
 }
 
 }  // namespace

@@ -213,26 +213,70 @@ TEST(GlotticView, AScreenOverHalfTheGlottisLeavesHalf) {
     EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
 }
 
-TEST(GlotticView, LipsBeforeTheGumDoNotHide) {
+/// An upper lip that hangs over the line of sight 0.2 m before the glottis: 40 mm broad, 30 mm long.
+anatomy::Patient with_a_lip() {
+    anatomy::Patient patient;
+    patient.frame_rest_centre = {Vec3f::Zero()};
+    Surface lip;
+    constexpr int across = 20, along = 30;
+    for (int j = 0; j <= along; ++j) {
+        for (int i = 0; i <= across; ++i) {
+            lip.mesh.vertices.push_back(
+                {2e-3f * static_cast<float>(i - across / 2), -2e-3f + 1e-3f * static_cast<float>(j), 0.2f});
+        }
+    }
+    const auto corner = [](int i, int j) { return static_cast<std::uint32_t>(j * (across + 1) + i); };
+    for (int j = 0; j < along; ++j) {
+        for (int i = 0; i < across; ++i) {
+            lip.mesh.triangles.push_back({corner(i, j), corner(i + 1, j), corner(i, j + 1)});
+            lip.mesh.triangles.push_back({corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
+        }
+    }
+    lip.skin.assign(lip.mesh.vertices.size(), SkinWeights{{0, 0, 0, 0}, {1, 0, 0, 0}});
+    patient.surfaces = {lip};
+    return patient;
+}
+
+TEST(GlotticView, LipsBeforeTheGumAreHeldAside) {
+    const anatomy::Patient patient = with_a_lip();
+    scene::Snapshot snapshot = Model(8).snapshot;
+    snapshot.frames = {FramePose{}};
+    snapshot.proxy.translation = Vec3f(0, 0, 5);
+    const auto set = [&](Landmark which, const Vec3f& place) {
+        snapshot.landmarks[static_cast<std::size_t>(which)] = place;
+    };
+    set(Landmark::upper_lip, {0, -0.002f, 0.2f});
+    set(Landmark::lower_lip, {0, -0.012f, 0.2f});
+    GlotticViewer viewer(patient, make_laryngoscope(Blade::miller_1));
+    set(Landmark::upper_gum, {0, 0.006f, 0.21f});  // the lip lies between gum and glottis
+    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
+    set(Landmark::upper_gum, {0, 0.006f, 0.19f});  // between eye and gum
+    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    // What is no lip hides there, too: the laryngoscope's handle before the mouth.
+    snapshot.proxy = {Quatf::Identity(), {0, -0.05f, 0.25f}};
+    EXPECT_LT(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f);
+}
+
+TEST(GlotticView, AnEyeMovedByTenMillimetresSeesOtherwise) {
+    // Half of the mouth is covered, 0.1 m before the glottis: an eye at 0.3 m that goes 10 mm aside sees
+    // 10 mm * 0.1 / 0.2 = 5 mm more or less of what lies there, more than the whole opening.
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Surface screen;
-    screen.mesh.vertices = {{-1, -1, 0.2f}, {1, -1, 0.2f}, {0, 1, 0.2f}};
+    screen.mesh.vertices = {{0, -1, 0.1f}, {0, 1, 0.1f}, {-1, 0, 0.1f}};
     screen.mesh.triangles = {{0, 1, 2}};
     screen.skin.assign(3, SkinWeights{{0, 0, 0, 0}, {1, 0, 0, 0}});
     patient.surfaces = {screen};
     scene::Snapshot snapshot = Model(8).snapshot;
     snapshot.frames = {FramePose{}};
     snapshot.proxy.translation = Vec3f(0, 0, 5);
-    Vec3f& gum = snapshot.landmarks[static_cast<std::size_t>(Landmark::upper_gum)];
     GlotticViewer viewer(patient, make_laryngoscope(Blade::miller_1));
-    gum = Vec3f(0, 0.01f, 0.21f);  // the screen lies between gum and glottis
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
-    gum = Vec3f(0, 0.01f, 0.19f);  // between eye and gum
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f, 0.01f);
+    EXPECT_NEAR(viewer.look(snapshot, {0.01f, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    EXPECT_NEAR(viewer.look(snapshot, {-0.01f, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
 }
 
-TEST(GlotticView, TheTubeHidesOnlyWhereAsked) {
+TEST(GlotticView, TheTubeHidesAsBroadAsItIs) {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Model model(8);
@@ -241,11 +285,11 @@ TEST(GlotticView, TheTubeHidesOnlyWhereAsked) {
     snapshot.proxy.translation = Vec3f(0, 0, 5);
     snapshot.tube_nodes = {{0, 0.05f, 0.1f}, {0, 0.001f, 0.1f}, {0, -0.001f, 0.1f}, {0, -0.05f, 0.1f}};
     GlotticViewer::Settings settings;
-    settings.tube_radius = 1e-3f;
+    settings.tube_radius = 0.0f;
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     EXPECT_NEAR(GlotticViewer(patient, scope, settings).look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f,
                 0.01f);
-    settings.tube_hides = true;
+    settings.tube_radius = 1e-3f;
     // Seen from 0.3 m the tube at 0.1 m covers |x| < 1.5 mm of the ellipse of half-width 2 mm: by area
     // (2 / pi) (asin u + u sqrt(1 - u^2)) with u = 0.75; one column of samples is within 5 %.
     const float u = 0.75f;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/model/lip_retraction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace eti {
+namespace {
+
+// A finger's pad takes the upper lip over the gum's crest by so much [m].
+constexpr float past_the_gum = 2e-3f;
+
+float smooth_step(float from, float to, float x) {
+    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+}  // namespace
+
+Vec3f LipRetraction::held_aside(const Vec3f& point) const {
+    const Vec3f q = axes * (point - origin);
+    const float before = smooth_step(begins, complete, q.z());
+    if (before == 0.0f) {
+        return point;
+    }
+    const bool is_upper = q.y() < 0.5f * (upper_edge + lower_edge);
+    const float shift = is_upper ? -upper_shift * smooth_step(upper_edge - gather, upper_edge, q.y())
+                                 : lower_shift * (1.0f - smooth_step(lower_edge, lower_edge + gather, q.y()));
+    return point + before * std::exp(-q.x() * q.x() / breadth) * shift * axes.row(1).transpose();
+}
+
+bool LipRetraction::moves(const Vec3f& centre, float radius) const {
+    return reach() > 0.0f && axes.row(2).dot(centre - origin) + radius > begins;
+}
+
+LipRetraction lip_retraction(const Vec3f& eye, const Landmarks& now) {
+    LipRetraction lips;
+    const Vec3f back = eye - at(now, Landmark::glottis);
+    if (!(back.norm() > 1e-6f)) {
+        return lips;
+    }
+    const Vec3f towards_eye = back.normalized();
+    const Vec3f across = towards_eye.cross(Vec3f::UnitY());  // the patient's anterior is up
+    const Vec3f right = across.norm() > 1e-4f ? across.normalized() : towards_eye.unitOrthogonal();
+    lips.axes.row(0) = right.transpose();
+    lips.axes.row(1) = towards_eye.cross(right).transpose();
+    lips.axes.row(2) = towards_eye.transpose();
+    lips.origin = eye + towards_eye.dot(at(now, Landmark::upper_gum) - eye) * towards_eye;
+    const auto height = [&](Landmark which) { return lips.axes.row(1).dot(at(now, which) - lips.origin); };
+    lips.upper_edge = height(Landmark::upper_lip);
+    lips.lower_edge = height(Landmark::lower_lip);
+    const auto bounded = [](float shift) { return std::clamp(shift, 0.0f, LipRetraction::most); };
+    lips.upper_shift = bounded(lips.upper_edge - height(Landmark::upper_gum) + past_the_gum);
+    lips.lower_shift = bounded(height(Landmark::lower_gum) - lips.lower_edge);
+    return lips;
+}
+
+}  // namespace eti

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/vantage_controls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "client/app/command_keys.hpp"
+#include "client/app/compositor.hpp"
+#include "client/app/controls.hpp"
+#include "synthetic_scene.hpp"
+
+namespace eti {
+namespace {
+
+using client::Drag;
+using render::Vantage;
+
+const Landmarks points = synthetic::make_scene().landmarks;
+
+// Where the eye went from where it stood, along its own axes.
+Vec3f went(const Vantage& vantage) {
+    return view::TraineeEye().pose(points).inverse() * vantage.eye.position(points);
+}
+
+TEST(VantageKeys, EachHasAKeyThatNothingElseHas) {
+    std::set<char32_t> keys{U'h', U'?'};
+    for (const client::Selection& one : client::selections()) {
+        keys.insert(static_cast<char32_t>(one.key));
+    }
+    for (const client::CommandKey& key : client::command_keys()) {
+        keys.insert(key.key);
+    }
+    for (const client::VantageKey& key : client::vantage_keys()) {
+        EXPECT_TRUE(keys.insert(key.key).second) << key.caption;
+    }
+}
+
+TEST(VantageKeys, MoveTheEyeAlongItsAxesAndBack) {
+    const auto after = [](char32_t key) {
+        Vantage vantage;
+        client::vantage_key(key)->press(vantage, points);
+        return went(vantage);
+    };
+    EXPECT_LT((after(U'l') - Vec3f(5e-3f, 0.0f, 0.0f)).norm(), 1e-6f);
+    EXPECT_LT((after(U'j') - Vec3f(-5e-3f, 0.0f, 0.0f)).norm(), 1e-6f);
+    EXPECT_LT((after(U'i') - Vec3f(0.0f, 5e-3f, 0.0f)).norm(), 1e-6f);
+    EXPECT_LT((after(U'k') - Vec3f(0.0f, -5e-3f, 0.0f)).norm(), 1e-6f);
+    EXPECT_LT((after(U'o') - Vec3f(0.0f, 0.0f, 5e-3f)).norm(), 1e-6f);
+    EXPECT_LT((after(U'u') - Vec3f(0.0f, 0.0f, -5e-3f)).norm(), 1e-6f);
+    Vantage moved{.eye = view::TraineeEye(Vec3f(0.1f, 0.1f, 0.1f))};
+    client::vantage_key(U'c')->press(moved, points);
+    EXPECT_LT(went(moved).norm(), 1e-6f);
+    EXPECT_EQ(client::vantage_key(U'q'), nullptr);
+}
+
+TEST(Mouse, MovesTheEyeInItsPictureAndTheOnlookerInTheirs) {
+    const Drag sideways{.x = 50.0f, .y = -20.0f, .notches = 1.0f};
+    Vantage eye;
+    client::drag(eye, *render::view_named("eye"), sideways, points);
+    EXPECT_GT(went(eye).x(), 5e-3f);
+    EXPECT_GT(went(eye).y(), 2e-3f) << "up in the picture is up";
+    EXPECT_LT(went(eye).z(), -5e-3f) << "the wheel brings it nearer";
+    EXPECT_EQ(eye.orbit.azimuth, Vantage().orbit.azimuth);
+    Vantage onlooker;
+    client::drag(onlooker, *render::view_named("overview"), sideways, points);
+    EXPECT_EQ(went(onlooker), went(Vantage()));
+    EXPECT_LT(onlooker.orbit.azimuth, Vantage().orbit.azimuth);
+    EXPECT_LT(onlooker.orbit.distance, Vantage().orbit.distance);
+}
+
+TEST(Mouse, TheRightButtonTurnsTheGaze) {
+    Vantage vantage;
+    client::drag(vantage, *render::view_named("eye"), {.x = 100.0f, .second = true}, points);
+    EXPECT_LT(went(vantage).norm(), 1e-6f);
+    const RigidTransform straight = view::TraineeEye().pose(points), aside = vantage.eye.pose(points);
+    EXPECT_GT((straight.inverse().rotation * (aside.rotation * -Vec3f::UnitZ())).x(), 0.05f);
+}
+
+// Several pictures side by side: it counts in which of them the button went down.
+TEST(Mouse, BelongsToThePictureInWhichItBegan) {
+    constexpr int width = 960, height = 540;
+    view::SceneView scene;
+    synthetic::fill(scene, synthetic::make_scene());
+    for (const auto& [view, tile] : client::layout(client::selection_named("all")->plain, width, height)) {
+        client::Controls controls(*client::selection_named("all"), nullptr);
+        controls.drag({.from_x = static_cast<float>(tile.x + tile.width / 2),
+                       .from_y = static_cast<float>(tile.y + tile.height / 2),
+                       .x = 2000.0f},
+                      scene, width, height);
+        EXPECT_EQ(controls.vantage().orbit.azimuth != Vantage().orbit.azimuth,
+                  view->moves == render::Moves::onlooker)
+            << view->name;
+        EXPECT_EQ(controls.vantage().eye.offset() != Vec3f::Zero(), view->moves == render::Moves::eye)
+            << view->name;
+    }
+}
+
+}  // namespace
+}  // namespace eti

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/model/lip_retraction.hpp"
+
+#include <gtest/gtest.h>
+
+namespace eti {
+namespace {
+
+// Seen from the head: the glottis far below, gums 24 mm apart, lips 10 mm apart before them. Up in the
+// picture is the patient's anterior, -y.
+class LipRetractionTest : public ::testing::Test {
+  protected:
+    LipRetractionTest() {
+        points_.fill(Vec3f::Zero());
+        set(Landmark::glottis, {0.0f, 0.0f, 0.0f});
+        set(Landmark::upper_gum, {0.0f, 0.008f, 0.060f});
+        set(Landmark::lower_gum, {0.0f, -0.016f, 0.060f});
+        set(Landmark::upper_lip, {0.0f, 0.003f, 0.068f});
+        set(Landmark::lower_lip, {0.0f, -0.007f, 0.068f});
+    }
+    void set(Landmark which, const Vec3f& place) { points_[static_cast<std::size_t>(which)] = place; }
+
+    Landmarks points_{};
+    Vec3f eye_{0.0f, 0.0f, 0.36f};
+};
+
+TEST_F(LipRetractionTest, LipsGoPastTheGumsAndWhatLiesBehindTheGumStays) {
+    const LipRetraction lips = lip_retraction(eye_, points_);
+    // The upper lip's edge goes 2 mm past the gum's crest, the lower one's level with the other gum.
+    EXPECT_NEAR(lips.held_aside(at(points_, Landmark::upper_lip)).y(), 0.010f, 1e-5f);
+    EXPECT_NEAR(lips.held_aside(at(points_, Landmark::lower_lip)).y(), -0.016f, 1e-5f);
+    for (const float y : {-0.02f, -0.007f, 0.003f, 0.02f}) {
+        const Vec3f behind(0.001f, y, 0.059f);
+        EXPECT_EQ(lips.held_aside(behind), behind);
+    }
+    EXPECT_FALSE(lips.moves({0.0f, 0.0f, 0.05f}, 0.009f));
+    EXPECT_TRUE(lips.moves({0.0f, 0.0f, 0.05f}, 0.011f));
+}
+
+// Further out on the lip less and less moves, in the order in which it lay.
+TEST_F(LipRetractionTest, SkinGathersAndNeverFoldsOver) {
+    set(Landmark::upper_gum, {0.0f, 0.060f, 0.060f});  // as far as lips ever go
+    set(Landmark::lower_gum, {0.0f, -0.060f, 0.060f});
+    const LipRetraction lips = lip_retraction(eye_, points_);
+    EXPECT_EQ(lips.upper_shift, LipRetraction::most);
+    EXPECT_EQ(lips.lower_shift, LipRetraction::most);
+    for (const float side : {1.0f, -1.0f}) {
+        float before = -1.0f;
+        for (int i = 0; i <= 80; ++i) {
+            const Vec3f place(0.0f, side * (0.008f + 0.5e-3f * static_cast<float>(i)), 0.07f);
+            const Vec3f held = lips.held_aside(place);
+            EXPECT_GT(side * held.y(), before);
+            EXPECT_LE((held - place).norm(), lips.reach() + 1e-6f);
+            before = side * held.y();
+        }
+        const Vec3f far(0.0f, side * 0.045f, 0.07f);
+        EXPECT_LT((lips.held_aside(far) - far).norm(), 1e-6f);
+    }
+}
+
+// Fingers do not move because an eye does: 10 mm of eye turn what is past the gum by less than a degree and a
+// half.
+TEST_F(LipRetractionTest, HardlyDependsOnWhereTheEyeIs) {
+    const LipRetraction lips = lip_retraction(eye_, points_);
+    for (const Vec3f& by : {Vec3f(0.01f, 0.0f, 0.0f), Vec3f(0.0f, 0.01f, 0.0f), Vec3f(0.0f, 0.0f, 0.01f)}) {
+        const LipRetraction moved = lip_retraction(eye_ + by, points_);
+        EXPECT_NEAR(moved.upper_shift, lips.upper_shift, 0.5e-3f);
+        EXPECT_NEAR(moved.lower_shift, lips.lower_shift, 0.5e-3f);
+    }
+}
+
+TEST_F(LipRetractionTest, IsFiniteWhateverTheEye) {
+    for (const Vec3f& eye : {Vec3f(0.0f, 0.0f, 0.0f), Vec3f(0.0f, 0.3f, 0.0f), Vec3f(0.0f, 0.0f, -0.3f)}) {
+        EXPECT_TRUE(lip_retraction(eye, points_).held_aside({0.0f, 0.003f, 0.07f}).allFinite());
+    }
+    EXPECT_TRUE(lip_retraction(eye_, unseen_landmarks()).held_aside({0.0f, 0.003f, 0.07f}).allFinite());
+}
+
+}  // namespace
+}  // namespace eti
