@@ -81,23 +81,27 @@ bool read_skin(const msg::SceneDescription& message, RestSurface& surface, std::
     const std::size_t count = surface.mesh.vertices.size();
     const auto& frames = message.skin_frame();
     const auto& weights = message.skin_weight();
-    if (frames.size() != 4 * count || weights.size() != 4 * count) {
-        why = fmt::format("{} skin frames and {} skin weights for {} vertices; expected four each",
-                          frames.size(), weights.size(), count);
+    if (frames.size() != frames_per_point * count || weights.size() != frames_per_point * count) {
+        why = fmt::format("{} skin frames and {} skin weights for {} vertices; expected {} each",
+                          frames.size(), weights.size(), count, frames_per_point);
         return false;
     }
     surface.skin.resize(count);
     for (std::size_t v = 0; v < count; ++v) {
-        const int sum = weights[4 * v] + weights[4 * v + 1] + weights[4 * v + 2] + weights[4 * v + 3];
+        const std::size_t first = frames_per_point * v;
+        int sum = 0;
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
+            sum += weights[first + k];
+        }
         if (sum == 0) {
             why = fmt::format("no frame carries vertex {}", v);
             return false;
         }
-        for (std::size_t k = 0; k < 4; ++k) {
-            const bool used = weights[4 * v + k] > 0;
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
+            const bool used = weights[first + k] > 0;
             // Normalised here, so that rounding to 1/255 neither shrinks nor swells the surface.
-            surface.skin[v].weight[k] = static_cast<float>(weights[4 * v + k]) / static_cast<float>(sum);
-            surface.skin[v].frame[k] = used ? frames[4 * v + k] : std::uint16_t{0};
+            surface.skin[v].weight[k] = static_cast<float>(weights[first + k]) / static_cast<float>(sum);
+            surface.skin[v].frame[k] = used ? frames[first + k] : std::uint16_t{0};
             surface.highest_frame = std::max(surface.highest_frame, surface.skin[v].frame[k]);
         }
     }

@@ -20,7 +20,7 @@ Vec3f unit(const Vec3f& normal) {
 std::shared_ptr<const RestSurface> with_used_frames(RestSurface model) {
     for (SkinWeights& skin : model.skin) {
         const auto heaviest = std::ranges::max_element(skin.weight) - skin.weight.begin();
-        for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
             if (!(skin.weight[k] > 0.0f)) {
                 skin.frame[k] = skin.frame[static_cast<std::size_t>(heaviest)];
             }
@@ -86,8 +86,10 @@ bool SkinnedSurface::update(std::span<const FrameMap> frames, std::span<const st
 void SkinnedSurface::skin_moved(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved) {
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
         const SkinWeights& skin = model_->skin[v];
-        moved_[v] = static_cast<std::uint8_t>(moved[skin.frame[0]] | moved[skin.frame[1]] |
-                                              moved[skin.frame[2]] | moved[skin.frame[3]]);
+        moved_[v] = std::uint8_t{0};
+        for (const std::uint16_t frame : skin.frame) {
+            moved_[v] |= moved[frame];
+        }
         if (moved_[v] != 0) {
             vertices_[v].position = skin_point(model_->mesh.vertices[v], skin, frames);
         }

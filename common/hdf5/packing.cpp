@@ -3,6 +3,7 @@
 #include "common/hdf5/packing.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 
 namespace eti::hdf5 {
@@ -24,23 +25,32 @@ TriangleMesh read_mesh(const Group& group) {
 }
 
 void write_skin(const Group& group, const std::vector<SkinWeights>& skin) {
-    std::vector<std::array<std::uint16_t, 4>> frames;
-    std::vector<std::array<float, 4>> weights;
+    std::vector<decltype(SkinWeights::frame)> frames;
+    std::vector<decltype(SkinWeights::weight)> weights;
     for (const SkinWeights& point : skin) {
         frames.push_back(point.frame);
         weights.push_back(point.weight);
     }
-    write_rows(group, "skin_frame", frames, {"1", "the up to four frames that carry each point"});
+    write_rows(group, "skin_frame", frames, {"1", "the frames that carry each point"});
     write_rows(group, "skin_weight", weights,
                {"1", "their weights, which sum to one; unused entries are zero"});
 }
 
 std::vector<SkinWeights> read_skin(const Group& group, std::size_t count) {
-    const auto frames = read_rows<std::array<std::uint16_t, 4>>(group, "skin_frame", count);
-    const auto weights = read_rows<std::array<float, 4>>(group, "skin_weight", count);
-    std::vector<SkinWeights> skin(frames.size());
+    // Files of older programs have four frames a point.
+    const auto frames = group.read<std::uint16_t>("skin_frame", {count, any_extent});
+    const std::size_t width = frames.shape[1];
+    if (width > frames_per_point) {
+        throw Error(fmt::format("{}: {} frames a point; this program reads at most {}",
+                                group.at("skin_frame"), width, frames_per_point));
+    }
+    const auto weights = group.read<float>("skin_weight", frames.shape);
+    std::vector<SkinWeights> skin(frames.shape[0]);
     for (std::size_t i = 0; i < skin.size(); ++i) {
-        skin[i] = {frames[i], weights[i]};
+        std::copy_n(frames.values.begin() + static_cast<std::ptrdiff_t>(i * width), width,
+                    skin[i].frame.begin());
+        std::copy_n(weights.values.begin() + static_cast<std::ptrdiff_t>(i * width), width,
+                    skin[i].weight.begin());
     }
     return skin;
 }
@@ -114,12 +124,12 @@ void require_indices(const Group& group, const std::string& name, std::span<cons
 }
 
 void require_skin(const Group& group, std::span<const SkinWeights> skin, std::size_t frames) {
-    // Four float32 weights that each were rounded once sum to one within 4 * 6e-8; 1e-3 also takes
+    // Eight float32 weights that each were rounded once sum to one within 8 * 6e-8; 1e-3 also takes
     // weights that a tool rounded to three decimals, and no weight that was lost.
     constexpr float tolerance = 1e-3f;
     for (std::size_t i = 0; i < skin.size(); ++i) {
         float sum = 0.0f;
-        for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
             const float weight = skin[i].weight[k];
             if (!(weight >= 0.0f && weight <= 1.0f + tolerance)) {
                 throw Error(fmt::format("{}: point {} has the weight {}; expected 0 to 1",

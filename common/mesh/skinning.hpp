@@ -46,17 +46,21 @@ struct FrameMap {
     return map;
 }
 
-/// Up to four frames that carry a point, with weights that sum to one; unused entries weigh zero.
+/// How many frames carry a point at most. Of fewer, another falls out at each of two neighbours, and that
+/// tears (docs/decisions/0095-eight-frames-carry-a-point.md).
+inline constexpr std::size_t frames_per_point = 8;
+
+/// The frames that carry a point, with weights that sum to one; unused entries weigh zero.
 struct SkinWeights {
-    std::array<std::uint16_t, 4> frame{};
-    std::array<float, 4> weight{};
+    std::array<std::uint16_t, frames_per_point> frame{};
+    std::array<float, frames_per_point> weight{};
 };
 
 /// Linear blend skinning of one rest point [m].
 [[nodiscard]] inline Vec3f skin_point(const Vec3f& rest, const SkinWeights& weights,
                                       std::span<const FrameMap> frames) {
     Vec3f sum = Vec3f::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < frames_per_point; ++k) {
         if (weights.weight[k] > 0.0f) {
             sum += weights.weight[k] * (frames[weights.frame[k]] * rest);
         }
@@ -69,7 +73,7 @@ struct SkinWeights {
                                       std::span<const Vec3f> rest_centres,
                                       std::span<const FramePose> frames) {
     Vec3f sum = Vec3f::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < frames_per_point; ++k) {
         if (weights.weight[k] > 0.0f) {
             const FramePose& frame = frames[weights.frame[k]];
             sum +=

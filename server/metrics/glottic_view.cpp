@@ -58,7 +58,7 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
     }
     const TriangleMesh mesh = laryngoscope_mesh(scope);
     if (!mesh.triangles.empty()) {
-        const SkinWeights rigid{{0, 0, 0, 0}, {1.0f, 0.0f, 0.0f, 0.0f}};
+        const SkinWeights rigid{{0}, {1.0f}};
         laryngoscope_.emplace(mesh, std::vector<SkinWeights>(mesh.vertices.size(), rigid));
     }
 }

@@ -186,7 +186,7 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
             for (const std::uint32_t vertex : t) {
                 block_low = block_low.cwiseMin(rest_[vertex]);
                 block_high = block_high.cwiseMax(rest_[vertex]);
-                for (std::size_t k = 0; k < 4; ++k) {
+                for (std::size_t k = 0; k < frames_per_point; ++k) {
                     if (skin_[vertex].weight[k] > 0.0f) {
                         used.push_back(skin_[vertex].frame[k]);
                     }

@@ -96,19 +96,9 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
 
     const anatomy::ClusterSet& clusters = patient.clusters;
-    cluster_bones_.resize(clusters.size());
-    for (std::size_t c = 0; c < clusters.size(); ++c) {
-        anatomy::BoneWeights mean{};
-        for (std::uint32_t k = clusters.first[c]; k < clusters.first[c + 1]; ++k) {
-            for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
-                mean[b] += set.bones[clusters.member[k]][b];
-            }
-        }
-        for (float& w : mean) {
-            w /= static_cast<float>(clusters.first[c + 1] - clusters.first[c]);
-        }
-        cluster_bones_[c] = mean;
-    }
+    const std::vector<anatomy::BoneWeights> of_frame = anatomy::frame_bones(patient);
+    const auto first = of_frame.begin() + anatomy::bone_count;
+    cluster_bones_.assign(first, first + static_cast<std::ptrdiff_t>(clusters.size()));
     cluster_turn_.resize(clusters.size());
     cluster_posed_centre_.resize(clusters.size());
     pose(anatomy::pose_bones(patient.skeleton, {}));

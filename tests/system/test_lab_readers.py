@@ -62,7 +62,7 @@ class Record:
         surface = self.surfaces[name]
         rest = surface["vertices"].astype(float)
         place, off = numpy.zeros_like(rest), numpy.zeros(len(rest))
-        for k in range(4):
+        for k in range(surface["skin_frame"].shape[1]):
             frame, weight = surface["skin_frame"][:, k], surface["skin_weight"][:, k].astype(float)
             arm = rest - self.rest_centre[frame]
             place += weight[:, None] * (turned(rotation[frame], arm) + centre[frame])

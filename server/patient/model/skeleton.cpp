@@ -35,4 +35,37 @@ Quatf pose_rotation(const BoneWeights& weights, const BonePoses& bones) {
     return blended;
 }
 
+std::vector<BoneWeights> frame_bones(const Patient& patient) {
+    std::vector<BoneWeights> of_frame(patient.frame_rest_centre.size());
+    for (std::size_t f = 0; f < of_frame.size(); ++f) {
+        BoneWeights& weights = of_frame[f];
+        weights = {};
+        if (f < bone_count) {
+            weights[f] = 1.0f;
+        } else if (f < bone_count + patient.clusters.size()) {
+            const auto members = patient.clusters.members(f - bone_count);
+            for (const std::uint32_t i : members) {
+                for (std::size_t b = 0; b < bone_count; ++b) {
+                    weights[b] += patient.particles.bones[i][b];
+                }
+            }
+            for (float& w : weights) {
+                w /= static_cast<float>(members.size());
+            }
+        } else {
+            weights[static_cast<std::size_t>(Bone::skull)] = 1.0f;
+        }
+    }
+    return of_frame;
+}
+
+std::vector<FramePose> posed_frames(const Patient& patient, const BonePoses& bones) {
+    std::vector<FramePose> frames;
+    for (const BoneWeights& weights : frame_bones(patient)) {
+        const Vec3f& centre = patient.frame_rest_centre[frames.size()];
+        frames.push_back({pose_point(centre, weights, bones), pose_rotation(weights, bones)});
+    }
+    return frames;
+}
+
 }  // namespace eti::anatomy

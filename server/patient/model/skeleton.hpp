@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "common/model/posture_range.hpp"
 #include "server/patient/model/patient.hpp"
@@ -32,5 +33,11 @@ using BonePoses = std::array<RigidTransform, bone_count>;
 
 /// Blended rotation of the bones at a point with the given weights.
 [[nodiscard]] Quatf pose_rotation(const BoneWeights& weights, const BonePoses& bones);
+
+/// The bones that carry each of the patient's frames at rest: a cluster's are the mean over its members.
+[[nodiscard]] std::vector<BoneWeights> frame_bones(const Patient& patient);
+
+/// The frames in a posture in which nothing presses on the tissue, the cranium as built.
+[[nodiscard]] std::vector<FramePose> posed_frames(const Patient& patient, const BonePoses& bones);
 
 }  // namespace eti::anatomy

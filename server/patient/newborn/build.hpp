@@ -52,6 +52,9 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
 void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 
+/// The tissue that lines the airway or covers the body at a point of its surface.
+[[nodiscard]] Tissue lining_tissue(const Anatomy& anatomy, const Vec3f& point);
+
 /// Tissues that share clusters and tetrahedra: 0 body, 1 tongue, 2 epiglottis.
 [[nodiscard]] constexpr int family_of(Tissue tissue) {
     return tissue == Tissue::tongue ? 1 : tissue == Tissue::epiglottis ? 2 : 0;

@@ -74,7 +74,7 @@ Invariant closed_shell(const TriangleMesh& mesh) {
                   : report.describe()};
 }
 
-// Float sums of four weights are exact to a few parts in ten million; the file keeps floats.
+// Float sums of a point's weights are exact to a few parts in ten million; the file keeps floats.
 constexpr float weight_tolerance = 1e-5f;
 
 Invariant weights_sum_to_one(const Patient& patient) {
@@ -156,7 +156,7 @@ std::vector<Invariant> epiglottis_owns_itself(const Patient& patient) {
     for (const Surface& surface : patient.surfaces) {
         const bool is_epiglottis = surface.tissue == Tissue::epiglottis;
         for (std::size_t i = 0; i < surface.skin.size(); ++i) {
-            for (std::size_t k = 0; k < 4; ++k) {
+            for (std::size_t k = 0; k < frames_per_point; ++k) {
                 if (surface.skin[i].weight[k] == 0.0f) {
                     continue;
                 }

@@ -25,19 +25,11 @@ const Vec3f& rest_of(const Patient& patient, Landmark which) {
 /// A landmark in a posture, as the bones carry the frames that carry it.
 Vec3f posed(const Patient& patient, Landmark which, const BonePoses& bones) {
     const CarriedPoint& point = patient.landmarks[static_cast<std::size_t>(which)];
+    const std::vector<BoneWeights> of_frame = frame_bones(patient);
     BoneWeights weights{};
-    for (std::size_t k = 0; k < 4; ++k) {
-        const std::size_t frame = point.skin.frame[k];
-        if (frame < bone_count) {
-            weights[frame] += point.skin.weight[k];
-            continue;
-        }
-        const auto members = patient.clusters.members(frame - bone_count);
-        for (const std::uint32_t i : members) {
-            for (std::size_t b = 0; b < bone_count; ++b) {
-                weights[b] +=
-                    point.skin.weight[k] * patient.particles.bones[i][b] / static_cast<float>(members.size());
-            }
+    for (std::size_t k = 0; k < frames_per_point; ++k) {
+        for (std::size_t b = 0; b < bone_count; ++b) {
+            weights[b] += point.skin.weight[k] * of_frame[point.skin.frame[k]][b];
         }
     }
     return pose_point(point.rest, weights, bones);

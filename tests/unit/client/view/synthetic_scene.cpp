@@ -11,6 +11,7 @@
 
 #include "common/mesh/distance_grid.hpp"
 #include "common/mesh/isosurface.hpp"
+#include "common/mesh/skinning.hpp"
 #include "common/model/parameters.hpp"
 
 namespace eti::synthetic {
@@ -99,8 +100,10 @@ msg::SceneDescription surface(const std::string& name, Tissue tissue, const Tria
     }
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
         const bool on_skull = frame == trunk && mesh.vertices[v].z() > 0.0f;
-        object.skin_frame().insert(object.skin_frame().end(), {on_skull ? skull : frame, 0, 0, 0});
-        object.skin_weight().insert(object.skin_weight().end(), {255, 0, 0, 0});
+        object.skin_frame().resize(object.skin_frame().size() + frames_per_point);
+        object.skin_weight().resize(object.skin_weight().size() + frames_per_point);
+        *(object.skin_frame().end() - frames_per_point) = on_skull ? skull : frame;
+        *(object.skin_weight().end() - frames_per_point) = 255;
     }
     return object;
 }

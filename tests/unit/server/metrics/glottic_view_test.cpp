@@ -136,7 +136,7 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
         std::vector<Vec3d> now;
         for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
             Vec3d sum = Vec3d::Zero();
-            for (std::size_t k = 0; k < 4; ++k) {
+            for (std::size_t k = 0; k < frames_per_point; ++k) {
                 const std::uint16_t f = surface.skin[i].frame[k];
                 const FramePose& frame = model.snapshot.frames[f];
                 sum += static_cast<double>(surface.skin[i].weight[k]) *

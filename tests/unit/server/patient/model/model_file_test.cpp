@@ -36,9 +36,9 @@ Vec3f random_point(Random& random) {
 SkinWeights random_skin(Random& random, std::size_t frames) {
     SkinWeights skin;
     float left = 1.0f;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < frames_per_point; ++k) {
         skin.frame[k] = static_cast<std::uint16_t>(random.bits() % frames);
-        skin.weight[k] = k == 3 ? left : left * random.uniform();
+        skin.weight[k] = k + 1 == frames_per_point ? left : left * random.uniform();
         left -= skin.weight[k];
     }
     return skin;

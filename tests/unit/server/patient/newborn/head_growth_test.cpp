@@ -83,7 +83,7 @@ TEST(HeadGrowth, WhatTheSkullDoesNotCarryAloneStays) {
             }
             ++grow;
             EXPECT_TRUE(surface.tissue == Tissue::soft || surface.tissue == Tissue::skull) << surface.name;
-            for (std::size_t k = 0; k < 4; ++k) {
+            for (std::size_t k = 0; k < frames_per_point; ++k) {
                 EXPECT_GE(skin.weight[k], 0.0f);
                 EXPECT_TRUE(skin.weight[k] == 0.0f || skin.frame[k] >= first ||
                             skin.frame[k] == static_cast<std::uint16_t>(Bone::skull));
