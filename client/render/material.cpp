@@ -28,6 +28,10 @@ float wetness(Tissue tissue) {
         case Tissue::spine:
         case Tissue::hyoid:
             return 0.25f;
+        case Tissue::cloth:
+            return 0.0f;
+        case Tissue::lip:
+            return 0.4f;
         case Tissue::tongue:
             return 0.75f;
         default:
@@ -129,6 +133,12 @@ Vec3f tissue_colour(Tissue tissue) {
         case Tissue::spine:
         case Tissue::hyoid:
             return {0.93f, 0.88f, 0.76f};
+        case Tissue::vocal_cord:
+            return cord_colour;
+        case Tissue::lip:
+            return lip_colour;
+        case Tissue::cloth:
+            return {0.86f, 0.90f, 0.93f};
     }
     return {0.8f, 0.4f, 0.4f};
 }
