@@ -38,6 +38,18 @@ Tissue Anatomy::lining(const Vec3f& point) const {
     return Tissue::soft;
 }
 
+Tissue Anatomy::seen_tissue(const Vec3f& point) const {
+    const Tissue lined = lining(point);
+    if (lined != Tissue::larynx) {
+        return lined;
+    }
+    const auto points = landmarks();
+    const Vec3f& front = at(points, Landmark::glottis_anterior);
+    const Vec3f along = at(points, Landmark::glottis_posterior) - front;
+    const float t = std::clamp((point - front).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
+    return (point - front - t * along).norm() < 2.0f * scale() ? Tissue::vocal_cord : Tissue::larynx;
+}
+
 std::vector<Vec3f> Anatomy::glottis_contour() const {
     // In the glottis's plane, found by bisection on the field of what hides it.
     constexpr int count = 24;

@@ -35,6 +35,7 @@ struct Seen {
     float body = 1.0f;  ///< skin without mouth and airway; lining, gums, palate and larynx belong to it
     float tongue = 1.0f;
     float epiglottis = 1.0f;
+    float cloth = 1.0f;  ///< about the trunk, if there is any
 };
 
 /// The body as particles and shell know it, without tongue and epiglottis; the tongue sinks by `overlap` into
@@ -58,7 +59,7 @@ class Anatomy {
     /// The tissue that lines the body's inside at a point: what a tool meets there.
     [[nodiscard]] Tissue lining(const Vec3f& point) const;
     /// The tissue that shows at a point of the body's surface.
-    [[nodiscard]] virtual Tissue seen_tissue(const Vec3f& point) const { return lining(point); }
+    [[nodiscard]] virtual Tissue seen_tissue(const Vec3f& point) const;
 
     /// How much of what the epiglottis does a point of the body's or the tongue's surface does, too: 1 on
     /// folds that hang on it, where they leave the plate, 0 away from them.

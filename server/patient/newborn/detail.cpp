@@ -12,7 +12,7 @@ namespace {
 
 constexpr float growth = 0.25f;
 // Times the spacing: nobody looks at trunk and scalp from near.
-constexpr float farthest = 5.0f;
+constexpr float farthest = 4.0f;
 
 float distance_to_line(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
     const Vec3f d = b - a;
@@ -50,6 +50,20 @@ Detail::Detail(const Anatomy& anatomy, float spacing)
             add(corner, beside(middle, 15.0f * side, 25.0f, 0.0f), 2e-3f, 0.5f);
         }
     }
+    // A face as the newborn has it, in model coordinates: lids, nose, ears.
+    const auto place = [&](float x, float y, float z) {
+        const Vec3f& gum = at(points, Landmark::upper_gum);
+        const Vec3f off = Vec3f(x, y, z) - anatomy.to_model(gum);
+        return beside(gum, off.x(), -off.y(), off.z());
+    };
+    add(place(0.0f, 54.0f, 12.0f), place(0.0f, 57.0f, 5.0f), 6e-3f, 0.6f);
+    for (const float side : {-1.0f, 1.0f}) {
+        add(place(11.0f * side, 43.0f, 20.5f), place(24.0f * side, 40.0f, 20.5f), 3e-3f, 0.45f);
+        add(place(39.0f * side, -18.0f, 0.0f), place(39.0f * side, -16.0f, 18.0f), 9e-3f, 0.9f);
+    }
+    add(upper_lip, place(0.0f, 0.0f, 0.0f), 40e-3f, 2.0f);
+    // The hem of what wraps the trunk.
+    add(place(0.0f, -18.0f, -86.0f), place(0.0f, -18.0f, -100.0f), 55e-3f, 2.2f);
     // The mouth's inside and the throat.
     add(at(points, Landmark::upper_gum), at(points, Landmark::tongue_dorsum), 8e-3f, 0.9f);
     add(at(points, Landmark::tongue_dorsum), tip, 9e-3f, 0.9f);

@@ -87,52 +87,46 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     const Vec3f margin = Vec3f::Constant(9e-3f * size);
     const Detail detail(anatomy, settings.surface_spacing);
 
+    struct Drawn {
+        const char* name;
+        Tissue tissue;
+        std::size_t triangles;
+        float Seen::*organ;        // or nullptr,
+        const DistanceGrid* bone;  // for what is sampled on a grid
+        std::array<Vec3f, 2> box;
+    };
+    const std::array<Vec3f, 2> all = anatomy.seen_bounds();
     // The body takes as long as all others. The hyoid hangs in the soft tissue and goes with it.
-    const std::array jobs = {
-        std::function<Surface()>([&] {
-            return Surface{
-                "body",
-                Tissue::soft,
-                seen_mesh(anatomy, detail, &Seen::body, anatomy.seen_bounds(), settings.body_triangles),
-                {},
-                {}};
-        }),
-        std::function<Surface()>([&] {
-            return Surface{"tongue",
-                           Tissue::tongue,
-                           seen_mesh(anatomy, detail, &Seen::tongue, {inner_low, inner_high}, 9000),
-                           {},
-                           {}};
-        }),
-        std::function<Surface()>([&] {
-            return Surface{"epiglottis",
-                           Tissue::epiglottis,
-                           seen_mesh(anatomy, detail, &Seen::epiglottis,
-                                     {tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin}, 6000),
-                           {},
-                           {}};
-        }),
-        std::function<Surface()>([&] {
-            return Surface{"skull", Tissue::skull, bone_mesh(skull, 16000), {}, {}};
-        }),
-        std::function<Surface()>([&] {
-            return Surface{"mandible", Tissue::mandible, bone_mesh(mandible, 4000), {}, {}};
-        }),
-        std::function<Surface()>([&] {
-            return Surface{"spine", Tissue::spine, bone_mesh(spine, 8000), {}, {}};
-        }),
-        std::function<Surface()>([&] {
-            return Surface{"hyoid", Tissue::hyoid, bone_mesh(hyoid, 1500), {}, {}};
-        })};
-    patient.surfaces.resize(jobs.size());
-    parallel::for_each(jobs.size(), 1, [&](std::size_t i) {
+    const std::array drawn = {
+        Drawn{"body", Tissue::soft, settings.body_triangles, &Seen::body, nullptr, all},
+        Drawn{"tongue", Tissue::tongue, 9000, &Seen::tongue, nullptr, {inner_low, inner_high}},
+        Drawn{"epiglottis",
+              Tissue::epiglottis,
+              6000,
+              &Seen::epiglottis,
+              nullptr,
+              {tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin}},
+        Drawn{"skull", Tissue::skull, 16000, nullptr, &skull, {}},
+        Drawn{"mandible", Tissue::mandible, 4000, nullptr, &mandible, {}},
+        Drawn{"spine", Tissue::spine, 8000, nullptr, &spine, {}},
+        Drawn{"hyoid", Tissue::hyoid, 1500, nullptr, &hyoid, {}},
+        Drawn{"cloth", Tissue::cloth, 6000, &Seen::cloth, nullptr, all}};
+    patient.surfaces.resize(drawn.size());
+    parallel::for_each(drawn.size(), 1, [&](std::size_t i) {
+        const Drawn& d = drawn[i];
         Surface& surface = patient.surfaces[i];
-        surface = jobs[i]();
+        surface.name = d.name;
+        surface.tissue = d.tissue;
+        surface.mesh = d.bone != nullptr ? bone_mesh(*d.bone, d.triangles)
+                                         : seen_mesh(anatomy, detail, d.organ, d.box, d.triangles);
         for (const Triangle& t : surface.mesh.triangles) {
-            surface.triangle_tissue.push_back(surface.tissue == Tissue::soft
-                                                  ? anatomy.seen_tissue(middle_of(surface.mesh, t))
-                                                  : surface.tissue);
+            surface.triangle_tissue.push_back(
+                d.tissue == Tissue::soft ? anatomy.seen_tissue(middle_of(surface.mesh, t)) : d.tissue);
         }
+    });
+    // Patients of labels have no cloth.
+    std::erase_if(patient.surfaces, [](const Surface& surface) {
+        return surface.tissue == Tissue::cloth && surface.mesh.triangles.empty();
     });
 }
 

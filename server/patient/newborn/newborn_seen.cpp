@@ -13,6 +13,7 @@ Seen Newborn::seen(const Vec3f& point) const {
     const Vec3f p = usual_place(to_model(point));
     const Vec3f in_jaw = to_jaw(p);
     Seen seen;
+    seen.cloth = seen_cloth(p) * scale_;
     const float skin = seen_skin(p, in_jaw, cranium_);
     if (skin > 2.0f) {
         seen.body = skin * scale_;
@@ -45,15 +46,10 @@ Tissue Newborn::seen_tissue(const Vec3f& point) const {
     if (p.z() < -24.0f && seen_laryngeal_solid(p) < near) {
         return Tissue::larynx;
     }
-    if (seen_skin(p, to_jaw(p), cranium_) > -1.0f) {
-        if (on_cloth(p)) {
-            return Tissue::cloth;
-        }
-        if (on_lip(turn_about_jaw(p, 0.5f * rest_jaw_deg_), shape_.mouth_scale)) {
-            return Tissue::lip;
-        }
-    }
-    return Tissue::soft;
+    return seen_skin(p, to_jaw(p), cranium_) > -1.0f &&
+                   on_lip(turn_about_jaw(p, 0.5f * rest_jaw_deg_), shape_.mouth_scale)
+               ? Tissue::lip
+               : Tissue::soft;
 }
 
 float Newborn::hangs_on_epiglottis(const Vec3f& point) const {

@@ -60,28 +60,37 @@ float ear(const Vec3f& q) {
     return smooth_union(smooth_difference(auricle, concha, 0.8f), tragus, 1.0f);
 }
 
-/// Shoulders and chest, wrapped from the armpits on.
+/// Neck, shoulders and chest.
 float trunk(const Vec3f& p, const Vec3f& q) {
+    const float neck = duct(p, {{-4, 0, 31, 29}, {-9, -38, 30, 29}, {-13, -62, 33, 30}, {-16, -80, 38, 31}});
+    // Folds of a short neck.
+    const float folds =
+        smoothstep(-4.0f, 10.0f, p.y()) *
+        (0.9f * crease(p.z() + 44.0f + 0.12f * p.y(), 1.3f) + 0.6f * crease(p.z() + 54.0f, 1.2f));
     const float shoulders = round_cone(q, {0, -20, -75}, {42, -24, -84}, 19, 16);
-    const Vec3f c(p.x() / 54.0f, (p.y() + 18.5f) / 38.5f, 0.0f);
-    const float rounded = std::sqrt(std::sqrt(std::pow(c.x(), 4.0f) + std::pow(c.y(), 4.0f)));
+    const float across = p.x() / 54.0f, deep = (p.y() + 18.5f) / 38.5f;
+    const float rounded = std::sqrt(std::sqrt(std::pow(across, 4.0f) + std::pow(deep, 4.0f)));
     const float chest = smooth_intersection((rounded - 1.0f) * 38.5f, p.z() + 66.0f, 24.0f);
-    float body = smooth_union(shoulders, chest, 14.0f);
-    const float hem =
-        cloth_from + 6.0f * p.x() * p.x() / (54.0f * 54.0f) + 2.0f * std::sin(0.11f * p.x() + 0.6f);
-    const float wrapped = smoothstep(0.4f, -0.4f, p.z() - hem);
-    const float pleats = 0.7f * std::sin(0.21f * p.x() + 0.12f * p.z() + 1.5f * std::sin(0.05f * p.z())) +
-                         0.5f * std::sin(0.33f * p.y() - 0.17f * p.z());
-    body -= wrapped *
-            (2.6f + pleats * smoothstep(hem, hem - 14.0f, p.z()) + 0.8f * crease(p.z() - hem + 1.4f, 1.3f));
-    return body;
+    return smooth_union(neck + folds, smooth_union(shoulders, chest, 14.0f), 12.0f);
 }
 
 }  // namespace
 
-bool on_cloth(const Vec3f& p) {
-    return p.z() <
-           cloth_from + 6.0f * p.x() * p.x() / (54.0f * 54.0f) + 2.0f * std::sin(0.11f * p.x() + 0.6f);
+float seen_cloth(const Vec3f& p) {
+    if (p.z() > cloth_from + 14.0f) {
+        return p.z() - cloth_from;
+    }
+    const float body = trunk(p, mirrored(p));
+    const float hem =
+        cloth_from + 6.0f * p.x() * p.x() / (54.0f * 54.0f) + 2.0f * std::sin(0.11f * p.x() + 0.6f);
+    const float pleats = 0.7f * std::sin(0.21f * p.x() + 0.12f * p.z() + 1.5f * std::sin(0.05f * p.z())) +
+                         0.5f * std::sin(0.33f * p.y() - 0.17f * p.z());
+    const float outside =
+        body - 2.6f - pleats * smoothstep(hem, hem - 14.0f, p.z()) - 0.8f * crease(p.z() - hem + 1.6f, 1.4f);
+    const float wrap =
+        smooth_intersection(smooth_intersection(outside, trunk_end - p.z(), 8.0f), p.z() - hem, 1.5f);
+    // It reaches into the body, so that no gap shows.
+    return std::max(wrap, -std::max(body + 3.0f, trunk_end + 8.0f - p.z()));
 }
 
 float seen_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
@@ -92,10 +101,10 @@ float seen_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
     const float socket = ellipsoid(q, {17, 49, 24}, {12, 8, 8});
     const float face = smooth_difference(ellipsoid(p, {0, 20, 12}, {36, 34, 36}), socket, 10);
     const float lids = ellipsoid(q, {17.5f, 36.5f, 22.5f}, {10.5f, 8.5f, 8.0f});
-    const float cheek = ellipsoid(q, {22, 27, -5}, {17, 19, 17});
+    const float cheek = ellipsoid(q, {20, 25, -6}, {17, 19, 18});
     const float upper_lip = ellipsoid(p, {0, 47, -1.5f}, {16, 9.5f, 7.5f});
     float head = smooth_union(smooth_union(smooth_union(cranium, temples, 16), face, 14), lids, 6);
-    head = smooth_union(head, smooth_union(cheek, smooth_union(upper_lip, nose(p, q), 2.5f), 6), 10);
+    head = smooth_union(head, smooth_union(cheek, smooth_union(upper_lip, nose(p, q), 2.5f), 8), 14);
     // The philtrum, and the upper lip's edge that swells below it.
     const float front = smoothstep(46.0f, 50.0f, p.y());
     head +=
@@ -110,13 +119,8 @@ float seen_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
     chin -= front * mouth * 0.6f * crease(in_jaw.z() + 9.2f, 1.9f);
     // The fold under the lower lip.
     chin += smoothstep(44.0f, 48.0f, in_jaw.y()) * 0.8f * crease(in_jaw.z() + 15.5f, 2.0f) * mouth;
-    const float neck = duct(p, {{-4, 0, 31, 29}, {-9, -38, 30, 29}, {-13, -62, 33, 30}, {-16, -80, 38, 31}});
-    // Folds of a short neck.
-    const float folds =
-        smoothstep(-4.0f, 10.0f, p.y()) *
-        (0.9f * crease(p.z() + 44.0f + 0.12f * p.y(), 1.3f) + 0.6f * crease(p.z() + 54.0f, 1.2f));
     head = smooth_union(smooth_union(head, ear(q), 1.5f), chin, 7);
-    return smooth_union(head, smooth_union(neck + folds, trunk(p, q), 12), 12);
+    return smooth_intersection(smooth_union(head, trunk(p, q), 12), trunk_end + 5.0f - p.z(), 6.0f);
 }
 
 bool on_lip(const Vec3f& half, float mouth_width) {

@@ -8,16 +8,16 @@
 // millimetres of the 3.5 kg term newborn.
 namespace eti::anatomy {
 
-/// Outline of head, neck and the wrapped trunk. `in_jaw`: the point in the coordinates of the closed jaw.
+/// Outline of head, neck and trunk. `in_jaw`: the point in the coordinates of the closed jaw.
 [[nodiscard]] float seen_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
 
-/// Whether a point of the outline lies on the cloth about the trunk.
-[[nodiscard]] bool on_cloth(const Vec3f& p);
+/// The cloth that is wrapped about the trunk.
+[[nodiscard]] float seen_cloth(const Vec3f& p);
 
 /// Whether a point of the face lies on the lips' vermilion: `half`, half-way between the jaws' coordinates.
 [[nodiscard]] bool on_lip(const Vec3f& half, float mouth_width);
 
-/// Where cloth ends below.
+/// Where the cloth's bundle ends below.
 constexpr float trunk_end = -142.0f;
 
 }  // namespace eti::anatomy

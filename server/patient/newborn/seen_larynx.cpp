@@ -75,8 +75,7 @@ float windpipe(const Vec3f& p) {
                                 {3.6f, -50, 2.6f, 2.5f},
                                 {-0.6f, -70, 2.6f, 2.5f},
                                 {-3.9f, -88.5f, 2.6f, 2.5f}});
-    const float bronchi =
-        chain(mirrored(p), {{0, -3.8f, -87}, {7, -5.2f, -96}, {12, -6.8f, -106}}, 2.2f, 1.8f);
+    const float bronchi = round_cone(mirrored(p), {0, -3.8f, -87}, {7, -5.2f, -96}, 2.2f, 2.0f);
     return smooth_union(tube + rings, bronchi, 0.4f);
 }
 

@@ -48,15 +48,14 @@ float seen_palate(const Vec3f& p) {
             q.x() - 12.0f),
         edge - p.z(), 1.2f);
     const float uvula = round_cone(p, {0, 8.6f, -5.5f}, {0, 8.9f, -11.0f}, 1.5f, 1.15f);
-    // Palatoglossal arch to the tongue's side, palatopharyngeal arch to the throat's wall: sheets that reach
-    // from their edges out into the wall.
-    const float in_front = std::min(q.x(), 9.0f + 2.5f * smoothstep(-4.0f, -13.0f, p.z()));
-    const float front =
-        chain({in_front, p.y(), p.z()}, {{5.5f, 11.5f, 0.5f}, {9.0f, 12.0f, -4.0f}, {11.5f, 12.5f, -13.0f}},
-              0.9f, 1.0f);
-    const float behind = std::min(q.x(), 7.5f + 2.3f * smoothstep(-8.0f, -17.0f, p.z()));
+    // Palatoglossal arch towards the tongue's side, palatopharyngeal arch to the throat's wall: sheets that
+    // reach from their edges out into the wall.
+    const float in_front = std::min(q.x(), 9.8f + 1.5f * smoothstep(-3.5f, -9.0f, p.z()));
+    const float front = chain({in_front, p.y(), p.z()},
+                              {{5.5f, 11.5f, 0.5f}, {9.8f, 12.0f, -3.5f}, {11.3f, 12.5f, -9.0f}}, 0.8f, 0.7f);
+    const float behind = std::min(q.x(), 8.3f + 1.3f * smoothstep(-8.0f, -14.0f, p.z()));
     const float back = chain({behind, p.y(), p.z()},
-                             {{4.5f, 8.0f, -4.0f}, {7.5f, 6.0f, -8.0f}, {9.8f, 4.5f, -17.0f}}, 0.8f, 0.9f);
+                             {{4.5f, 8.0f, -4.0f}, {8.3f, 6.0f, -8.0f}, {9.6f, 4.5f, -14.0f}}, 0.8f, 0.7f);
     const float soft = smooth_union(smooth_union(velum, uvula, 1.2f), std::min(front, back), 1.2f);
     return std::min(hard, soft);
 }

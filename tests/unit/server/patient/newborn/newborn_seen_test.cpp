@@ -143,7 +143,8 @@ TEST_F(NewbornSeen, LipsAreRedUpToTheirBorderAndTheTrunkIsWrapped) {
         EXPECT_EQ(label(0.0f, outermost(0.0f, z), z), Tissue::soft) << z;
     }
     EXPECT_EQ(label(20.0f, outermost(20.0f, -6.0f), -6.0f), Tissue::soft) << "a cheek";
-    EXPECT_EQ(label(0.0f, outermost(0.0f, -110.0f), -110.0f), Tissue::cloth);
+    EXPECT_LT(at(0.0f, outermost(0.0f, -110.0f) + 1.0f, -110.0f).cloth, 0.0f);
+    EXPECT_GT(at(0.0f, outermost(0.0f, -70.0f) + 1.0f, -70.0f).cloth, 0.0f) << "the shoulders are bare";
 }
 
 // Tools stop at the shell that particles' fields make: where they go, what is drawn is there as well.
