@@ -28,6 +28,10 @@ float wetness(Tissue tissue) {
         case Tissue::spine:
         case Tissue::hyoid:
             return 0.25f;
+        case Tissue::cloth:
+            return 0.0f;
+        case Tissue::lip:
+            return 0.4f;
         case Tissue::tongue:
             return 0.75f;
         default:
@@ -83,13 +87,6 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, 
     }
 }
 
-float distance_to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
-    const Vec3f along = b - a;
-    const float share =
-        along.squaredNorm() > 0.0f ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0f, 1.0f) : 0.0f;
-    return (p - a - share * along).norm();
-}
-
 // How much a point of the face belongs to the lips' red: 1 within 2 mm of a lip's edge, which runs to
 // either side over a half mouth of 16 mm and falls back by 8 mm there.
 float vermilion(const Vec3f& p, const Landmarks& rest) {
@@ -129,6 +126,12 @@ Vec3f tissue_colour(Tissue tissue) {
         case Tissue::spine:
         case Tissue::hyoid:
             return {0.93f, 0.88f, 0.76f};
+        case Tissue::vocal_cord:
+            return cord_colour;
+        case Tissue::lip:
+            return lip_colour;
+        case Tissue::cloth:
+            return {0.86f, 0.90f, 0.93f};
     }
     return {0.8f, 0.4f, 0.4f};
 }
@@ -154,14 +157,13 @@ Vec3f cut_colour(Tissue tissue) {
 std::vector<VertexColour> surface_colours(const view::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
-    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), larynx(count, 0.0f), corners(count, 0.0f);
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
         for (const std::uint32_t v : surface.mesh.triangles[t]) {
             colour[v] += tissue_colour(tissue);
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
-            larynx[v] += tissue == Tissue::larynx || tissue == Tissue::trachea ? 1.0f : 0.0f;
             corners[v] += 1.0f;
         }
     }
@@ -172,8 +174,6 @@ std::vector<VertexColour> surface_colours(const view::RestSurface& surface, cons
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
     }
-    const Vec3f front = at(rest, Landmark::glottis_anterior);
-    const Vec3f back = at(rest, Landmark::glottis_posterior);
     std::vector<VertexColour> result(count);
     for (std::size_t v = 0; v < count; ++v) {
         const float shares = std::max(corners[v], 1.0f);
@@ -186,10 +186,6 @@ std::vector<VertexColour> surface_colours(const view::RestSurface& surface, cons
             c += skin * (skin_colour - c);
             c += 0.75f * lip * (lip_colour - c);
             w += skin * (skin_wetness - w) + 0.3f * lip;
-        }
-        if (larynx[v] > 0.0f) {
-            const float cord = 1.0f - smooth_step(1.4e-3f, 2.6e-3f, distance_to_segment(p, front, back));
-            c += cord * larynx[v] / shares * (cord_colour - c);
         }
         // Blotches of some 4 mm and of 1.5 mm; blood shows more in red's complement.
         const float blotch = 0.6f * noise(p * 250.0f) + 0.4f * noise(p * 700.0f) - 0.5f;

@@ -24,12 +24,16 @@ enum class Tissue : std::uint8_t {
     mandible,
     spine,
     hyoid,
+    // Seen alone: no particle and no contact is of these.
+    vocal_cord,  ///< the true cords' white
+    lip,         ///< vermilion
+    cloth,       ///< what wraps the newborn's trunk
 };
-inline constexpr std::size_t tissue_count = 13;
+inline constexpr std::size_t tissue_count = 16;
 
 inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
-    "soft",      "tongue", "epiglottis", "larynx",   "trachea", "oesophagus", "upper gum",
-    "lower gum", "palate", "skull",      "mandible", "spine",   "hyoid"};
+    "soft",   "tongue", "epiglottis", "larynx", "trachea", "oesophagus", "upper gum", "lower gum",
+    "palate", "skull",  "mandible",   "spine",  "hyoid",   "vocal cord", "lip",       "cloth"};
 
 [[nodiscard]] constexpr std::string_view name_of(Tissue tissue) {
     return tissue_names[static_cast<std::size_t>(tissue)];

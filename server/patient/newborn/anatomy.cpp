@@ -2,13 +2,56 @@
 // Copyright the NeoETI authors
 #include "server/patient/newborn/anatomy.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace eti::anatomy {
 
+Seen Anatomy::seen(const Vec3f& point) const {
+    const Fields f = fields(point);
+    const float tongue = std::max(f.tongue, -f.sublingual);
+    // No gap shows between tongue and mouth floor.
+    const float overlap = 0.5f * scale();
+    return {body_field(f, tongue, overlap), tongue, f.epiglottis};
+}
+
+Tissue Anatomy::lining(const Vec3f& point) const {
+    const Fields f = fields(point);
+    const float margin = 0.6f * scale();
+    const Vec3f model = to_model(point);
+    if (f.upper_gum < margin) {
+        return Tissue::upper_gum;
+    }
+    if (f.lower_gum < margin) {
+        return Tissue::lower_gum;
+    }
+    if (f.palate < margin) {
+        return Tissue::palate;
+    }
+    if (f.larynx < margin) {
+        return model.z() < -46.0f ? Tissue::trachea : Tissue::larynx;
+    }
+    if (model.z() < -41.0f && f.cavity < margin && f.skin < -3.0f * margin) {
+        return Tissue::oesophagus;
+    }
+    return Tissue::soft;
+}
+
+Tissue Anatomy::seen_tissue(const Vec3f& point) const {
+    const Tissue lined = lining(point);
+    if (lined != Tissue::larynx) {
+        return lined;
+    }
+    const auto points = landmarks();
+    const Vec3f& front = at(points, Landmark::glottis_anterior);
+    const Vec3f along = at(points, Landmark::glottis_posterior) - front;
+    const float t = std::clamp((point - front).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
+    return (point - front - t * along).norm() < 2.0f * scale() ? Tissue::vocal_cord : Tissue::larynx;
+}
+
 std::vector<Vec3f> Anatomy::glottis_contour() const {
-    // In the glottis's plane, found on the field itself by bisection.
+    // In the glottis's plane, found by bisection on the field of what hides it.
     constexpr int count = 24;
     const auto points = landmarks();
     const Vec3f centre = at(points, Landmark::glottis);
@@ -20,7 +63,7 @@ std::vector<Vec3f> Anatomy::glottis_contour() const {
         float outside = 4.0f;
         for (int step = 0; step < 20; ++step) {
             const float middle = 0.5f * (inside + outside);
-            (fields(centre + middle * direction).cavity < 0.0f ? inside : outside) = middle;
+            (seen(centre + middle * direction).body > 0.0f ? inside : outside) = middle;
         }
         contour.push_back(centre + inside * direction);
     }

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -28,6 +29,21 @@ struct Fields {
     float skull = 1.0f, mandible = 1.0f, spine = 1.0f, hyoid = 1.0f;
 };
 
+/// Outlines of what one looks at, at one point, negative inside, in metres: the organs of Fields, in a detail
+/// that no particle needs to know.
+struct Seen {
+    float body = 1.0f;  ///< skin without mouth and airway; lining, gums, palate and larynx belong to it
+    float tongue = 1.0f;
+    float epiglottis = 1.0f;
+    float cloth = 1.0f;  ///< about the trunk, if there is any
+};
+
+/// The body as particles and shell know it, without tongue and epiglottis; the tongue sinks by `overlap` into
+/// the mouth's floor.
+[[nodiscard]] inline float body_field(const Fields& f, float tongue, float overlap) {
+    return std::max(f.skin, -std::min(f.cavity, tongue + overlap));
+}
+
 /// What a model is built from: where each organ is, and how the skeleton carries it. Points are in the
 /// patient frame: DICOM LPS, metres, origin at the upper gum's crest.
 class Anatomy {
@@ -35,7 +51,19 @@ class Anatomy {
     virtual ~Anatomy() = default;
 
     [[nodiscard]] virtual Fields fields(const Vec3f& point) const = 0;
+    /// What is drawn and what hides the glottis from an eye. Physics takes nothing from it. By default the
+    /// outlines of fields().
+    [[nodiscard]] virtual Seen seen(const Vec3f& point) const;
     [[nodiscard]] virtual Skeleton skeleton() const = 0;
+
+    /// The tissue that lines the body's inside at a point: what a tool meets there.
+    [[nodiscard]] Tissue lining(const Vec3f& point) const;
+    /// The tissue that shows at a point of the body's surface.
+    [[nodiscard]] virtual Tissue seen_tissue(const Vec3f& point) const;
+
+    /// How much of what the epiglottis does a point of the body's or the tongue's surface does, too: 1 on
+    /// folds that hang on it, where they leave the plate, 0 away from them.
+    [[nodiscard]] virtual float hangs_on_epiglottis(const Vec3f& /*point*/) const { return 0.0f; }
 
     /// How much trunk, skull and mandible carry a point of the given tissue.
     [[nodiscard]] virtual BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const = 0;
@@ -51,6 +79,8 @@ class Anatomy {
 
     /// Corners of the box that holds the head and neck [m].
     [[nodiscard]] virtual std::array<Vec3f, 2> bounds() const = 0;
+    /// Corners of the box that is drawn [m].
+    [[nodiscard]] virtual std::array<Vec3f, 2> seen_bounds() const { return bounds(); }
     /// Corners of the box that holds mouth, pharynx, larynx and trachea [m].
     [[nodiscard]] virtual std::array<Vec3f, 2> airway_bounds() const = 0;
 

@@ -19,8 +19,10 @@ struct BuildSettings {
     /// 44:450), but here the mouth's floor cannot give way as a whole
     /// (docs/decisions/0024-tissue-stiffness.md).
     float tissue_stiffness = 8e3f;
-    float surface_spacing = 1.0e-3f;  ///< [m], grid of the visible surfaces
-    std::size_t body_triangles = 45000;
+    /// [m], edges of what is drawn in mouth and throat; finer at larynx and lips, coarser at trunk and scalp,
+    /// in proportion. Bones are sampled 1.5 times as wide.
+    float surface_spacing = 1.0e-3f;
+    std::size_t body_triangles = 70000;
     std::size_t shell_triangles = 12000;
 };
 
@@ -51,9 +53,6 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
 void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
-
-/// The tissue that lines the airway or covers the body at a point of its surface.
-[[nodiscard]] Tissue lining_tissue(const Anatomy& anatomy, const Vec3f& point);
 
 /// Tissues that share clusters and tetrahedra: 0 body, 1 tongue, 2 epiglottis.
 [[nodiscard]] constexpr int family_of(Tissue tissue) {

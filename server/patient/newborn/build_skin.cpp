@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "common/mesh/normals.hpp"
 #include "server/parallel/loops.hpp"
@@ -73,6 +74,25 @@ void let_head_grow(const Anatomy& anatomy, Patient& patient) {
     }
 }
 
+std::optional<std::size_t> frame_of_epiglottis(const Patient& patient) {
+    const std::vector<Tissue>& tissue = patient.clusters.tissue;
+    const auto plate = std::ranges::find(tissue, Tissue::epiglottis);
+    return plate == tissue.end()
+               ? std::nullopt
+               : std::optional(bone_count + static_cast<std::size_t>(plate - tissue.begin()));
+}
+
+/// Lets a fold that runs from the epiglottis to larynx, tongue or wall of the throat go along with it: else
+/// it tears from it where it is lifted.
+void hang(Shares& shares, std::size_t plate, float share) {
+    if (share > 0.0f) {
+        for (Share& other : shares) {
+            other.weight *= 1.0f - share;
+        }
+        add_share(shares, plate, share);
+    }
+}
+
 }  // namespace
 
 void build_frames(Patient& patient) {
@@ -85,14 +105,18 @@ void build_frames(Patient& patient) {
 
 void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     const Skinner skinner(anatomy, settings, patient);
+    const std::optional<std::size_t> plate = frame_of_epiglottis(patient);
     for (Surface& surface : patient.surfaces) {
         const std::vector<Vec3f>& vertices = surface.mesh.vertices;
         const std::vector<Vec3f> normals = vertex_normals(surface.mesh);
         std::vector<Shares> carried(vertices.size());
         parallel::for_each(vertices.size(), 256, [&](std::size_t i) {
             const bool soft = surface.tissue == Tissue::soft;
-            const Tissue tissue = soft ? lining_tissue(anatomy, vertices[i]) : surface.tissue;
+            const Tissue tissue = soft ? anatomy.seen_tissue(vertices[i]) : surface.tissue;
             carried[i] = skinner(vertices[i], tissue, normals[i]);
+            if (soft && plate) {
+                hang(carried[i], *plate, anatomy.hangs_on_epiglottis(vertices[i]));
+            }
         });
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
             mend_skin(patient, surface.mesh, carried);

@@ -77,12 +77,12 @@ std::vector<Eigen::Vector2f> cut(const TriangleMesh& mesh, float height) {
     return points;
 }
 
-/// The greatest circumference [m] of horizontal sections of the head above the face's middle.
+/// The greatest circumference [m] of horizontal sections of the head above the ears.
 double head_circumference(const Patient& patient, float size) {
     const auto body = std::ranges::find(patient.surfaces, "body", &Surface::name);
     double greatest = 0.0;
     if (body != patient.surfaces.end()) {
-        for (float height = 30e-3f * size; height < 90e-3f; height += 2e-3f) {
+        for (float height = 40e-3f * size; height < 90e-3f; height += 2e-3f) {
             const auto section = cut(body->mesh, height);
             if (section.size() > 8) {
                 greatest = std::max(greatest, hull_perimeter(section));
@@ -251,7 +251,7 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
     of_term("glottis, length", 1e3 * distance(Landmark::glottis_anterior, Landmark::glottis_posterior), "mm",
             4.2, 6.6, 1, "Sato 2015, Laryngoscope 125:E186, 2 SD");
     of_term("glottis, area", 1e6 * polygon_area(patient.glottis_contour), "mm^2", 7.5, 8.2, 2,
-            "Sato 2015, means of girls and boys at rest; the model's cords are drawn apart");
+            "Sato 2015, means of girls and boys at rest; the model's stand apart as in breathing in");
     of_term("vocal cords to carina", 1e3 * distance(Landmark::glottis, Landmark::carina), "mm", 0.95 * 50.4,
             1.05 * 53.0, 1, "Ann Otol Rhinol Laryngol 2001;110:268 and Anesth Analg Aug 2013, means, 5 %");
     const Vec3f below =

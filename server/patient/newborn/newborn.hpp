@@ -14,12 +14,16 @@ class Newborn final : public Anatomy {
     explicit Newborn(const NewbornShape& shape);
 
     [[nodiscard]] Fields fields(const Vec3f& point) const override;
+    [[nodiscard]] Seen seen(const Vec3f& point) const override;
+    [[nodiscard]] Tissue seen_tissue(const Vec3f& point) const override;
+    [[nodiscard]] float hangs_on_epiglottis(const Vec3f& point) const override;
     [[nodiscard]] Skeleton skeleton() const override;
     [[nodiscard]] BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override;
     [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override;
     [[nodiscard]] float shell_offset(const Vec3f& point, const Fields& fields) const override;
     [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override;
     [[nodiscard]] std::array<Vec3f, 2> bounds() const override;
+    [[nodiscard]] std::array<Vec3f, 2> seen_bounds() const override;
     [[nodiscard]] std::array<Vec3f, 2> airway_bounds() const override;
     [[nodiscard]] Vec3f to_model(const Vec3f& point) const override;
     [[nodiscard]] Vec3f from_model(const Vec3f& point) const;

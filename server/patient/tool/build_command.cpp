@@ -200,8 +200,9 @@ void add_build(CLI::App& app, Run& run) {
                      "Distance of particles at epiglottis and larynx [1]")
         ->check(CLI::Range(0.5, 2.0));
     build
-        ->add_option("--surface-mm", request->surface_mm,
-                     "Grid that the visible surfaces are drawn on [1]; the build's time goes mostly there")
+        ->add_option(
+            "--surface-mm", request->surface_mm,
+            "Edges of the visible surfaces in the mouth [1]; finer at larynx and lips, coarser at the trunk")
         ->check(CLI::Range(0.7, 1.5));
     build
         ->add_option("--region-mm", request->region_mm,

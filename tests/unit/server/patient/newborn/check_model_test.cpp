@@ -113,6 +113,37 @@ TEST(CheckModel, FindsWhatDragsTheEpiglottisAlong) {
     });
 }
 
+TEST(CheckModel, FindsSkinThatGoesWithTheEpiglottisFromAfar) {
+    expect_fault("no skin far from it does", [](Patient& p) {
+        const auto plate =
+            std::ranges::find(p.clusters.tissue, Tissue::epiglottis) - p.clusters.tissue.begin();
+        const Vec3f& gum = p.landmarks[static_cast<std::size_t>(Landmark::upper_gum)].rest;
+        Surface& body = p.surfaces[0];
+        const auto near_gum = std::ranges::find_if(body.mesh.vertices,
+                                                   [&](const Vec3f& v) { return (v - gum).norm() < 10e-3f; });
+        body.skin[static_cast<std::size_t>(near_gum - body.mesh.vertices.begin())] = {
+            {static_cast<std::uint16_t>(bone_count + static_cast<std::size_t>(plate))}, {1.0f}};
+    });
+}
+
+// Folds of the body's surface reach the plate and go with it there (docs/decisions/0109).
+TEST(BuildPatient, FoldsHangOnTheEpiglottis) {
+    const Patient& patient = newborn();
+    const auto plate = static_cast<std::size_t>(
+        std::ranges::find(patient.clusters.tissue, Tissue::epiglottis) - patient.clusters.tissue.begin());
+    int wholly = 0, partly = 0;
+    for (const SkinWeights& skin : patient.surfaces[0].skin) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (skin.frame[k] == bone_count + plate) {
+                wholly += skin.weight[k] > 0.8f ? 1 : 0;
+                partly += skin.weight[k] > 0.05f && skin.weight[k] < 0.8f ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(wholly, 10);
+    EXPECT_GT(partly, 40);
+}
+
 TEST(CheckModel, FindsLooseTissueAndMissingLigaments) {
     expect_fault("each moving particle is in a cluster", [](Patient& p) {
         p.particles.rest.emplace_back(0.0f, 0.02f, 0.0f);

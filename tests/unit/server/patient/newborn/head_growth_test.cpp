@@ -44,7 +44,7 @@ Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
                 continue;  // of the skull's two sides the field tells the nearer one
             }
             const Vec3f place = skin_point(rest, surface.skin[i], patient.frame_rest_centre, frames);
-            const double here = 1e3 * std::fabs(static_cast<double>(built.fields(place).skin));
+            const double here = 1e3 * std::fabs(static_cast<double>(built.seen(place).body));
             off.mean += here;
             off.most = std::max(off.most, here);
             count += 1.0;

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <array>
+#include <cmath>
+
+#include "common/math/units.hpp"
+#include "common/mesh/adaptive_isosurface.hpp"
+#include "common/mesh/isosurface.hpp"
+#include "common/mesh/uncrossed.hpp"
+#include "server/parallel/loops.hpp"
+#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/detail.hpp"
+#include "server/patient/newborn/sample.hpp"
+
+namespace eti::anatomy {
+
+namespace {
+
+// Takes the slivers of marching tetrahedra out, which would keep edges from collapsing; moves vertices by
+// a tenth of an edge.
+constexpr int smoothing = 3;
+
+/// A surface of what is seen, as fine as it is looked at from near.
+TriangleMesh seen_mesh(const Anatomy& anatomy, const Detail& detail, float Seen::*organ,
+                       const std::array<Vec3f, 2>& box, std::size_t budget) {
+    const float size = anatomy.scale() / millimetre;
+    AdaptiveField field;
+    field.low = box[0];
+    field.high = box[1];
+    field.coarsest = 8e-3f * size;
+    field.halvings = 5;
+    field.edge = [&](const Vec3f& point) { return detail.edge(point); };
+    field.value = [&](std::span<const Vec3f> points, std::span<float> values) {
+        constexpr std::size_t grain = 256;
+        parallel::for_ranges(points.size(), grain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                values[i] = anatomy.seen(points[i]).*organ;
+            }
+        });
+    };
+    TriangleMesh mesh = adaptive_isosurface(field);
+    smooth_without_crossing(mesh, smoothing);
+    if (mesh.triangles.size() <= budget) {
+        return mesh;
+    }
+    // An error counts against the square of an edge, by the area of triangles of that edge.
+    std::vector<float> importance(mesh.vertices.size());
+    for (std::size_t i = 0; i < importance.size(); ++i) {
+        importance[i] = std::pow(1e-3f * size / detail.edge(mesh.vertices[i]), 4.0f);
+    }
+    return simplify_without_crossing(mesh, {.triangles = budget, .importance = importance});
+}
+
+/// Bones are seen in sections, from afar.
+TriangleMesh bone_mesh(const DistanceGrid& field, std::size_t budget) {
+    TriangleMesh mesh = isosurface(field, 0.0f);
+    smooth_without_crossing(mesh, smoothing);
+    return mesh.triangles.size() > budget
+               ? simplify_without_crossing(mesh, {.triangles = budget, .importance = {}})
+               : mesh;
+}
+
+Vec3f middle_of(const TriangleMesh& mesh, const Triangle& t) {
+    return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0f;
+}
+
+}  // namespace
+
+void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+    const float size = anatomy.scale() / millimetre;
+    const auto [low, high] = anatomy.bounds();
+    const auto [inner_low, inner_high] = anatomy.airway_bounds();
+
+    DistanceGrid skull = grid_over(low, high, 1.5f * settings.surface_spacing * size);
+    DistanceGrid mandible = skull;
+    DistanceGrid spine = skull;
+    DistanceGrid hyoid = grid_over(inner_low, inner_high, 0.7f * settings.surface_spacing * size);
+    sample(anatomy, skull, [&](std::size_t i, const Fields& f, const Vec3f&) {
+        skull.value[i] = f.skull;
+        mandible.value[i] = f.mandible;
+        spine.value[i] = f.spine;
+    });
+    sample(anatomy, hyoid, [&](std::size_t i, const Fields& f, const Vec3f&) { hyoid.value[i] = f.hyoid; });
+
+    const Vec3f tip = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_tip)];
+    const Vec3f base = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
+    const Vec3f margin = Vec3f::Constant(9e-3f * size);
+    const Detail detail(anatomy, settings.surface_spacing);
+
+    struct Drawn {
+        const char* name;
+        Tissue tissue;
+        std::size_t triangles;
+        float Seen::*organ;        // or nullptr,
+        const DistanceGrid* bone;  // for what is sampled on a grid
+        std::array<Vec3f, 2> box;
+    };
+    const std::array<Vec3f, 2> all = anatomy.seen_bounds();
+    // The body takes as long as all others. The hyoid hangs in the soft tissue and goes with it.
+    const std::array drawn = {
+        Drawn{"body", Tissue::soft, settings.body_triangles, &Seen::body, nullptr, all},
+        Drawn{"tongue", Tissue::tongue, 9000, &Seen::tongue, nullptr, {inner_low, inner_high}},
+        Drawn{"epiglottis",
+              Tissue::epiglottis,
+              6000,
+              &Seen::epiglottis,
+              nullptr,
+              {tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin}},
+        Drawn{"skull", Tissue::skull, 16000, nullptr, &skull, {}},
+        Drawn{"mandible", Tissue::mandible, 4000, nullptr, &mandible, {}},
+        Drawn{"spine", Tissue::spine, 8000, nullptr, &spine, {}},
+        Drawn{"hyoid", Tissue::hyoid, 1500, nullptr, &hyoid, {}},
+        Drawn{"cloth", Tissue::cloth, 6000, &Seen::cloth, nullptr, all}};
+    patient.surfaces.resize(drawn.size());
+    parallel::for_each(drawn.size(), 1, [&](std::size_t i) {
+        const Drawn& d = drawn[i];
+        Surface& surface = patient.surfaces[i];
+        surface.name = d.name;
+        surface.tissue = d.tissue;
+        surface.mesh = d.bone != nullptr ? bone_mesh(*d.bone, d.triangles)
+                                         : seen_mesh(anatomy, detail, d.organ, d.box, d.triangles);
+        for (const Triangle& t : surface.mesh.triangles) {
+            surface.triangle_tissue.push_back(
+                d.tissue == Tissue::soft ? anatomy.seen_tissue(middle_of(surface.mesh, t)) : d.tissue);
+        }
+    });
+    // Patients of labels have no cloth.
+    std::erase_if(patient.surfaces, [](const Surface& surface) {
+        return surface.tissue == Tissue::cloth && surface.mesh.triangles.empty();
+    });
+}
+
+}  // namespace eti::anatomy
