@@ -96,6 +96,15 @@ Shapes shapes_of(const view::SceneView& scene) {
     return shapes;
 }
 
+Shapes held_aside(Shapes shapes, const LipRetraction& lips) {
+    for (Shape& shape : shapes.organs) {
+        for (Vec3f& vertex : shape.vertices) {
+            vertex = lips.held_aside(vertex);
+        }
+    }
+    return shapes;
+}
+
 Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height) {
     Raster raster(width, height, projected(camera, width, height), camera.eye);
     for (std::size_t i = 0; i < shapes.organs.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "client/render/drawing.hpp"
 #include "client/render/image.hpp"
 #include "client/view/scene_view.hpp"
+#include "common/model/lip_retraction.hpp"
 #include "common/model/tissue.hpp"
 #include "tests/bench/render/raster.hpp"
 
@@ -31,6 +32,9 @@ struct Shapes {
     inline static constexpr std::int16_t blade_id = 1000;
 };
 [[nodiscard]] Shapes shapes_of(const view::SceneView& scene);
+
+/// The same with the lips held aside.
+[[nodiscard]] Shapes held_aside(Shapes shapes, const LipRetraction& lips);
 
 /// Organs and blade, not the bones, from a camera. `half`: only what lies on the right of the sagittal plane.
 [[nodiscard]] Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height);

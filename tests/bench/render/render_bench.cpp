@@ -15,6 +15,8 @@
 #include "client/render/scene_renderer.hpp"
 #include "client/render/view_table.hpp"
 #include "common/math/random.hpp"
+#include "common/math/units.hpp"
+#include "common/model/lip_retraction.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/yaml_map.hpp"
 #include "server/metrics/glottic_view.hpp"
@@ -142,11 +144,12 @@ class Artist {
 
 /// Camera on the glottis from an eye; its picture is what that eye can see of it.
 render::Camera towards_glottis(const Vec3f& eye, const Landmarks& landmarks) {
-    render::Camera camera = render::laryngoscope_camera(landmarks);
+    render::Camera camera;
     camera.eye = eye;
-    // As the server's rays: fingers hold the lips aside, and nothing before the upper gum counts.
-    const Vec3f onward = (camera.target - eye).normalized();
-    camera.near_plane = std::max(camera.near_plane, onward.dot(at(landmarks, Landmark::upper_gum) - eye));
+    camera.target = at(landmarks, Landmark::glottis);
+    camera.vertical_field = 5.0f * degree;
+    camera.near_plane = 0.03f;
+    camera.far_plane = 0.8f;
     return camera;
 }
 
@@ -245,7 +248,9 @@ class Bench {
                                                         attempt.script.name, moment_names[m], view.name));
             }
             if (m == best && view.lips_aside) {
-                const Raster raster = raster_of(shapes, camera, options_.width, options_.height);
+                const Raster raster =
+                    raster_of(held_aside(shapes, lip_retraction(camera.eye, scene.landmarks())), camera,
+                              options_.width, options_.height);
                 const Luminances light =
                     luminances(picture, raster, shapes, camera, moment.snapshot.glottis_contour);
                 add(view.name, "lumen_to_cords", light.lumen / light.cords);
@@ -257,10 +262,12 @@ class Bench {
         if (view.cut) {
             return;
         }
-        const Raster raster = raster_of(shapes, camera, options_.width, options_.height);
+        const Shapes seen =
+            view.lips_aside ? held_aside(shapes, lip_retraction(camera.eye, scene.landmarks())) : shapes;
+        const Raster raster = raster_of(seen, camera, options_.width, options_.height);
         add(view.name, "blade_in_tissue",
-            blade_in_tissue_percent(shapes, camera, options_.width, options_.height));
-        for (const Outline& outline : outlines(shapes, raster, 10.0 * options_.height / 1080.0)) {
+            blade_in_tissue_percent(seen, camera, options_.width, options_.height));
+        for (const Outline& outline : outlines(seen, raster, 10.0 * options_.height / 1080.0)) {
             add(view.name, "fine_outline", outline.fine_percent, outline.name);
         }
     }
@@ -296,7 +303,8 @@ class Bench {
             }
             const Vec3f eye = best_eye(scene.landmarks()) + (i == 0 ? Vec3f(Vec3f::Zero()) : aside);
             const render::Camera camera = towards_glottis(eye, scene.landmarks());
-            const double seen = opening_in_picture(raster_of(shapes, camera, side, side), camera,
+            const Shapes aside_lips = held_aside(shapes, lip_retraction(eye, scene.landmarks()));
+            const double seen = opening_in_picture(raster_of(aside_lips, camera, side, side), camera,
                                                    moment.snapshot.glottis_contour, tolerance);
             const double rays = viewer.look(moment.snapshot, eye).opening_percent;
             add("eye", "pogo_apart", std::abs(seen - rays),
