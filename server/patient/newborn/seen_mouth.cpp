@@ -20,6 +20,14 @@ float segments(const Vec3f& q) {
     return 0.28f * std::cos(turn * around / 0.36f + 0.5f * turn) * smoothstep(14.0f, 24.0f, q.y());
 }
 
+/// A sheet across the throat at `anterior`, below `top`, with an opening that is arched above `from`, half as
+/// wide as `wide` and `high` over it.
+float arch(const Vec3f& p, float anterior, float from, float wide, float high, float top) {
+    const float above = std::max(p.z() - from, 0.0f) / high;
+    const float opening = (std::hypot(p.x() / wide, above) - 1.0f) * wide;
+    return smooth_intersection(std::max(std::fabs(p.y() - anterior) - 0.7f, p.z() - top), -opening, 1.0f);
+}
+
 }  // namespace
 
 Gums seen_gums(const Vec3f& p, const Vec3f& in_jaw) {
@@ -48,14 +56,9 @@ float seen_palate(const Vec3f& p) {
             q.x() - 12.0f),
         edge - p.z(), 1.2f);
     const float uvula = round_cone(p, {0, 8.6f, -5.5f}, {0, 8.9f, -11.0f}, 1.5f, 1.15f);
-    // Palatoglossal arch towards the tongue's side, palatopharyngeal arch to the throat's wall: sheets that
-    // reach from their edges out into the wall.
-    const float in_front = std::min(q.x(), 9.8f + 1.5f * smoothstep(-3.5f, -9.0f, p.z()));
-    const float front = chain({in_front, p.y(), p.z()},
-                              {{5.5f, 11.5f, 0.5f}, {9.8f, 12.0f, -3.5f}, {11.3f, 12.5f, -9.0f}}, 0.8f, 0.7f);
-    const float behind = std::min(q.x(), 8.3f + 1.3f * smoothstep(-8.0f, -14.0f, p.z()));
-    const float back = chain({behind, p.y(), p.z()},
-                             {{4.5f, 8.0f, -4.0f}, {8.3f, 6.0f, -8.0f}, {9.6f, 4.5f, -14.0f}}, 0.8f, 0.7f);
+    // Palatoglossal arch, down to the tongue's sides, and palatopharyngeal arch, down the throat's wall.
+    const float front = arch(p, 12.0f, -12.0f, 11.3f, 12.5f, 0.5f);
+    const float back = arch(p, 6.0f + 0.12f * (p.z() + 8.0f), -15.0f, 9.5f, 11.0f, -3.5f);
     const float soft = smooth_union(smooth_union(velum, uvula, 1.2f), std::min(front, back), 1.2f);
     return std::min(hard, soft);
 }
