@@ -15,7 +15,7 @@ out vec3 world;
 out vec3 colour_at;
 void main() {
     world = position;
-    colour_at = pow(colour.rgb, vec3(2.2));
+    colour_at = colour.rgb * colour.rgb * (0.75 + 0.25 * colour.rgb);
     gl_Position = view_projection * vec4(position, 1.0);
 }
 )";

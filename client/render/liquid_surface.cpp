@@ -188,7 +188,6 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     glViewport(x, y, width, height);
     glScissor(x + part * left, y + part * bottom, part * across, part * up);
     glEnable(GL_DEPTH_TEST);
-    glDepthMask(GL_FALSE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_SRC_ALPHA);
     surface_.use();

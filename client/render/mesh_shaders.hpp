@@ -58,7 +58,7 @@ void main() {
 #ifdef TUBE
     course_at = course;
 #else
-    colour_at = vec4(pow(colour.rgb, vec3(2.2)), colour.a);
+    colour_at = vec4(colour.rgb * colour.rgb * (0.75 + 0.25 * colour.rgb), colour.a);
 #endif
 #ifdef ROOM_SHADOW
     room_at = room_lookup * p;

@@ -59,6 +59,8 @@ RenderTarget::RenderTarget(int width, int height, int samples) : width_(width), 
         require_complete(sampled_->framebuffer.name(), width, height);
     } else {
         attach(scene_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        attach(picture_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        require_complete(picture_.name(), width, height);
     }
     require_complete(scene_.name(), width, height);
 }

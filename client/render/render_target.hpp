@@ -27,6 +27,8 @@ class RenderTarget {
     [[nodiscard]] const Texture& light() const { return light_; }
     /// Draw here what becomes the picture, and overlays on it.
     void bind_picture() const;
+    /// The picture has the scene's depths, so that what drew nothing can be told: only without more samples.
+    [[nodiscard]] bool picture_has_depth() const { return !sampled_; }
     /// Reads the picture back; waits for the driver.
     [[nodiscard]] Image read() const;
     /// Copies the picture into framebuffer 0 (a window's).

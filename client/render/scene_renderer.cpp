@@ -91,8 +91,7 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
         glDisable(GL_SCISSOR_TEST);
         glBindVertexArray(0);
         target.resolve(part);
-        target.bind_picture();
-        drawing.ids() ? tone_.copy(target.light(), part) : tone_.draw(target.light(), part, view.tone);
+        drawing.ids() ? tone_.copy(target, part) : tone_.draw(target, part, view.tone, view.background);
     }
 }
 

@@ -58,6 +58,10 @@ std::uint64_t state_of(const Drawing& drawing, SceneMeshes& meshes, bool lips_as
     return digest.state();
 }
 
+bool lamp_shadow_of(const Drawing& drawing) {
+    return drawing.view.has(Pass::lamp_shadow) && drawing.quality.lamp_shadow;
+}
+
 }  // namespace
 
 ShadowPass::ShadowPass(const Quality& quality)
@@ -74,7 +78,7 @@ void ShadowPass::draw(const Drawing& drawing, SceneMeshes& meshes) {
         fill(room_, parallel_clip(room, drawing.camera.target, room_radius), drawing, meshes,
              drawing.view.lips_aside);
     }
-    if (drawing.view.has(Pass::lamp_shadow) && !lamp.colour.isZero()) {
+    if (lamp_shadow_of(drawing) && !lamp.colour.isZero()) {
         // The lamp lies behind the lips, wherever they are held.
         fill(lamp_, cone_clip(lamp, lamp_reach), drawing, meshes, false);
     }
@@ -118,7 +122,7 @@ ShaderProgram::Defines ShadowPass::defines(const Drawing& drawing) const {
     if (drawing.view.has(Pass::room_shadow)) {
         defines.emplace_back("ROOM_SHADOW");
     }
-    if (drawing.view.has(Pass::lamp_shadow)) {
+    if (lamp_shadow_of(drawing)) {
         defines.emplace_back("LAMP_SHADOW");
     }
     defines.push_back(fmt::format("TAPS {}", taps_));
@@ -131,7 +135,7 @@ void ShadowPass::apply(const Drawing& drawing, ShaderProgram& program) const {
         program.set("room_map", static_cast<int>(room_unit - GL_TEXTURE0));
         program.set("room_lookup", room_.lookup());
     }
-    if (drawing.view.has(Pass::lamp_shadow)) {
+    if (lamp_shadow_of(drawing)) {
         lamp_.bind_texture(lamp_unit);
         program.set("lamp_map", static_cast<int>(lamp_unit - GL_TEXTURE0));
         program.set("lamp_lookup", lamp_.lookup());

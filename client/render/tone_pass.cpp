@@ -5,6 +5,15 @@
 #include "client/render/tone_shaders.hpp"
 
 namespace eti::render {
+namespace {
+
+// What film() of the shader does.
+Vec3f filmed(const Vec3f& light) {
+    const Eigen::Array3f c = light.array();
+    return (c * (2.51f * c + 0.03f) / (c * (2.43f * c + 0.59f) + 0.14f)).min(1.0f).max(0.0f).matrix();
+}
+
+}  // namespace
 
 TonePass::TonePass()
     : tone_("tone mapping", {}, source::quad_vertex, source::tone_fragment),
@@ -12,7 +21,6 @@ TonePass::TonePass()
 
 void TonePass::cover(ShaderProgram& program, const Texture& light, const Viewport& area) {
     glViewport(area.x, area.y, area.width, area.height);
-    glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     program.set("light", 0);
@@ -25,20 +33,43 @@ void TonePass::cover(ShaderProgram& program, const Texture& light, const Viewpor
     glBindVertexArray(0);
 }
 
-void TonePass::draw(const Texture& light, const Viewport& area, const ToneMapping& tone) {
+void TonePass::draw(const RenderTarget& target, const Viewport& area, const ToneMapping& tone,
+                    const Vec3f& background) {
+    target.bind_picture();
     glEnable(GL_FRAMEBUFFER_SRGB);
+    // A software rasteriser saves half of this pass in views that are mostly background. That is cleared, and
+    // the pass, at the farthest depth, goes where something nearer was drawn.
+    const bool uniform = target.picture_has_depth() && tone.vignette == 0.0f && tone.fogging == 0.0f;
+    if (uniform) {
+        const Vec3f plain = filmed(tone.exposure * background);
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(area.x, area.y, area.width, area.height);
+        glClearColor(plain.x(), plain.y(), plain.z(), 1.0f);
+        glClear(GL_COLOR_BUFFER_BIT);
+        glDisable(GL_SCISSOR_TEST);
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(GL_GREATER);
+        glDepthMask(GL_FALSE);
+    } else {
+        glDisable(GL_DEPTH_TEST);
+    }
     tone_.use();
     tone_.set("aspect", area.aspect());
     tone_.set("exposure", tone.exposure);
     tone_.set("vignette", tone.vignette);
     tone_.set("fogging", tone.fogging);
-    cover(tone_, light, area);
+    cover(tone_, target.light(), area);
+    glDisable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
     glDisable(GL_FRAMEBUFFER_SRGB);
 }
 
-void TonePass::copy(const Texture& light, const Viewport& area) {
+void TonePass::copy(const RenderTarget& target, const Viewport& area) {
+    target.bind_picture();
+    glDisable(GL_DEPTH_TEST);
     copy_.use();
-    cover(copy_, light, area);
+    cover(copy_, target.light(), area);
 }
 
 }  // namespace eti::render

@@ -3,8 +3,10 @@
 #pragma once
 
 #include "client/render/gl_object.hpp"
+#include "client/render/render_target.hpp"
 #include "client/render/shader_program.hpp"
 #include "client/render/viewport.hpp"
+#include "common/math/transform.hpp"
 
 namespace eti::render {
 
@@ -20,10 +22,12 @@ class TonePass {
   public:
     TonePass();
 
-    /// Into the bound framebuffer, through a filmic curve and as sRGB.
-    void draw(const Texture& light, const Viewport& area, const ToneMapping& tone);
+    /// Into the target's picture, through a filmic curve and as sRGB. `background`: the light of what drew
+    /// nothing.
+    void draw(const RenderTarget& target, const Viewport& area, const ToneMapping& tone,
+              const Vec3f& background);
     /// Values as they are: object ids.
-    void copy(const Texture& light, const Viewport& area);
+    void copy(const RenderTarget& target, const Viewport& area);
 
   private:
     void cover(ShaderProgram& program, const Texture& light, const Viewport& area);

@@ -11,7 +11,7 @@ inline constexpr std::string_view quad_vertex = R"(
 out vec2 at;
 void main() {
     at = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-    gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
+    gl_Position = vec4(2.0 * at - 1.0, 1.0, 1.0);
 }
 )";
 
