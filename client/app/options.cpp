@@ -12,6 +12,7 @@
 
 #include "client/app/controls.hpp"
 #include "common/bus/command_line.hpp"
+#include "common/math/units.hpp"
 
 namespace eti::client {
 namespace {
@@ -31,24 +32,35 @@ bool read_size(const std::string& text, int& width, int& height) {
     return second.ec == std::errc() && second.ptr == end && fits(width) && fits(height);
 }
 
-// "X,Y,Z", in millimetres, within the eye's reach; in metres.
-std::optional<Vec3f> read_offset(const std::string& text) {
-    constexpr float most_mm = 1e3f * view::TraineeEye::farthest;
-    Vec3f offset;
+// Three numbers, "A,B,C", each within its limit on either side.
+std::optional<Vec3f> read_three(const std::string& text, const Vec3f& limits) {
+    Vec3f numbers;
     const char* at = text.data();
     const char* const end = at + text.size();
-    for (int axis = 0; axis < 3; ++axis) {
-        if (axis > 0 && (at == end || *at++ != ',')) {
+    for (int i = 0; i < 3; ++i) {
+        if (i > 0 && (at == end || *at++ != ',')) {
             return std::nullopt;
         }
-        const auto [past, error] = std::from_chars(at, end, offset[axis]);
+        const auto [past, error] = std::from_chars(at, end, numbers[i]);
         // Written so that NaN fails.
-        if (error != std::errc() || !(std::abs(offset[axis]) <= most_mm)) {
+        if (error != std::errc() || !(std::abs(numbers[i]) <= limits[i])) {
             return std::nullopt;
         }
         at = past;
     }
-    return at == end ? std::optional<Vec3f>(1e-3f * offset) : std::nullopt;
+    return at == end ? std::optional(numbers) : std::nullopt;
+}
+
+std::optional<view::TraineeEye> read_eye(const std::string& text) {
+    const auto mm = read_three(text, Vec3f::Constant(1e3f * view::TraineeEye::farthest));
+    return mm ? std::optional(view::TraineeEye(1e-3f * *mm)) : std::nullopt;
+}
+
+std::optional<render::Section> read_section(const std::string& text) {
+    const auto typed = read_three(text, {1e3f * render::Section::farthest, 180.0f, 90.0f});
+    return typed
+               ? std::optional(render::Section(1e-3f * typed->x(), degree * typed->y(), degree * typed->z()))
+               : std::nullopt;
 }
 
 }  // namespace
@@ -70,7 +82,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string quality = "auto";
     std::string view(options.selection->name);
     std::string size = "960x540";
-    std::string eye_offset = "0,0,0";
+    std::string eye_offset = "0,0,0", section = "0,0,0";
     bool no_video = false;
     std::string keys = "Keys in the window:";
     for (const auto& [key, help] : keys_help(true)) {
@@ -88,14 +100,37 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         ->capture_default_str()
         ->check(
             [](const std::string& text) {
-                return read_offset(text)
+                return read_eye(text)
                            ? std::string()
                            : fmt::format(
-                                 "'{}' is no place of an eye; expected X,Y,Z in mm, each "
-                                 "from -{:.0f} to {:.0f}, e.g. 10,0,-5",
+                                 "'{}' is no place of an eye; expected X,Y,Z in mm, each from -{:.0f} to "
+                                 "{:.0f}, e.g. 10,0,-5",
                                  text, 1e3f * view::TraineeEye::farthest, 1e3f * view::TraineeEye::farthest);
             },
             "X,Y,Z");
+    app.add_option("--section-plane", section,
+                   "Where the section cuts: so far from the middle, towards the patient's left [mm]; turned "
+                   "about the patient's back-to-front axis and tilted about its long axis [deg]")
+        ->capture_default_str()
+        ->check(
+            [](const std::string& text) {
+                return read_section(text)
+                           ? std::string()
+                           : fmt::format(
+                                 "'{}' is no plane; expected OFFSET,TURN,TILT: mm from -{:.0f} to {:.0f}, "
+                                 "degrees from -180 to 180 and from -90 to 90, e.g. 5,0,0 or 0,90,0",
+                                 text, 1e3f * render::Section::farthest, 1e3f * render::Section::farthest);
+            },
+            "OFFSET,TURN,TILT");
+    app.add_option("--fogging", options.vantage.fogging,
+                   "Breath on the blade's lens as the session begins, 0 to 1; it clears as the lamp warms it")
+        ->capture_default_str()
+        ->check([](const std::string& text) {
+            const auto number = read_three(text + ",0,0", Vec3f::Ones());
+            return number && number->x() >= 0.0f
+                       ? std::string()
+                       : fmt::format("'{}' is no share of fogging; expected a number from 0 to 1", text);
+        });
     auto* const offscreen = app.add_option("--offscreen", options.offscreen,
                                            "Draw without a display; pictures go into this folder");
     auto* const video =
@@ -141,7 +176,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     options.selection = selection_named(view);
     options.quality = render::quality_named(quality);
     (void)read_size(size, options.width, options.height);
-    options.vantage.eye = view::TraineeEye(*read_offset(eye_offset));
+    options.vantage.eye = *read_eye(eye_offset);
+    options.vantage.section = *read_section(section);
     if (!no_video && options.video.empty() && !options.offscreen.empty() && !options.observe) {
         options.video = options.offscreen / "session.mp4";
     }

@@ -19,6 +19,11 @@ constexpr float eye_per_notch = 10e-3f;   // [m]
 constexpr float gaze_per_pixel = 0.05f * degree;
 constexpr float eye_per_key = 5e-3f;  // [m]
 
+constexpr float plane_per_pixel = 0.1e-3f;  // [m]
+constexpr float plane_per_notch = 1e-3f;    // [m]
+constexpr float plane_per_key = 2e-3f;      // [m]
+constexpr float plane_turn = 5.0f * degree;
+
 constexpr std::array keys{
     VantageKey{U'j', "j", "eye to the left",
                [](Vantage& v, const Landmarks& now) {
@@ -46,6 +51,19 @@ constexpr std::array keys{
                }},
     VantageKey{U'c', "c", "eye back to where it sees best",
                [](Vantage& v, const Landmarks&) { v.eye.settle(); }},
+    VantageKey{U',', ",", "section deeper into what stays",
+               [](Vantage& v, const Landmarks&) { v.section.shift(-plane_per_key); }},
+    VantageKey{U'.', ".", "section out of it",
+               [](Vantage& v, const Landmarks&) { v.section.shift(plane_per_key); }},
+    VantageKey{U'n', "n", "section turned to the right",
+               [](Vantage& v, const Landmarks&) { v.section.rotate(-plane_turn, 0.0f); }},
+    VantageKey{U'm', "m", "section turned to the left",
+               [](Vantage& v, const Landmarks&) { v.section.rotate(plane_turn, 0.0f); }},
+    VantageKey{U'v', "v", "section tilted to the front",
+               [](Vantage& v, const Landmarks&) { v.section.rotate(0.0f, -plane_turn); }},
+    VantageKey{U'b', "b", "section tilted to the back",
+               [](Vantage& v, const Landmarks&) { v.section.rotate(0.0f, plane_turn); }},
+    VantageKey{U'x', "x", "section back to the middle", [](Vantage& v, const Landmarks&) { v.section = {}; }},
 };
 
 void turn_onlooker(render::Orbit& orbit, const Drag& mouse) {
@@ -59,6 +77,15 @@ void move_eye(view::TraineeEye& eye, const Drag& mouse, const Landmarks& now) {
         eye.turn(gaze_per_pixel * mouse.x, -gaze_per_pixel * mouse.y);
     } else {
         eye.move({eye_per_pixel * mouse.x, -eye_per_pixel * mouse.y, -eye_per_notch * mouse.notches}, now);
+    }
+}
+
+void move_section(render::Section& section, const Drag& mouse) {
+    section.shift(plane_per_notch * mouse.notches);
+    if (mouse.second) {
+        section.shift(-plane_per_pixel * mouse.y);
+    } else {
+        section.rotate(turn_per_pixel * mouse.x, turn_per_pixel * mouse.y);
     }
 }
 
@@ -81,13 +108,15 @@ void drag(Vantage& vantage, const render::View& view, const Drag& mouse, const L
         case render::Moves::eye:
             move_eye(vantage.eye, mouse, now);
             break;
-        case render::Moves::nothing:
+        case render::Moves::section:
+            move_section(vantage.section, mouse);
             break;
     }
 }
 
 std::string_view mouse_help() {
-    return "drag and wheel: from outside the onlooker, else the eye; right button: the eye's gaze";
+    return "drag and wheel: from outside the onlooker, in the section its plane, else the eye; right button: "
+           "gaze, depth of the plane";
 }
 
 }  // namespace eti::client

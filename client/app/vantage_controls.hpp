@@ -23,8 +23,8 @@ struct VantageKey {
 /// The row of a key, or nullptr.
 [[nodiscard]] const VantageKey* vantage_key(char32_t key);
 
-/// What the mouse moves in a picture of `view`: from outside the onlooker, else the trainee's eye; the right
-/// button turns that eye's gaze.
+/// What the mouse moves in a picture of `view`: from outside the onlooker, in a section its plane, else the
+/// trainee's eye; the right button turns that eye's gaze, and shifts the plane.
 void drag(render::Vantage& vantage, const render::View& view, const Drag& mouse, const Landmarks& now);
 
 /// Said in the help: what the mouse does.

@@ -67,17 +67,34 @@ Camera overview_camera(const Landmarks& rest, const Orbit& orbit, float table_an
     return camera;
 }
 
-Camera section_camera(const Landmarks& rest) {
+Camera section_camera(const Section& section, const Landmarks& rest, const Landmarks& now) {
+    constexpr float away = 0.5f;  // [m]
+    // 120 mm of picture at term, whose gum lies 50 mm from its glottis.
+    constexpr float height_by_airway = 2.4f;
+    constexpr float least_height = 0.05f, most_height = 0.3f;  // [m]
+    const float airway = (at(rest, Landmark::upper_gum) - at(rest, Landmark::glottis)).norm();
+    const float height = std::clamp(height_by_airway * airway, least_height, most_height);
+    const CutPlane plane = section.plane(now);
     Camera camera;
-    const Vec3f mouth = at(rest, Landmark::mouth_opening);
-    const Vec3f glottis = at(rest, Landmark::glottis);
-    camera.target = 0.4f * mouth + 0.6f * glottis;
-    camera.target.x() = 0.0f;
-    camera.eye = camera.target + Vec3f(0.5f, 0.0f, 0.0f);
-    // 120 mm of picture at the plane: lips to trachea.
-    camera.vertical_field = 2.0f * std::atan(0.060f / 0.5f);
+    camera.target = plane.origin;
+    camera.eye = plane.origin + away * plane.normal;
+    camera.up = section.up();
+    camera.vertical_field = 2.0f * std::atan(0.5f * height / away);
     camera.near_plane = 0.2f;
     camera.far_plane = 1.0f;
+    return camera;
+}
+
+Camera blade_camera(const RigidTransform& pose, float blade_length) {
+    Camera camera;
+    // A millimetre before the bulb, which would stand in its way, in the channel beneath the blade.
+    camera.eye = pose * Vec3f(0.0f, -4.5e-3f, blade_length - 15e-3f);
+    // A little down, so that the tip shows at the picture's upper edge and what it lifts below.
+    camera.target = camera.eye + pose.rotation * (0.03f * Vec3f(0.0f, -0.15f, 1.0f).normalized());
+    camera.up = pose.rotation * Vec3f::UnitY();
+    camera.vertical_field = 75.0f * degree;
+    camera.near_plane = 0.5e-3f;
+    camera.far_plane = 0.5f;
     return camera;
 }
 
@@ -88,7 +105,7 @@ Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now) {
     // A finite target suits the lights, too: as far as the glottis.
     camera.target = pose * Vec3f(0.0f, 0.0f, -(camera.eye - at(now, Landmark::glottis)).norm());
     camera.up = pose.rotation * Vec3f::UnitY();
-    camera.vertical_field = 40.0f * degree;
+    camera.vertical_field = 26.0f * degree;
     // The laryngoscope's handle comes close.
     camera.near_plane = 0.03f;
     camera.far_plane = 0.8f;

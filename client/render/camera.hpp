@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "client/render/section.hpp"
 #include "client/view/trainee_eye.hpp"
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
@@ -38,8 +39,13 @@ struct Orbit {
 /// tilted.
 [[nodiscard]] Camera overview_camera(const Landmarks& rest, const Orbit& orbit, float table_angle = 0.0f);
 
-/// From the patient's left onto the mid-sagittal plane, head to the right.
-[[nodiscard]] Camera section_camera(const Landmarks& rest);
+/// Straight onto the plane of a section; along the middle from the patient's left, head to the right. As much
+/// as the patient's size needs: lips to trachea.
+[[nodiscard]] Camera section_camera(const Section& section, const Landmarks& rest, const Landmarks& now);
+
+/// On the laryngoscope's blade beside its bulb, looking along to the tip, the tongue's side up; of a wide
+/// lens. `blade_length` [m] from the tool's origin to the tip.
+[[nodiscard]] Camera blade_camera(const RigidTransform& pose, float blade_length);
 
 /// The trainee's eye, with as much around what it looks at as a person sees clearly.
 [[nodiscard]] Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now);

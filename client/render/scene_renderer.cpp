@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #include "client/render/scene_renderer.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace eti::render {
 namespace {
 
@@ -9,6 +12,18 @@ namespace {
 Viewport part_of(const Viewport& area, int i, int count) {
     const int left = area.width * i / count, right = area.width * (i + 1) / count;
     return {area.x + left, area.y, right - left, area.height};
+}
+
+// Breath fogs a cold lens; the lamp warms it.
+ToneMapping tone_of(const View& view, const view::SceneView& scene, const Vantage& from) {
+    constexpr double warming = 20.0;  // [s], until all but a third has cleared
+    ToneMapping tone = view.tone;
+    if (view.lens) {
+        const double seconds = 1e-9 * static_cast<double>(scene.simulation_time_ns());
+        tone.fogging =
+            std::max(tone.fogging, from.fogging * static_cast<float>(std::exp(-seconds / warming)));
+    }
+    return tone;
 }
 
 std::optional<Light> lamp_of(const view::SceneView& scene) {
@@ -64,6 +79,8 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
                          const Viewport& area, const Vantage& from, Shading shading) {
     const std::vector<Camera> cameras = view.cameras(scene, from);
     const std::optional<Light> lamp = lamp_of(scene);
+    const CutPlane cut = from.section.plane(scene.landmarks());
+    const ToneMapping tone = tone_of(view, scene, from);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         const Viewport part = part_of(area, static_cast<int>(i), static_cast<int>(cameras.size()));
         const Camera& camera = cameras[i];
@@ -73,8 +90,8 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
                               camera,
                               view.lighting(camera, lamp),
                               camera.projection(part.aspect()) * camera.view(),
-                              view.cut ? from.cut.kept() : no_clipping,
-                              from.cut,
+                              view.cut ? cut.kept() : no_clipping,
+                              cut,
                               lip_retraction(from.eye.position(scene.landmarks()), scene.landmarks()),
                               part,
                               shading};
@@ -91,7 +108,7 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
         glDisable(GL_SCISSOR_TEST);
         glBindVertexArray(0);
         target.resolve(part);
-        drawing.ids() ? tone_.copy(target, part) : tone_.draw(target, part, view.tone, view.background);
+        drawing.ids() ? tone_.copy(target, part) : tone_.draw(target, part, tone, view.background);
     }
 }
 

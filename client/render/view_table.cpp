@@ -9,8 +9,7 @@
 namespace eti::render {
 namespace {
 
-constexpr float glottis_below_centre = 7e-3f;  // [m]
-constexpr float between_eyes = 63e-3f;         // [m], a grown person's
+constexpr float between_eyes = 63e-3f;  // [m], a grown person's
 
 using Cameras = std::vector<Camera>;
 
@@ -19,15 +18,16 @@ Cameras from_above(const view::SceneView& scene, const Vantage& from) {
     return {overview_camera(scene.landmarks(), from.orbit, std::isfinite(table_angle) ? table_angle : 0.0f)};
 }
 
-Cameras under_the_blade(const view::SceneView& scene, const Vantage& from) {
-    Camera sight = close_up_camera(from.eye, scene.landmarks());
-    // The gum fills the lower half of the sight line's surroundings; look a little above the glottis.
-    sight.target -= glottis_below_centre * Vec3f::UnitY();
-    return {sight};
+Cameras on_the_blade(const view::SceneView& scene, const Vantage& from) {
+    if (scene.laryngoscope_pose() && scene.keys()) {
+        return {blade_camera(*scene.laryngoscope_pose(), scene.keys()->laryngoscope().blade_length)};
+    }
+    // Nobody holds a laryngoscope yet.
+    return {close_up_camera(from.eye, scene.landmarks())};
 }
 
-Cameras from_the_left(const view::SceneView& scene, const Vantage&) {
-    return {section_camera(scene.landmarks())};
+Cameras onto_the_cut(const view::SceneView& scene, const Vantage& from) {
+    return {section_camera(from.section, scene.rest_landmarks(), scene.landmarks())};
 }
 
 Cameras from_the_eye(const view::SceneView& scene, const Vantage& from) {
@@ -48,16 +48,28 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
 const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid};
 
 const std::array table{
-    View{.name = "laryngoscope",
-         .key = '3',
-         .help = "under the blade",
-         .cameras = under_the_blade,
+    View{.name = "eye",
+         .key = '5',
+         .help = "what the trainee's own eye sees",
+         .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
          .passes = of_a_mouth,
-         .tone = {.vignette = 1.0f},
+         .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::always,
          .moves = Moves::eye,
          .lips_aside = true},
+    View{.name = "laryngoscope",
+         .key = '3',
+         .help = "video laryngoscope: a camera on the blade",
+         .cameras = on_the_blade,
+         .lighting = laryngoscope_lighting,
+         .passes = of_a_mouth,
+         .overlays = {},  // the gum lies behind the lens
+         .tone = {.vignette = 1.0f},
+         .automatic = Automatic::always,
+         .moves = Moves::eye,
+         .lips_aside = true,
+         .lens = true},
     View{.name = "overview",
          .key = '1',
          .help = "head and hands from outside",
@@ -69,23 +81,15 @@ const std::array table{
          .moves = Moves::onlooker},
     View{.name = "section",
          .key = '2',
-         .help = "cut open along the middle",
-         .cameras = from_the_left,
+         .help = "cut open, along the middle or any plane",
+         .cameras = onto_the_cut,
          .lighting = section_lighting,
          .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight},
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::enhanced,
+         .moves = Moves::section,
          .cut = true},
-    View{.name = "eye",
-         .key = '5',
-         .help = "what the trainee's own eye sees",
-         .cameras = from_the_eye,
-         .lighting = laryngoscope_lighting,
-         .passes = of_a_mouth,
-         .background = Vec3f(0.016f, 0.022f, 0.028f),
-         .moves = Moves::eye,
-         .lips_aside = true},
     View{.name = "stereo",
          .key = '6',
          .help = "the trainee's both eyes, side by side",

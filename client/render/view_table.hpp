@@ -42,7 +42,7 @@ enum class Automatic : std::uint8_t {
 };
 
 /// What a mouse moves in a view's picture.
-enum class Moves : std::uint8_t { nothing, onlooker, eye };
+enum class Moves : std::uint8_t { onlooker, eye, section };
 
 /// One row of the table of views. Options, keys, layout, pictures, timing and the renderer all walk it, so
 /// that a view is added in one place.
@@ -59,9 +59,10 @@ struct View {
     Vec3f background = Vec3f::Zero();  ///< linear
     ToneMapping tone = {};
     Automatic automatic = Automatic::never;
-    Moves moves = Moves::nothing;
+    Moves moves = Moves::eye;
     bool lips_aside = false;  ///< fingers hold the lips aside for the trainee, see LipRetraction
-    bool cut = false;         ///< opened along the plane of the vantage
+    bool cut = false;         ///< opened along the vantage's section
+    bool lens = false;        ///< seen through a lens in the mouth, which fogs
 
     [[nodiscard]] bool has(Pass pass) const;
     [[nodiscard]] bool has(Overlay overlay) const;

@@ -68,14 +68,14 @@ TEST_F(ControlsTest, TheTraineesKeysReachTheServerAndRefusalsTheScreen) {
 TEST_F(ControlsTest, TheEnhancedViewGoesOnAndOffForAllWhoListen) {
     synthetic::SyntheticServer server(1e9);
     follow([&] { return scene_.metrics() && sender_.served(); });
-    EXPECT_EQ(controls_.selection().views(scene_).size(), 2u);
+    EXPECT_EQ(controls_.selection().views(scene_).size(), 3u);
     press(U'e');
     follow([&] { return scene_.enhanced(); });
-    ASSERT_EQ(controls_.selection().views(scene_).size(), 3u);
+    ASSERT_EQ(controls_.selection().views(scene_).size(), 4u);
     EXPECT_EQ(controls_.selection().views(scene_).back()->name, "section");
     press(U'e');
     follow([&] { return !scene_.enhanced(); });
-    EXPECT_EQ(controls_.selection().views(scene_).size(), 2u);
+    EXPECT_EQ(controls_.selection().views(scene_).size(), 3u);
 }
 
 TEST_F(ControlsTest, AnotherSendersAnswersAreNotTaken) {

@@ -70,16 +70,17 @@ TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
     say(true, 1.0f);
     const render::Image enhanced = picture("auto");
     const auto tiles = client::layout(client::selection_named("auto")->views(scene_), width, height);
-    ASSERT_EQ(tiles.size(), 3u);
-    EXPECT_EQ(tiles[2].view->name, "section");
+    ASSERT_EQ(tiles.size(), 4u);
+    EXPECT_EQ(tiles.front().view->name, "eye");
+    EXPECT_EQ(tiles[3].view->name, "section");
     // Most of the section's tile was another view's background.
     int inside = 0;
-    for (int y = tiles[2].tile.y; y < height; ++y) {
-        for (int x = tiles[2].tile.x; x < width; ++x) {
+    for (int y = tiles[3].tile.y; y < height; ++y) {
+        for (int x = tiles[3].tile.x; x < width; ++x) {
             inside += differs(plain, enhanced, x, y) ? 1 : 0;
         }
     }
-    EXPECT_GT(inside, tiles[2].tile.width * tiles[2].tile.height / 2);
+    EXPECT_GT(inside, tiles[3].tile.width * tiles[3].tile.height / 2);
     say(false, 1.0f);
     EXPECT_EQ(picture("auto").rgba, plain.rgba) << "off again";
 }

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+#include <string>
 #include <vector>
+
+#include "common/math/units.hpp"
 
 namespace eti {
 namespace {
@@ -60,6 +63,24 @@ TEST(Options, SaysWhatPlaceAnEyeMayHave) {
         ASSERT_TRUE(status) << text;
         EXPECT_NE(*status, 0);
         EXPECT_NE(said.find("X,Y,Z in mm, each from -250 to 250"), std::string::npos) << text << ": " << said;
+    }
+}
+
+TEST(Options, PlacesTheSectionAndFogsTheLens) {
+    client::Options options;
+    ASSERT_FALSE(parse({"--section-plane", "5,-90,30", "--fogging", "0.5"}, options));
+    EXPECT_EQ(options.vantage.section, render::Section(0.005f, -90.0f * degree, 30.0f * degree));
+    EXPECT_EQ(options.vantage.fogging, 0.5f);
+    for (const char* const text : {"nan,0,0", "101,0,0", "0,181,0", "0,0,91", "5", ""}) {
+        client::Options wrong;
+        ::testing::internal::CaptureStderr();
+        ASSERT_TRUE(parse({"--section-plane", text}, wrong)) << text;
+        EXPECT_NE(::testing::internal::GetCapturedStderr().find("expected OFFSET,TURN,TILT"),
+                  std::string::npos);
+    }
+    for (const char* const text : {"nan", "-0.1", "1.1", "much", ""}) {
+        client::Options wrong;
+        ASSERT_TRUE(parse({"--fogging", text}, wrong)) << text;
     }
 }
 

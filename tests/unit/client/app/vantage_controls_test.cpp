@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "client/app/command_keys.hpp"
@@ -78,6 +79,20 @@ TEST(Mouse, TheRightButtonTurnsTheGaze) {
     EXPECT_GT((straight.inverse().rotation * (aside.rotation * -Vec3f::UnitZ())).x(), 0.05f);
 }
 
+TEST(Mouse, TurnsAndShiftsThePlaneOfTheSection) {
+    Vantage turned, shifted;
+    client::drag(turned, *render::view_named("section"), {.x = 100.0f}, points);
+    const render::CutPlane plane = turned.section.plane(points);
+    EXPECT_NEAR(plane.normal.x(), std::cos(35.0f * degree), 1e-5f);
+    client::drag(shifted, *render::view_named("section"), {.notches = 3.0f}, points);
+    EXPECT_NEAR(shifted.section.plane(points).origin.x(), 3e-3f, 1e-6f);
+    client::drag(shifted, *render::view_named("section"), {.y = 30.0f, .second = true}, points);
+    EXPECT_NEAR(shifted.section.plane(points).origin.x(), 0.0f, 1e-6f);
+    EXPECT_EQ(went(turned), went(Vantage()));
+    client::vantage_key(U'x')->press(turned, points);
+    EXPECT_EQ(turned.section, render::Section());
+}
+
 // Several pictures side by side: it counts in which of them the button went down.
 TEST(Mouse, BelongsToThePictureInWhichItBegan) {
     constexpr int width = 960, height = 540;
@@ -93,6 +108,8 @@ TEST(Mouse, BelongsToThePictureInWhichItBegan) {
                   view->moves == render::Moves::onlooker)
             << view->name;
         EXPECT_EQ(controls.vantage().eye.offset() != Vec3f::Zero(), view->moves == render::Moves::eye)
+            << view->name;
+        EXPECT_EQ(controls.vantage().section != render::Section(), view->moves == render::Moves::section)
             << view->name;
     }
 }

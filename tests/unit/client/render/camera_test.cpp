@@ -42,9 +42,61 @@ TEST(EyeCamera, IsThePublishedEyeWithANaturalField) {
     const RigidTransform published = from.eye.pose(source.landmarks);
     EXPECT_LT((camera.pose().translation - published.translation).norm(), 1e-6f);
     EXPECT_LT(camera.pose().rotation.angularDistance(published.rotation), 1e-3f);
-    // At arm's length, 0.3 m from the gum, the picture holds a head of 10 cm twice.
+    // At arm's length, 0.3 m from the gum, the picture holds a newborn's head, 10 cm broad, and little more.
     const float distance = (camera.eye - at(source.landmarks, Landmark::upper_gum)).norm();
-    EXPECT_NEAR(2.0f * distance * std::tan(0.5f * camera.vertical_field), 0.22f, 0.02f);
+    EXPECT_NEAR(2.0f * distance * std::tan(0.5f * camera.vertical_field), 0.14f, 0.02f);
+}
+
+TEST(SectionCamera, LooksStraightOntoWhateverPlaneIsCut) {
+    const Landmarks points = synthetic::make_scene().landmarks;
+    for (const Section& section :
+         {Section(), Section(0.01f, 0.3f, 0.2f), Section(0.0f, 0.0f, 90.0f * degree)}) {
+        const CutPlane plane = section.plane(points);
+        const Camera camera = section_camera(section, points, points);
+        EXPECT_NEAR(plane.normal.norm(), 1.0f, 1e-6f);
+        EXPECT_NEAR((camera.eye - camera.target).normalized().dot(plane.normal), 1.0f, 1e-6f);
+        EXPECT_NEAR(plane.kept().dot(camera.target.homogeneous()), 0.0f, 1e-6f) << "the plane is in focus";
+        EXPECT_LT(plane.kept().dot(camera.eye.homogeneous()), 0.0f) << "the eye stands where nothing is left";
+        EXPECT_NEAR(camera.up.dot(plane.normal), 0.0f, 1e-6f);
+    }
+}
+
+TEST(SectionCamera, ShowsSmallerPatientsAsLargeInThePicture) {
+    Landmarks points = synthetic::make_scene().landmarks;
+    const Camera term = section_camera({}, points, points);
+    for (Vec3f& point : points) {
+        point *= 0.8f;
+    }
+    const Camera smaller = section_camera({}, points, points);
+    EXPECT_NEAR(std::tan(0.5f * smaller.vertical_field), 0.8f * std::tan(0.5f * term.vertical_field), 1e-5f);
+}
+
+TEST(Section, IsTheMiddleUntilMovedAndStaysWithinItsLimits) {
+    const Landmarks points = synthetic::make_scene().landmarks;
+    EXPECT_EQ(Section().plane(points).normal, Vec3f(Vec3f::UnitX()));
+    EXPECT_EQ(Section().plane(points).origin.x(), 0.0f);
+    EXPECT_NEAR(Section(0.005f, 0.0f, 0.0f).plane(points).origin.x(), 0.005f, 1e-7f);
+    EXPECT_EQ(Section(9.0f, 0.0f, 0.0f), Section(Section::farthest, 0.0f, 0.0f));
+    EXPECT_EQ(Section(0.0f, 0.0f, 9.0f), Section(0.0f, 0.0f, Section::most_tilt));
+    // Turned by a quarter it cuts across: the side towards head or feet is taken away.
+    EXPECT_NEAR(std::abs(Section(0.0f, 90.0f * degree, 0.0f).plane(points).normal.z()), 1.0f, 1e-6f);
+    // Tilted by a quarter it parts front and back.
+    EXPECT_NEAR(std::abs(Section(0.0f, 0.0f, 90.0f * degree).plane(points).normal.y()), 1.0f, 1e-6f);
+}
+
+TEST(BladeCamera, RidesNearTheTipAndLooksAlongTheBlade) {
+    const RigidTransform pose = RigidTransform::about({0.01f, 0.02f, 0.03f}, Vec3f::UnitX(), 0.7f);
+    const Camera camera = blade_camera(pose, 0.1f);
+    const Vec3f tip = pose * Vec3f(0.0f, 0.0f, 0.1f);
+    EXPECT_LT((camera.eye - tip).norm(), 0.02f);
+    const Vec3f gaze = (camera.target - camera.eye).normalized();
+    EXPECT_GT(gaze.dot(pose.rotation * Vec3f::UnitZ()), 0.95f);
+    EXPECT_GT(camera.up.dot(pose.rotation * Vec3f::UnitY()), 0.95f) << "the tongue's side is up";
+    // The tip is in the picture, above its middle.
+    const Eigen::Vector4f clip = camera.projection(1.0f) * camera.view() * tip.homogeneous();
+    EXPECT_GT(clip.w(), 0.0f);
+    EXPECT_GT(clip.y(), 0.0f);
+    EXPECT_LT(clip.y(), clip.w());
 }
 
 }  // namespace
