@@ -207,13 +207,22 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     }
 }
 
-void Occluder::block(SightLines& lines, std::span<const FrameMap> frames) {
+bool PlacedBlade::may_move(const Vec3f& centre, float radius) const {
+    const Vec3f at = tool.inverse() * centre;
+    const Vec3f on_axis(0.0f, 0.0f, std::clamp(at.z(), 0.0f, give_way.plate.length));
+    const float plate = std::max(give_way.plate.high, 0.5f * give_way.plate.wide);
+    return (at - on_axis).norm() <= radius + 1.5f * plate + GiveWay::beside;
+}
+
+void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
+                     const std::optional<PlacedBlade>& pressed) {
     ++call_;
     tested_ = 0;
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
-            seen_[vertex] = lines.seen_from_eye(skin_point(rest_[vertex], skin_[vertex], frames));
+            const Vec3f place = skin_point(rest_[vertex], skin_[vertex], frames);
+            seen_[vertex] = lines.seen_from_eye(pressed ? pressed->moved(place) : place);
         }
         return seen_[vertex];
     };
@@ -228,7 +237,10 @@ void Occluder::block(SightLines& lines, std::span<const FrameMap> frames) {
             low = low.cwiseMin(image);
             high = high.cwiseMax(image);
         }
-        const float radius = block.radius + 0.5f * (high - low).norm();
+        float radius = block.radius + 0.5f * (high - low).norm();
+        if (pressed && pressed->may_move(0.5f * (low + high), radius)) {
+            radius += GiveWay::most;
+        }
         if (!lines.may_meet(lines.seen_from_eye(0.5f * (low + high)), radius)) {
             continue;
         }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/give_way.hpp"
 
 namespace eti::metrics {
 
@@ -46,6 +48,16 @@ class SightLines {
     std::size_t open_ = 0;
 };
 
+/// A blade that tissue gives way to, and the tool's pose.
+struct PlacedBlade {
+    GiveWay give_way;
+    RigidTransform tool;
+
+    [[nodiscard]] Vec3f moved(const Vec3f& point) const { return give_way(point, tool); }
+    /// False when nothing in a ball gives way.
+    [[nodiscard]] bool may_move(const Vec3f& centre, float radius) const;
+};
+
 /// A skinned mesh cut into small blocks of neighbouring triangles, so that a narrow bundle of sight
 /// lines has to skin and test only the few blocks that it may meet.
 ///
@@ -55,7 +67,9 @@ class Occluder {
   public:
     Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin);
 
-    void block(SightLines& lines, std::span<const FrameMap> frames);
+    /// `pressed`: the blade that the surface gives way to as drawn, or nothing.
+    void block(SightLines& lines, std::span<const FrameMap> frames,
+               const std::optional<PlacedBlade>& pressed = std::nullopt);
 
     /// Triangles skinned and tested in the last call.
     [[nodiscard]] std::size_t tested() const { return tested_; }
