@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "common/math/units.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/give_way.hpp"
 
 namespace eti {
 
@@ -135,22 +135,17 @@ void add_handle(Sweep& sweep, const Capsule& handle) {
 }  // namespace
 
 TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
-    const bool small = scope.blade == Blade::miller_0;
-    const float wide = (small ? 8.0f : 10.0f) * millimetre;
-    const float narrow = (small ? 6.0f : 7.0f) * millimetre;
+    const BladePlate blade = plate_of(scope);
     constexpr float thickness = 1.5f * millimetre;
-    constexpr float crown = 1.2f * millimetre;
     constexpr float flange = 2.5f * millimetre;
-    const float length = scope.blade_length;
-    const float proximal = scope.capsules[1].radius;
-    const float distal = scope.capsules[2].radius;
+    const float length = blade.length;
 
     Sweep sweep;
     add_handle(sweep, scope.capsules[0]);
 
     // Round the heel: from running down the handle to running along the blade.
-    const Vec3f pivot(0, 12.0f * millimetre, 12.0f * millimetre - proximal);
-    const Section plate = plate_section(wide, thickness, crown, flange);
+    const Vec3f pivot(0, 12.0f * millimetre, 12.0f * millimetre - blade.high);
+    const Section plate = plate_section(blade.wide, thickness, blade.crown, flange);
     for (int i = 0; i <= 8; ++i) {
         const float share = static_cast<float>(i) / 8.0f;
         const float angle = 0.5f * pi * share;
@@ -159,7 +154,7 @@ TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
         sweep.add(section, pivot - pivot.z() * height, height);
     }
 
-    constexpr float heel = 12.0f * millimetre;
+    constexpr float heel = GiveWay::heel;
     constexpr int stations = 40;
     for (int i = 1; i <= stations; ++i) {
         // Closer together towards the tip, where the outline is rounded.
@@ -169,14 +164,12 @@ TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
         const float rounding = 4.0f * millimetre;
         const float outline =
             to_tip < rounding ? std::sqrt(1.0f - std::pow(1.0f - to_tip / rounding, 2.0f)) : 1.0f;
-        const float width =
-            (wide + (narrow - wide) * smooth(0.3f * length, 0.8f * length, z)) * (0.45f + 0.55f * outline);
+        const float width = blade.width(z) * (0.45f + 0.55f * outline);
         const float lip = smooth(8.0f * millimetre, 0.0f, to_tip);
-        const float top = proximal + (distal - proximal) * smooth(0.35f * length, 0.65f * length, z) +
-                          0.8f * millimetre * lip;
         const float fade = 1.0f - smooth(0.75f * length, 0.93f * length, z);
-        sweep.add(plate_section(width, thickness * (1.0f - 0.3f * lip), crown * width / wide, flange * fade),
-                  Vec3f(0, top, z), Vec3f::UnitY());
+        sweep.add(plate_section(width, thickness * (1.0f - 0.3f * lip), blade.crown * width / blade.wide,
+                                flange * fade),
+                  Vec3f(0, blade.height(z), z), Vec3f::UnitY());
     }
     return std::move(sweep).closed();
 }

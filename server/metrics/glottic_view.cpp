@@ -41,7 +41,7 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
 
 GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope,
                              const Settings& settings)
-    : settings_(settings), rest_centres_(patient.frame_rest_centre) {
+    : settings_(settings), rest_centres_(patient.frame_rest_centre), give_way_{plate_of(scope)} {
     for (const Surface& surface : patient.surfaces) {
         if (is_bone(surface.tissue)) {  // inside the body, hidden anyway
             continue;
@@ -69,8 +69,9 @@ void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, c
         const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
         laryngoscope_->block(lines, std::span(&held, 1));
     }
+    const std::optional<PlacedBlade> pressed = PlacedBlade{give_way_, snapshot.proxy};
     for (Occluder& surface : surfaces_) {
-        surface.block(lines, frames, &lips);
+        surface.block(lines, frames, pressed, &lips);
     }
     if (settings_.tube_radius > 0.0f) {
         for (std::size_t i = 1; i < snapshot.tube_nodes.size(); ++i) {
@@ -103,7 +104,7 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
 
     std::vector<Vec3f> targets;
     for (const anatomy::CarriedPoint& point : epiglottis_) {
-        targets.push_back(skin_point(point.rest, point.skin, frames));
+        targets.push_back(give_way_(skin_point(point.rest, point.skin, frames), snapshot.proxy));
     }
     SightLines to_epiglottis(from, targets, settings_.tolerance);
     block(to_epiglottis, frames, lips, snapshot);

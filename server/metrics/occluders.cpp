@@ -207,14 +207,25 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     }
 }
 
-void Occluder::block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction* lips) {
+bool PlacedBlade::may_move(const Vec3f& centre, float radius) const {
+    const Vec3f at = tool.inverse() * centre;
+    const Vec3f on_axis(0.0f, 0.0f, std::clamp(at.z(), 0.0f, give_way.plate.length));
+    const float plate = std::max(give_way.plate.high, 0.5f * give_way.plate.wide);
+    return (at - on_axis).norm() <= radius + 1.5f * plate + GiveWay::beside;
+}
+
+void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
+                     const std::optional<PlacedBlade>& pressed, const LipRetraction* lips) {
     ++call_;
     tested_ = 0;
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
-            const Vec3f skinned = skin_point(rest_[vertex], skin_[vertex], frames);
-            seen_[vertex] = lines.seen_from_eye(lips != nullptr ? lips->held_aside(skinned) : skinned);
+            Vec3f place = skin_point(rest_[vertex], skin_[vertex], frames);
+            if (pressed) {
+                place = pressed->moved(place);
+            }
+            seen_[vertex] = lines.seen_from_eye(lips != nullptr ? lips->held_aside(place) : place);
         }
         return seen_[vertex];
     };
@@ -231,6 +242,9 @@ void Occluder::block(SightLines& lines, std::span<const FrameMap> frames, const 
         }
         const Vec3f centre = 0.5f * (low + high);
         float radius = block.radius + 0.5f * (high - low).norm();
+        if (pressed && pressed->may_move(centre, radius)) {
+            radius += GiveWay::most;
+        }
         if (lips != nullptr && lips->moves(centre, radius)) {
             radius += lips->reach();
         }

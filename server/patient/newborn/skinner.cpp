@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
+#include "server/patient/newborn/shape.hpp"
 
 namespace eti::anatomy {
 
@@ -24,11 +25,6 @@ constexpr float enough = 0.5f;
 // Gums are bone's up to here, and no longer so that much farther: in millimetres of the model.
 constexpr float gum_mucosa = 0.6f;
 constexpr float gum_fade = 1.0f;
-
-float smoothstep(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
 
 // Falls from one to zero at `radius`, with its slope.
 float bump(float squared_distance, float radius) {

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/model/give_way.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/units.hpp"
+
+namespace eti {
+
+namespace {
+
+float smoothstep(float from, float to, float x) {
+    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+}  // namespace
+
+float BladePlate::width(float along) const {
+    return wide + (narrow - wide) * smoothstep(0.3f * length, 0.8f * length, along);
+}
+
+float BladePlate::height(float along) const {
+    // The tip's lip is 0.8 mm high.
+    return high + (low - high) * smoothstep(0.35f * length, 0.65f * length, along) +
+           0.8e-3f * smoothstep(length - 8e-3f, length, along);
+}
+
+BladePlate plate_of(const Laryngoscope& scope) {
+    const bool small = scope.blade == Blade::miller_0;
+    return {.length = scope.blade_length,
+            .wide = (small ? 8.0f : 10.0f) * millimetre,
+            .narrow = (small ? 6.0f : 7.0f) * millimetre,
+            .high = scope.capsules[1].radius,
+            .low = scope.capsules[2].radius,
+            .crown = 1.2f * millimetre};
+}
+
+Vec3f GiveWay::operator()(const Vec3f& point) const {
+    const float half = 0.5f * plate.width(point.z());
+    const float across = std::fabs(point.x());
+    const float on_plate = (1.0f - smoothstep(half, half + beside, across)) *
+                           smoothstep(heel, heel + beside, point.z()) *
+                           (1.0f - smoothstep(plate.length, plate.length + beside, point.z()));
+    const float edge = std::min(across / half, 1.0f);
+    const float face = plate.height(point.z()) - plate.crown * 2.0f * half / plate.wide * edge * edge;
+    const float in = face + clearance - point.y();
+    const float deeper = std::clamp(in + softness, 0.0f, 2.0f * softness);
+    const float out = in > softness ? in : deeper * deeper / (4.0f * softness);
+    return point + Vec3f(0.0f, on_plate * out * (1.0f - smoothstep(deepest, deepest + release, in)), 0.0f);
+}
+
+}  // namespace eti

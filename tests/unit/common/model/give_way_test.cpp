@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/math/random.hpp"
+#include "common/model/give_way.hpp"
+
+namespace eti {
+namespace {
+
+class GiveWayTest : public testing::TestWithParam<Blade> {
+  protected:
+    Laryngoscope scope_ = make_laryngoscope(GetParam());
+    GiveWay give_way_{plate_of(scope_)};
+
+    // Of the contact face, above a place of the axis.
+    [[nodiscard]] float crown(float along) const { return give_way_.plate.height(along); }
+};
+
+TEST_P(GiveWayTest, TheFaceIsThatOfTheMeshDrawn) {
+    // The highest vertices of each ring along the blade are the crown; columns lie a tenth of the width
+    // apart, so that the nearest one to the middle is up to 1.2 mm / 400 lower.
+    const TriangleMesh mesh = laryngoscope_mesh(scope_);
+    std::size_t seen = 0;
+    for (const Vec3f& v : mesh.vertices) {
+        if (v.z() < GiveWay::heel + 1e-3f || v.y() > 8e-3f) {
+            continue;
+        }
+        const float width = give_way_.plate.width(v.z());
+        EXPECT_LE(std::fabs(v.x()), 0.5f * width + 1e-6f);
+        EXPECT_LE(v.y(), crown(v.z()) + 1e-6f) << v.transpose();
+        seen += v.y() > crown(v.z()) - 0.05e-3f ? 1 : 0;
+    }
+    EXPECT_GE(seen, 40u);
+}
+
+TEST_P(GiveWayTest, NothingIsLeftBeforeTheFace) {
+    for (float z = GiveWay::heel + GiveWay::beside; z <= scope_.blade_length; z += 1e-3f) {
+        const float half = 0.5f * give_way_.plate.width(z);
+        for (float share = -1.0f; share <= 1.0f; share += 0.125f) {
+            for (float depth = -3e-3f; depth <= GiveWay::deepest - GiveWay::clearance; depth += 0.1e-3f) {
+                const Vec3f point(share * half, crown(z) - depth, z);
+                const float face =
+                    crown(z) - give_way_.plate.crown * 2.0f * half / give_way_.plate.wide * share * share;
+                const Vec3f now = give_way_(point);
+                if (face - point.y() <= GiveWay::deepest - GiveWay::clearance) {
+                    EXPECT_GE(now.y(), face + GiveWay::clearance - 1e-6f) << point.transpose();
+                }
+                EXPECT_EQ(now.x(), point.x());
+                EXPECT_EQ(now.z(), point.z());
+            }
+        }
+    }
+}
+
+TEST_P(GiveWayTest, WhatIsFarOrBehindThePlateStays) {
+    const float z = 0.6f * scope_.blade_length;
+    const float face = crown(z);
+    const float half = 0.5f * give_way_.plate.width(z);
+    constexpr float deep = GiveWay::deepest + GiveWay::release;
+    for (const Vec3f& point :
+         {Vec3f(0, face + GiveWay::clearance + GiveWay::softness, z), Vec3f(0, face - deep, z),
+          Vec3f(0, -0.01f, z), Vec3f(half + GiveWay::beside, face, z),
+          Vec3f(-half - GiveWay::beside, face, z), Vec3f(0, face, GiveWay::heel),
+          Vec3f(0, face, scope_.blade_length + GiveWay::beside)}) {
+        EXPECT_LT((give_way_(point) - point).norm(), 1e-7f) << point.transpose();
+    }
+}
+
+TEST_P(GiveWayTest, NeighboursStayNeighboursInTheirOrder) {
+    // By the chain of smoothsteps: across, 1.5 / beside times the deepest way out; along the blade the same
+    // and the face's own slope; in height the release, 1.5 / release times the deepest, and one. No slope is
+    // negative in height: what lies farther out stays farther out, and no surface is turned inside out.
+    constexpr float steepest =
+        1.0f + 1.5f * GiveWay::most / std::min(GiveWay::beside, GiveWay::release) + 0.3f;
+    constexpr float apart = 0.02e-3f;
+    Random random(7);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f point(0.012f * (random.uniform() - 0.5f), 0.016f * (random.uniform() - 0.3f),
+                          (scope_.blade_length + 0.01f) * random.uniform());
+        for (int axis = 0; axis < 3; ++axis) {
+            const Vec3f step = apart * Vec3f::Unit(axis);
+            const Vec3f between = give_way_(point + step) - give_way_(point);
+            EXPECT_LT(between.norm(), steepest * apart) << point.transpose();
+            if (axis == 1) {
+                EXPECT_GT(between.y(), -1e-8f) << point.transpose();
+            }
+        }
+        EXPECT_LE((give_way_(point) - point).norm(), GiveWay::most);
+    }
+}
+
+TEST_P(GiveWayTest, GoesWithTheTool) {
+    Random random(9);
+    const RigidTransform tool{quaternion_from(Vec3f(0.7f, -0.4f, 1.1f)), Vec3f(0.02f, -0.05f, 0.04f)};
+    for (int i = 0; i < 100; ++i) {
+        const Vec3f point(0.008f * (random.uniform() - 0.5f), 5e-3f * random.uniform(),
+                          0.08f * random.uniform());
+        EXPECT_LT((give_way_(tool * point, tool) - tool * give_way_(point)).norm(), 1e-7f);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Blades, GiveWayTest, testing::Values(Blade::miller_0, Blade::miller_1),
+                         [](const auto& blade) { return std::string(name_of(blade.param)); });
+
+}  // namespace
+}  // namespace eti
