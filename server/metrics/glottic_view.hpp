@@ -34,7 +34,8 @@ struct AreaSamples {
 class GlotticViewer {
   public:
     struct Settings {
-        int samples = 80;  ///< over the glottis; the percentage has steps of about 100/samples
+        /// Over the glottis. Beside a picture of its area 80 are apart by up to 7 points, 160 by 4.
+        int samples = 160;
         int epiglottis_samples = 48;
         /// [m]; what lies so near to a target does not hide it (the rim the contour runs along).
         float tolerance = 0.5e-3f;

@@ -114,12 +114,12 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
             const bool soft = surface.tissue == Tissue::soft;
             const Tissue tissue = soft ? anatomy.seen_tissue(vertices[i]) : surface.tissue;
             carried[i] = skinner(vertices[i], tissue, normals[i]);
-            if (soft && plate) {
-                hang(carried[i], *plate, anatomy.hangs_on_epiglottis(vertices[i]));
-            }
         });
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
             mend_skin(patient, surface.mesh, carried);
+        }
+        for (std::size_t i = 0; plate && surface.tissue == Tissue::soft && i < vertices.size(); ++i) {
+            hang(carried[i], *plate, anatomy.hangs_on_epiglottis(vertices[i]));
         }
         surface.skin.resize(vertices.size());
         std::ranges::transform(carried, surface.skin.begin(), heaviest);

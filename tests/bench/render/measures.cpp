@@ -93,6 +93,12 @@ Shapes shapes_of(const view::SceneView& scene) {
             shapes.blade.push_back(*scene.laryngoscope_pose() * p);
         }
     }
+    if (scene.tube() != nullptr) {
+        shapes.tube_triangles = scene.tube()->triangles();
+        for (const auto& vertex : scene.tube()->vertices()) {
+            shapes.tube.push_back(vertex.position);
+        }
+    }
     return shapes;
 }
 
@@ -113,6 +119,7 @@ Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, 
         }
     }
     raster.draw(shapes.blade_triangles, shapes.blade, Shapes::blade_id);
+    raster.draw(shapes.tube_triangles, shapes.tube, Shapes::tube_id);
     return raster;
 }
 
@@ -313,7 +320,7 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
             const double light = luminance(picture.pixel(x, y));
             if (in_opening[static_cast<std::size_t>(y * raster.width() + x)] != 0) {
                 lumen.add(light);
-            } else if (hit.object >= 0 && hit.object != Shapes::blade_id) {
+            } else if (hit.object >= 0 && hit.object < Shapes::blade_id) {
                 const Shape& shape = shapes.organs[static_cast<std::size_t>(hit.object)];
                 const std::string_view tissue = name_of(shape.triangle_tissue[hit.triangle]);
                 if (tissue == "vocal cord") {

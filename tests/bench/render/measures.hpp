@@ -29,14 +29,16 @@ struct Shapes {
     std::vector<Shape> organs;
     std::span<const Triangle> blade_triangles;
     std::vector<Vec3f> blade;
-    inline static constexpr std::int16_t blade_id = 1000;
+    std::span<const Triangle> tube_triangles;
+    std::vector<Vec3f> tube;
+    inline static constexpr std::int16_t blade_id = 1000, tube_id = 1001;
 };
 [[nodiscard]] Shapes shapes_of(const view::SceneView& scene);
 
 /// The same with the lips held aside.
 [[nodiscard]] Shapes held_aside(Shapes shapes, const LipRetraction& lips);
 
-/// Organs and blade, not the bones, from a camera. `half`: only what lies on the right of the sagittal plane.
+/// Organs, blade and tube, not the bones, from a camera.
 [[nodiscard]] Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height);
 
 /// Share of the pixels in which one sees a surface from behind [%], of a picture by

@@ -294,7 +294,8 @@ class Bench {
         constexpr float reach = 20e-3f;       // [m], of the eyes about the best one, to each side
         constexpr float tolerance = 0.5e-3f;  // [m], as the server's rays have it
         constexpr int side = 360;             // pixels
-        metrics::GlotticViewer viewer(attempt.patient, attempt.scope);
+        metrics::GlotticViewer viewer(attempt.patient, attempt.scope,
+                                      {.tube_radius = attempt.scenario.tube.outer_radius()});
         Random random(20'20);
         for (int i = 0; i < options_.eyes && !stop_asked(); ++i) {
             Vec3f aside;
