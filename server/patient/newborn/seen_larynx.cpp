@@ -27,11 +27,12 @@ struct Level {
 
 // From the inlet to the subglottis. At the glottis the anterior commissure is an apex, the base lies between
 // the arytenoids: 5.5 mm long, about 11 mm^2, breathing. False cords and ventricle stand wider, so that the
-// true cords' upper faces show between them.
-constexpr std::array<Level, 11> levels = {{{-26.5f, 4.1f, 3.7f, 2.4f, 0.0f},
-                                           {-29.0f, 4.9f, 3.6f, 2.9f, -0.3f},
-                                           {-31.0f, 5.4f, 3.35f, 3.2f, -0.45f},
-                                           {-33.4f, 5.6f, 3.1f, 3.2f, 0.0f},
+// true cords' upper faces show between them. The vestibule reaches into the plate, which so is its front and
+// stays that when it is lifted.
+constexpr std::array<Level, 11> levels = {{{-26.5f, 4.5f, 3.7f, 2.8f, 0.0f},
+                                           {-29.0f, 5.2f, 3.6f, 3.2f, -0.3f},
+                                           {-31.0f, 5.7f, 3.35f, 3.5f, -0.45f},
+                                           {-33.4f, 5.85f, 3.1f, 3.45f, 0.0f},
                                            {-34.7f, 5.65f, 3.0f, 3.15f, 0.35f},  // false cords
                                            {-35.9f, 5.7f, 4.0f, 3.2f, 0.3f},     // ventricle
                                            {-36.5f, 5.7f, 3.7f, 3.15f, 0.4f},
