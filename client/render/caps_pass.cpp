@@ -8,6 +8,7 @@
 
 #include "client/render/cut_shaders.hpp"
 #include "client/render/mesh_shaders.hpp"
+#include "client/view/pressed.hpp"
 
 namespace eti::render {
 namespace {
@@ -80,7 +81,8 @@ void CapsPass::draw_organ(const Drawing& drawing, const view::SkinnedSurface& or
                           const std::vector<VertexColour>& colours) {
     const Tissue tissue = organ.model().tissue;
     const CutPlane& plane = drawing.cut;
-    const auto contour = section_contour(organ.model().mesh.triangles, organ.vertices(), colours, plane);
+    const auto contour =
+        section_contour(organ.model().mesh.triangles, view::pressed(drawing.scene, organ), colours, plane);
     if (contour.empty()) {
         return;
     }

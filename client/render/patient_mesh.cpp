@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/render/give_way_shader.hpp"
 #include "client/render/gpu_mesh.hpp"
 #include "client/render/skinning_shaders.hpp"
 
@@ -40,6 +41,11 @@ void store(GLenum target, const Buffer& buffer, const std::vector<Value>& values
     glBufferData(target, static_cast<GLsizeiptr>(values.size() * sizeof(Value)), values.data(), usage);
 }
 
+bool same_pose(const std::optional<RigidTransform>& a, const std::optional<RigidTransform>& b) {
+    return a.has_value() == b.has_value() &&
+           (!a || (a->translation == b->translation && a->rotation.coeffs() == b->rotation.coeffs()));
+}
+
 const void* offset(std::size_t bytes) {
     return reinterpret_cast<const void*>(bytes);
 }
@@ -48,7 +54,8 @@ const void* offset(std::size_t bytes) {
 
 PatientMesh::PatientMesh()
     : skinning_("skinning", {fmt::format("GROUPS {}", groups), fmt::format("FIRST_WEIGHT {}", 2 + groups)},
-                source::skinning_vertex, {"skinned_position", "skinned_normal"}) {
+                give_way_source() + std::string(source::skinning_vertex),
+                {"skinned_position", "skinned_normal"}) {
     skinning_.use();
     skinning_.set("frames", 0);
     glBindRenderbuffer(GL_RENDERBUFFER, pixel_.name());
@@ -127,18 +134,23 @@ void PatientMesh::set_colours(std::size_t part, std::span<const VertexColour> co
 }
 
 void PatientMesh::update(const view::SceneView& scene) {
-    if (frames_revision_ == scene.frames_revision() || vertex_count_ == 0) {
+    const bool same_frames = frames_revision_ == scene.frames_revision();
+    if (vertex_count_ == 0 || (same_frames && same_pose(blade_, scene.laryngoscope_pose()))) {
         return;
     }
-    skin(scene.frame_maps());
+    skin(scene);
+    if (same_frames) {
+        return;
+    }
     for (Part& part : parts_) {
         part.blocks.update(scene.frame_maps(), slack);
     }
     frames_revision_ = scene.frames_revision();
 }
 
-void PatientMesh::skin(std::span<const FrameMap> frames) {
-    store(GL_TEXTURE_BUFFER, frames_, rows_of(frames), GL_STREAM_DRAW);
+void PatientMesh::skin(const view::SceneView& scene) {
+    blade_ = scene.laryngoscope_pose();
+    store(GL_TEXTURE_BUFFER, frames_, rows_of(scene.frame_maps()), GL_STREAM_DRAW);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, frames_texture_.name());
     glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, frames_.name());
@@ -146,6 +158,11 @@ void PatientMesh::skin(std::span<const FrameMap> frames) {
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     skinning_.use();
+    const bool held = blade_ && scene.keys();
+    skinning_.set("blade_held", held ? 1 : 0);
+    if (held) {
+        apply(GiveWay{plate_of(scene.keys()->laryngoscope())}, *blade_, skinning_);
+    }
     glBindVertexArray(rest_array_.name());
     glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, skinned_.name());
     glEnable(GL_RASTERIZER_DISCARD);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@
 #include "client/render/shader_program.hpp"
 #include "client/render/triangle_blocks.hpp"
 #include "client/view/scene_view.hpp"
+#include "common/model/give_way.hpp"
+#include "common/model/lip_retraction.hpp"
 
 namespace eti::render {
 
@@ -20,8 +23,8 @@ namespace eti::render {
 /// vertices that came out, so that a state is skinned once however often it is drawn.
 class PatientMesh {
   public:
-    /// Vertices may be moved by so much [m] while they are drawn (lips held aside) and are still in view.
-    static constexpr float slack = 12e-3f;
+    /// By so much [m] vertices may lie elsewhere than their frames have them, and are still in view.
+    static constexpr float slack = LipRetraction::most + GiveWay::most;
 
     PatientMesh();
 
@@ -29,7 +32,7 @@ class PatientMesh {
     void build(const view::SceneView& scene);
     /// Of one surface, as it was built.
     void set_colours(std::size_t part, std::span<const VertexColour> colours);
-    /// Skins anew where the scene's frames are others than before.
+    /// Skins anew where the scene's frames, or the blade that tissue gives way to, are others than before.
     void update(const view::SceneView& scene);
 
     struct Part {
@@ -53,7 +56,7 @@ class PatientMesh {
     [[nodiscard]] std::vector<view::LitVertex> vertices() const;
 
   private:
-    void skin(std::span<const FrameMap> frames);
+    void skin(const view::SceneView& scene);
 
     ShaderProgram skinning_;
     VertexArray rest_array_, array_;
@@ -65,6 +68,7 @@ class PatientMesh {
     std::vector<Part> parts_;
     std::size_t vertex_count_ = 0;
     std::uint64_t frames_revision_ = 0;
+    std::optional<RigidTransform> blade_;  // that tissue gave way to, as skinned last
     std::vector<GLsizei> counts_;
     std::vector<const void*> offsets_;
 };

@@ -6,7 +6,8 @@
 
 namespace eti::render::source {
 
-/// Linear blend skinning into a buffer, one point a vertex. Defines: GROUPS of four frames a
+/// Linear blend skinning into a buffer, one point a vertex, which then gives way to the blade: goes after
+/// give_way_source(). Defines: GROUPS of four frames a
 /// vertex, FIRST_WEIGHT, the attribute after theirs.
 inline constexpr std::string_view skinning_vertex = R"(
 layout(location = 0) in vec3 rest_position;
@@ -14,6 +15,7 @@ layout(location = 1) in vec3 rest_normal;
 layout(location = 2) in uvec4 frame[GROUPS];
 layout(location = FIRST_WEIGHT) in vec4 weight[GROUPS];
 uniform samplerBuffer frames;   // three rows a frame: linear part and offset
+uniform int blade_held;
 out vec3 skinned_position;
 out vec3 skinned_normal;
 void main() {
@@ -28,7 +30,8 @@ void main() {
         }
     }
     vec4 p = vec4(rest_position, 1.0);
-    skinned_position = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
+    vec3 carried = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
+    skinned_position = blade_held != 0 ? give_way(carried) : carried;
     // Normals follow the cofactors: frames that disagree shear and squeeze.
     vec3 n = vec3(dot(cross(row1.xyz, row2.xyz), rest_normal), dot(cross(row2.xyz, row0.xyz), rest_normal),
                   dot(cross(row0.xyz, row1.xyz), rest_normal));

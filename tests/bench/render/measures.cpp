@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "client/view/pressed.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::bench {
@@ -83,7 +84,7 @@ Shapes shapes_of(const view::SceneView& scene) {
         shape.triangles = surface.model().mesh.triangles;
         shape.triangle_tissue = surface.model().triangle_tissue;
         shape.rest = surface.model().mesh.vertices;
-        for (const view::LitVertex& vertex : surface.vertices()) {
+        for (const view::LitVertex& vertex : view::pressed(scene, surface)) {
             shape.vertices.push_back(vertex.position);
         }
     }

@@ -153,14 +153,15 @@ render::Camera towards_glottis(const Vec3f& eye, const Landmarks& landmarks) {
     return camera;
 }
 
-double vertices_apart_mm(const Shapes& shapes, const Attempt& attempt, const Moment& moment) {
+/// Before they give way to the blade, which client_render_test holds to the same function.
+double vertices_apart_mm(const view::SceneView& scene, const Attempt& attempt, const Moment& moment) {
     double most = 0.0;
     for (const Surface& surface : attempt.patient.surfaces) {
-        const auto shape = std::ranges::find(shapes.organs, surface.name, &Shape::name);
+        const auto drawn = scene.surfaces().at(surface.name).vertices();
         for (std::size_t v = 0; v < surface.skin.size(); ++v) {
             const Vec3f server = skin_point(surface.mesh.vertices[v], surface.skin[v],
                                             attempt.patient.frame_rest_centre, moment.snapshot.frames);
-            most = std::max(most, 1e3 * static_cast<double>((shape->vertices[v] - server).norm()));
+            most = std::max(most, 1e3 * static_cast<double>((drawn[v].position - server).norm()));
         }
     }
     return most;
@@ -186,7 +187,7 @@ class Bench {
                                  std::string_view where = "") {
                 results_.add(scenario, script, moment_names[m], view, measure, value, where);
             };
-            add("all", "vertices_apart", vertices_apart_mm(shapes, attempt, moment));
+            add("all", "vertices_apart", vertices_apart_mm(scene, attempt, moment));
             if (m < touch) {
                 const Stretch stretch = edge_stretch(shapes);
                 add("all", "edge_stretch", stretch.ratio, stretch.where);

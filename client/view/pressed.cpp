@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/view/pressed.hpp"
+
+#include "common/model/give_way.hpp"
+
+namespace eti::view {
+
+std::vector<LitVertex> pressed(const SceneView& scene, const SkinnedSurface& surface) {
+    std::vector<LitVertex> vertices(surface.vertices().begin(), surface.vertices().end());
+    if (scene.laryngoscope_pose() && scene.keys() && !is_bone(surface.model().tissue)) {
+        const GiveWay give_way{plate_of(scene.keys()->laryngoscope())};
+        for (LitVertex& vertex : vertices) {
+            vertex.position = give_way(vertex.position, *scene.laryngoscope_pose());
+        }
+    }
+    return vertices;
+}
+
+}  // namespace eti::view
