@@ -110,6 +110,16 @@ TEST_F(OffscreenTest, TraineePublishesTheExaminersEye) {
     EXPECT_LT(server.eye().y(), 0.0f);
 }
 
+TEST_F(OffscreenTest, AnEyeThatWasMovedIsPublishedWhereItIs) {
+    SyntheticServer server(1.0, 4);
+    options_.video.clear();
+    options_.vantage.eye = view::TraineeEye(Vec3f(0.1f, 0.0f, 0.0f));
+    ASSERT_EQ(client::run_offscreen(options_, result_), 0);
+    server.stop();
+    // Where it is best lies in the middle.
+    EXPECT_NEAR(server.eye().x(), 0.1f, 1e-3f);
+}
+
 TEST_F(OffscreenTest, ObserverPublishesNothing) {
     SyntheticServer server(1.5);
     options_.observe = true;

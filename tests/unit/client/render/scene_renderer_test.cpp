@@ -92,8 +92,10 @@ TEST_F(SceneRendererTest, SectionFillsWhatThePlaneCuts) {
     }
     bare.update();
     const render::Image ids = picture(named("section"), bare, Shading::object_id);
-    // 120 mm of the plane fill the picture's height.
-    const double pixels_per_square_metre = std::pow(height / 0.120, 2);
+    // So much of the plane fills the height of the picture.
+    const render::Camera camera = named("section").camera(bare, {});
+    const float shown = 2.0f * (camera.eye - camera.target).norm() * std::tan(0.5f * camera.vertical_field);
+    const double pixels_per_square_metre = std::pow(height / static_cast<double>(shown), 2);
     const double tongue = std::numbers::pi * 0.016 * 0.007 * pixels_per_square_metre;
     const double spine = std::numbers::pi * 0.05 * 0.005 * pixels_per_square_metre;
     // An ellipse of n pixels across its short side is wrong by at most half a pixel along its rim on
