@@ -16,6 +16,7 @@ namespace eti::render {
 enum class Shading : std::uint8_t {
     lit,
     object_id,  ///< each object in one flat colour, see object_colour(); for measuring what is seen
+    tissue_id,  ///< as object_id, but each triangle in the colour of its own tissue
     object_id_both_sides,  ///< back faces too, in back_colour()
 };
 

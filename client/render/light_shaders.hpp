@@ -14,6 +14,7 @@ const vec3 brightest = vec3(8.0);
 uniform vec3 eye;
 uniform vec3 ambient_high;
 uniform vec3 ambient_low;
+uniform float occlusion;       // how much of the room hollows are kept from
 uniform vec3 light_position[2];
 uniform vec3 light_direction[2];
 uniform vec3 light_colour[2];

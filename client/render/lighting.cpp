@@ -10,6 +10,7 @@ void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
     program.set("eye", eye);
     program.set("ambient_high", ambient_high);
     program.set("ambient_low", ambient_low);
+    program.set("occlusion", occlusion);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const Light& light = lights[i];
         program.set(fmt::format("light_position[{}]", i), light.position);
@@ -20,15 +21,20 @@ void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
     }
 }
 
+Vec3f bulb_centre(float blade_length) {
+    // 16 mm short of the tip, as on a Miller blade, beneath the plate beside the flange.
+    return {2.2e-3f, -0.4e-3f, blade_length - 17e-3f};
+}
+
 Light blade_lamp(const RigidTransform& pose, float blade_length) {
     Light lamp;
-    // 16 mm short of the tip, as on a Miller blade, in the channel beneath the blade.
-    lamp.position = pose * Vec3f(0.0f, -4e-3f, blade_length - 16e-3f);
-    lamp.direction = pose.rotation * Vec3f(0.0f, -0.30f, 0.954f);
-    lamp.colour = Vec3f(1.45f, 1.38f, 1.25f);
-    lamp.cos_outer = 0.1f;
-    lamp.cos_inner = 0.85f;
-    lamp.reach = 0.030f;
+    lamp.position = pose * (bulb_centre(blade_length) + Vec3f(-0.6e-3f, -1.6e-3f, 2.0e-3f));
+    lamp.direction = pose.rotation * Vec3f(0.0f, -0.34f, 0.94f);
+    // As bright as a well-lit room at some 15 mm. Nearer than 4 mm the filament's size tells.
+    lamp.colour = 14.0f * Vec3f(1.0f, 0.95f, 0.86f);
+    lamp.cos_outer = 0.15f;
+    lamp.cos_inner = 0.80f;
+    lamp.reach = 4e-3f;
     return lamp;
 }
 
@@ -54,6 +60,7 @@ Lighting section_lighting(const Camera& camera, const std::optional<Light>&) {
     key.direction = (camera.target - key.position).normalized();
     key.colour = Vec3f(1.0f, 0.97f, 0.93f);
     key.reach = 2.0f;
+    lighting.occlusion = 0.0f;
     lighting.ambient_high = Vec3f(0.36f, 0.36f, 0.38f);
     lighting.ambient_low = Vec3f(0.20f, 0.18f, 0.18f);
     return lighting;
@@ -65,7 +72,7 @@ Lighting laryngoscope_lighting(const Camera& camera, const std::optional<Light>&
     Light& eye = lighting.lights[0];
     eye.position = camera.eye - 0.01f * camera.up;
     eye.direction = (camera.target - eye.position).normalized();
-    eye.colour = Vec3f::Constant(lamp ? 0.55f : 0.9f);
+    eye.colour = Vec3f::Constant(0.9f);
     eye.reach = 2.0f;
     if (lamp) {
         lighting.lights[1] = *lamp;

@@ -17,7 +17,7 @@ struct Light {
     Vec3f direction = -Vec3f::UnitZ();  ///< unit, where it shines to
     Vec3f colour = Vec3f::Zero();       ///< linear; black switches it off
     float cos_outer = -3.0f, cos_inner = -2.0f;
-    float reach = 1.0f;  ///< [m] where half of the strength is left
+    float reach = 1.0f;  ///< [m] where half of the strength is left; far beyond it falls with the square
 };
 
 /// What lights a view: light 0 may throw shadows.
@@ -25,12 +25,16 @@ struct Lighting {
     std::array<Light, 2> lights{};
     Vec3f ambient_high = Vec3f::Zero();  ///< linear, from the ceiling (the patient's anterior)
     Vec3f ambient_low = Vec3f::Zero();   ///< linear, from the table
+    float occlusion = 1.0f;  ///< 0-1: how much of the room's light hollows are kept from; 0: cut open
 
     /// Sets the program's uniforms; the program must be in use.
     void apply(ShaderProgram& program, const Vec3f& eye) const;
 };
 
-/// The laryngoscope's own lamp, near the blade's tip on the side away from the tongue.
+/// Of the lamp's bulb in the laryngoscope's frame [m].
+[[nodiscard]] Vec3f bulb_centre(float blade_length);
+
+/// The laryngoscope's own lamp, near the blade's tip on the side away from the tongue: before its bulb.
 /// `blade_length` [m] from the tool's origin to the tip.
 [[nodiscard]] Light blade_lamp(const RigidTransform& pose, float blade_length);
 

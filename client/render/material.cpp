@@ -12,8 +12,8 @@ namespace eti::render {
 namespace {
 
 const Vec3f skin_colour(0.91f, 0.71f, 0.63f);
-const Vec3f cord_colour(0.95f, 0.88f, 0.83f);
-const Vec3f lip_colour(0.80f, 0.44f, 0.43f);
+const Vec3f cord_colour(0.97f, 0.93f, 0.89f);
+const Vec3f lip_colour(0.82f, 0.50f, 0.47f);
 constexpr float skin_wetness = 0.10f;
 
 // Skin sees at least this share of the sky; the closed mouth's lining almost none. Between the two
@@ -37,6 +37,16 @@ float wetness(Tissue tissue) {
         default:
             return 1.0f;
     }
+}
+
+std::uint8_t byte_of(float share) {
+    return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
+}
+
+// What organs that are surfaces of their own see of the sky through an open mouth: they lie in a body that is
+// another surface.
+float organ_sky(Tissue tissue) {
+    return tissue == Tissue::tongue ? 0.50f : 0.08f;
 }
 
 float smooth_step(float low, float high, float x) {
@@ -105,22 +115,22 @@ float vermilion(const Vec3f& p, const Landmarks& rest) {
 Vec3f tissue_colour(Tissue tissue) {
     switch (tissue) {
         case Tissue::soft:
-            return {0.80f, 0.42f, 0.40f};
+            return {0.82f, 0.52f, 0.48f};
         case Tissue::tongue:
-            return {0.79f, 0.37f, 0.38f};
+            return {0.84f, 0.54f, 0.52f};
         case Tissue::epiglottis:
-            return {0.92f, 0.66f, 0.59f};
+            return {0.93f, 0.72f, 0.66f};
         case Tissue::larynx:
-            return {0.90f, 0.62f, 0.57f};
+            return {0.89f, 0.64f, 0.59f};
         case Tissue::trachea:
-            return {0.86f, 0.58f, 0.54f};
+            return {0.62f, 0.37f, 0.34f};
         case Tissue::oesophagus:
-            return {0.70f, 0.30f, 0.31f};
+            return {0.74f, 0.44f, 0.42f};
         case Tissue::upper_gum:
         case Tissue::lower_gum:
-            return {0.90f, 0.62f, 0.61f};
+            return {0.93f, 0.72f, 0.68f};
         case Tissue::palate:
-            return {0.86f, 0.56f, 0.53f};
+            return {0.90f, 0.66f, 0.62f};
         case Tissue::skull:
         case Tissue::mandible:
         case Tissue::spine:
@@ -154,10 +164,11 @@ Vec3f cut_colour(Tissue tissue) {
     }
 }
 
-std::vector<VertexColour> surface_colours(const view::RestSurface& surface, const Landmarks& rest) {
+SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
     std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
+    std::vector<Tissue> label(count, Tissue::soft);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
         for (const std::uint32_t v : surface.mesh.triangles[t]) {
@@ -165,38 +176,44 @@ std::vector<VertexColour> surface_colours(const view::RestSurface& surface, cons
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
             corners[v] += 1.0f;
+            // Along a border the special one has the vertex.
+            label[v] = label[v] == Tissue::soft ? tissue : label[v];
         }
     }
     const bool has_soft = std::find(surface.triangle_tissue.begin(), surface.triangle_tissue.end(),
                                     Tissue::soft) != surface.triangle_tissue.end();
-    std::vector<float> sky(count, 0.0f);
+    std::vector<float> sky(count, organ_sky(surface.tissue));
     if (has_soft) {
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
     }
     std::vector<VertexColour> result(count);
+    std::vector<VertexRelief> relief(count);
     for (std::size_t v = 0; v < count; ++v) {
         const float shares = std::max(corners[v], 1.0f);
         const Vec3f& p = surface.mesh.vertices[v];
         Vec3f c = colour[v] / shares;
         float w = wet[v] / shares;
+        float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
         if (softness[v] > 0.0f) {
             const float skin = smooth_step(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
             const float lip = skin * vermilion(p, rest);
             c += skin * (skin_colour - c);
             c += 0.75f * lip * (lip_colour - c);
             w += skin * (skin_wetness - w) + 0.3f * lip;
+            mucosa -= skin;
         }
         // Blotches of some 4 mm and of 1.5 mm; blood shows more in red's complement.
         const float blotch = 0.6f * noise(p * 250.0f) + 0.4f * noise(p * 700.0f) - 0.5f;
         c = c.cwiseProduct(Vec3f(1.0f + 0.06f * blotch, 1.0f + 0.16f * blotch, 1.0f + 0.15f * blotch));
         for (int k = 0; k < 3; ++k) {
-            result[v][static_cast<std::size_t>(k)] =
-                static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(c[k], 0.0f, 1.0f)));
+            result[v][static_cast<std::size_t>(k)] = byte_of(c[k]);
         }
-        result[v][3] = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(w, 0.0f, 1.0f)));
+        result[v][3] = byte_of(w);
+        // Beyond the lips the sky that a closed mouth's skin sees is open.
+        relief[v] = {byte_of(sky[v]), byte_of(mucosa), tissue_label(label[v]), 0};
     }
-    return result;
+    return {std::move(result), std::move(relief)};
 }
 
 }  // namespace eti::render

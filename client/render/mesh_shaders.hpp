@@ -6,8 +6,8 @@
 
 namespace eti::render::source {
 
-/// All meshes. Defines: TUBE (course in place of colour), ROOM_SHADOW and LAMP_SHADOW (also look into that
-/// light's shadow map), RETRACT (lips held aside, see LipRetraction).
+/// All meshes. Defines: TUBE (course in place of colour), TISSUE (with relief and rest position), ROOM_SHADOW
+/// and LAMP_SHADOW (also look into that light's shadow map), RETRACT (lips held aside, see LipRetraction).
 inline constexpr std::string_view mesh_vertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -17,6 +17,16 @@ out vec2 course_at;
 #else
 layout(location = 2) in vec4 colour;
 out vec4 colour_at;
+#endif
+#ifdef TISSUE
+layout(location = 4) in vec4 relief;
+layout(location = 5) in vec3 rest;
+out vec4 relief_at;
+out vec3 rest_at;
+#endif
+#ifdef BY_TISSUE
+layout(location = 4) in vec4 relief;
+flat out float label_at;
 #endif
 uniform mat4 model;
 uniform mat4 view_projection;
@@ -60,6 +70,13 @@ void main() {
 #else
     colour_at = vec4(colour.rgb * colour.rgb * (0.75 + 0.25 * colour.rgb), colour.a);
 #endif
+#ifdef TISSUE
+    relief_at = relief;
+    rest_at = rest;
+#endif
+#ifdef BY_TISSUE
+    label_at = relief.z;
+#endif
 #ifdef ROOM_SHADOW
     room_at = room_lookup * p;
 #endif
@@ -77,7 +94,8 @@ in vec3 world;
 in vec3 normal_at;
 )";
 
-/// One colour, not lit: object ids, BOTH_SIDES with another for back faces; with no colour written depth and
+/// One colour, not lit: object ids, BOTH_SIDES with another for back faces, BY_TISSUE that of
+/// each vertex's tissue; with no colour written depth and
 /// stencil.
 inline constexpr std::string_view flat_fragment = R"(
 out vec4 pixel;
@@ -85,6 +103,9 @@ uniform vec4 flat_colour;
 #ifdef BOTH_SIDES
 uniform vec4 back_colour;
 void main() { pixel = gl_FrontFacing ? flat_colour : back_colour; }
+#elif defined(BY_TISSUE)
+flat in float label_at;
+void main() { pixel = vec4(label_at, 0.0, 0.0, 1.0); }
 #else
 void main() { pixel = flat_colour; }
 #endif

@@ -123,14 +123,23 @@ void PatientMesh::build(const view::SceneView& scene) {
     attribute(Attribute::normal, 3, GL_FLOAT, GL_FALSE, 24, 12);
     store(GL_ARRAY_BUFFER, colours_, std::vector<VertexColour>(vertex_count_), GL_STATIC_DRAW);
     attribute(Attribute::colour, 4, GL_UNSIGNED_BYTE, GL_TRUE, 4, 0);
+    store(GL_ARRAY_BUFFER, relief_, std::vector<VertexRelief>(vertex_count_), GL_STATIC_DRAW);
+    attribute(Attribute::relief, 4, GL_UNSIGNED_BYTE, GL_TRUE, 4, 0);
+    glBindBuffer(GL_ARRAY_BUFFER, rest_.name());
+    attribute(Attribute::rest, 3, GL_FLOAT, GL_FALSE, 24, 0);
     store(GL_ELEMENT_ARRAY_BUFFER, indices_, triangles, GL_STATIC_DRAW);
     glBindVertexArray(0);
 }
 
-void PatientMesh::set_colours(std::size_t part, std::span<const VertexColour> colours) {
-    glBindBuffer(GL_ARRAY_BUFFER, colours_.name());
-    glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(sizeof(VertexColour) * parts_[part].first_vertex),
-                    static_cast<GLsizeiptr>(colours.size_bytes()), colours.data());
+void PatientMesh::set_look(std::size_t part, const SurfaceLook& look) {
+    const auto replace = [&](const Buffer& buffer, const auto& values) {
+        constexpr std::size_t size = sizeof(values[0]);
+        glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
+        glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(size * parts_[part].first_vertex),
+                        static_cast<GLsizeiptr>(size * values.size()), values.data());
+    };
+    replace(colours_, look.colours);
+    replace(relief_, look.relief);
 }
 
 void PatientMesh::update(const view::SceneView& scene) {

@@ -31,7 +31,7 @@ class PatientMesh {
     /// Takes the surfaces that can be seen: bones lie inside the body.
     void build(const view::SceneView& scene);
     /// Of one surface, as it was built.
-    void set_colours(std::size_t part, std::span<const VertexColour> colours);
+    void set_look(std::size_t part, const SurfaceLook& look);
     /// Skins anew where the scene's frames, or the blade that tissue gives way to, are others than before.
     void update(const view::SceneView& scene);
 
@@ -63,7 +63,7 @@ class PatientMesh {
     // Drawing needs a complete framebuffer, even where nothing is rasterised.
     Framebuffer framebuffer_;
     Renderbuffer pixel_;
-    Buffer rest_, weights_, skinned_, colours_, indices_, frames_;
+    Buffer rest_, weights_, skinned_, colours_, relief_, indices_, frames_;
     Texture frames_texture_;
     std::vector<Part> parts_;
     std::size_t vertex_count_ = 0;

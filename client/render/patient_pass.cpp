@@ -19,12 +19,17 @@ PatientPass::PatientPass()
 
 ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows) {
     ShaderProgram::Defines defines;
+    if (!drawing.ids()) {
+        defines.emplace_back("TISSUE");
+    }
     if (drawing.view.lips_aside) {
         defines.emplace_back("RETRACT");
     }
     if (drawing.ids()) {
         if (drawing.shading == Shading::object_id_both_sides) {
             defines.emplace_back("BOTH_SIDES");
+        } else if (drawing.shading == Shading::tissue_id) {
+            defines.emplace_back("BY_TISSUE");
         }
         return flat_.with(defines);
     }

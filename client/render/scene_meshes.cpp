@@ -2,17 +2,66 @@
 // Copyright the NeoETI authors
 #include "client/render/scene_meshes.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include "client/render/creased_mesh.hpp"
+#include "client/render/lighting.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::render {
 namespace {
 
 constexpr float crease_angle = 40.0f * degree;
+
+using Vertices = std::vector<view::LitVertex>;
+
+// A glass of 0.9 mm radius and 3.4 mm length along the blade.
+GpuMesh bulb_mesh(const Vec3f& centre) {
+    constexpr std::uint32_t rings = 10, sides = 16;
+    constexpr float radius = 0.9e-3f, half_body = 0.8e-3f;
+    Vertices vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t ring = 0; ring <= rings; ++ring) {
+        const float polar = std::numbers::pi_v<float> * static_cast<float>(ring) / rings;
+        for (std::uint32_t side = 0; side < sides; ++side) {
+            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
+            const Vec3f out(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn),
+                            std::cos(polar));
+            const Vec3f along = (out.z() > 0.0f ? half_body : -half_body) * Vec3f::UnitZ();
+            vertices.push_back({centre + along + radius * out, out});
+            if (ring < rings) {
+                const std::uint32_t here = ring * sides + side, next = ring * sides + (side + 1) % sides;
+                triangles.push_back({here, here + sides, next});
+                triangles.push_back({next, here + sides, next + sides});
+            }
+        }
+    }
+    return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {255, 244, 225, 255})};
+}
+
+// Level with the hindmost of what lies on it, at rest.
+GpuMesh table_mesh(const view::SceneView& scene) {
+    constexpr float half_width = 1.5f, half_length = 1.5f;  // [m]
+    float hindmost = 0.0f;
+    for (const auto& [name, surface] : scene.surfaces()) {
+        for (const Vec3f& p : surface.model().mesh.vertices) {
+            hindmost = std::max(hindmost, p.y());
+        }
+    }
+    Vertices vertices;
+    for (const auto& [x, z] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{-1, 1}, std::pair{1, 1}}) {
+        vertices.push_back(
+            {Vec3f(static_cast<float>(x) * half_width, hindmost, static_cast<float>(z) * half_length),
+             -Vec3f::UnitY()});
+    }
+    return {std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}, vertices,
+            std::vector<VertexColour>(4, {92, 128, 134, 255})};
+}
 
 }  // namespace
 
@@ -24,30 +73,33 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
         models.push_back(surface.shared_model());
     }
     baking_ = std::async(std::launch::async, [models, rest = scene.rest_landmarks()] {
-        Colours colours;
+        Looks looks;
         for (const auto& model : models) {
-            colours[model->name] = surface_colours(*model, rest);
+            looks[model->name] = surface_look(*model, rest);
         }
-        return colours;
+        return looks;
     });
     patient_.build(scene);
     blade_.reset();
+    bulb_.reset();
     if (scene.laryngoscope()) {
         const CreasedMesh mesh = creased(scene.laryngoscope()->mesh, crease_angle);
         const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
         blade_.emplace(mesh.triangles, mesh.vertices, steel);
+        bulb_.emplace(bulb_mesh(bulb_centre(scene.keys()->laryngoscope().blade_length)));
     }
+    table_.emplace(table_mesh(scene));
     tube_.reset();
 }
 
-void SceneMeshes::take_colours(Baking baking) {
+void SceneMeshes::take_looks(Baking baking) {
     if (!baking_.valid() ||
         (baking == Baking::go_on && baking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) {
         return;
     }
-    colours_ = baking_.get();
+    looks_ = baking_.get();
     for (std::size_t part = 0; part < patient_.parts().size(); ++part) {
-        patient_.set_colours(part, colours_.at(patient_.parts()[part].name));
+        patient_.set_look(part, looks_.at(patient_.parts()[part].name));
     }
     ready_ = true;
 }
@@ -61,7 +113,7 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (scene_revision_ != scene.scene_revision()) {
         rebuild(scene);
     }
-    take_colours(baking);
+    take_looks(baking);
     if (!ready_) {
         return;
     }

@@ -34,23 +34,26 @@ class SceneMeshes {
     [[nodiscard]] const PatientMesh& patient() const { return patient_; }
     /// Of a surface's vertices; bones have them too.
     [[nodiscard]] const std::vector<VertexColour>& colours(const std::string& surface) const {
-        return colours_.at(surface);
+        return looks_.at(surface).colours;
     }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
+    [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
+    /// A cloth on the table beneath the patient.
+    [[nodiscard]] const std::optional<GpuMesh>& table() const { return table_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
 
   private:
-    using Colours = std::map<std::string, std::vector<VertexColour>>;
+    using Looks = std::map<std::string, SurfaceLook>;
 
     void rebuild(const view::SceneView& scene);
-    void take_colours(Baking baking);
+    void take_looks(Baking baking);
 
     std::uint64_t scene_revision_ = 0;
     bool ready_ = false;
-    std::future<Colours> baking_;
+    std::future<Looks> baking_;
     PatientMesh patient_;
-    Colours colours_;
-    std::optional<GpuMesh> blade_;
+    Looks looks_;
+    std::optional<GpuMesh> blade_, bulb_, table_;
     std::optional<GpuMesh> tube_;
 };
 

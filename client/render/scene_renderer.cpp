@@ -51,7 +51,7 @@ void begin(const Drawing& drawing) {
 }  // namespace
 
 std::array<std::uint8_t, 3> object_colour(Tissue tissue) {
-    return {static_cast<std::uint8_t>(20 * (static_cast<int>(tissue) + 1)), 0, 0};
+    return {tissue_label(tissue), 0, 0};
 }
 
 std::array<std::uint8_t, 3> back_colour(Tissue tissue) {
@@ -122,6 +122,9 @@ void SceneRenderer::run(Pass pass, const Drawing& drawing) {
             break;
         case Pass::patient:
             patient_.draw(drawing, meshes_, shadows_);
+            break;
+        case Pass::table:
+            tools_.draw_table(drawing, meshes_, shadows_);
             break;
         case Pass::tools:
             tools_.draw(drawing, meshes_, shadows_);

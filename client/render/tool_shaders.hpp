@@ -6,34 +6,62 @@
 
 namespace eti::render::source {
 
-/// Brushed steel: mostly mirrors a bright ceiling over dark surroundings.
+/// Polished steel, brushed lengthwise: mirrors a room of bright panels over dark surroundings.
 inline constexpr std::string_view metal_fragment = R"(
 in vec4 colour_at;
 uniform float opacity;
 uniform mat4 model;
 float lattice(float x) { return fract(sin(x * 12.9898) * 43758.5453); }
+// What the room looks like in a mirror: the light's panel, the ceiling, a dark band at the horizon, the table.
+vec3 room(vec3 r) {
+    float up = -r.y;
+    vec3 seen = mix(1.6 * ambient_low + 0.05 * light_colour[0], 2.6 * ambient_high, smoothstep(-0.25, 0.7, up));
+    seen *= 1.0 - 0.45 * exp(-30.0 * up * up);
+    float panel = dot(r, normalize(light_position[0] - world));
+    return seen + light_colour[0] * (0.80 * smoothstep(0.80, 0.95, panel) + 0.22 * smoothstep(-0.1, 0.9, panel));
+}
 void main() {
-    vec3 n = normalize(normal_at);
     vec3 v = normalize(eye - world);
-    // Brushed lengthwise: streaks half a millimetre wide across the tool.
-    float across = dot(model[0].xyz, world - model[3].xyz) * 2000.0;
+    vec3 n = normalize(normal_at);
+    // Streaks half a millimetre wide across the tool tilt the mirror a little.
+    vec3 side = normalize(model[0].xyz);
+    float across = dot(side, world - model[3].xyz) * 2000.0;
     float streak = mix(lattice(floor(across)), lattice(floor(across) + 1.0), smoothstep(0.0, 1.0, fract(across)));
-    vec3 mirrored = reflect(-v, n);
-    float ceiling = smoothstep(-0.5, 0.9, -mirrored.y);
-    vec3 steel = colour_at.rgb * (0.90 + 0.16 * streak);
-    float rim = 1.0 - clamp(dot(n, v), 0.0, 1.0);
-    // What the lamps light around the steel, mirrored in it, more so at a grazing angle.
-    vec3 surroundings = (0.10 + 0.25 * rim * rim) * light_colour[0] + 0.06 * light_colour[1];
-    vec3 sum = steel * (mix(1.2 * ambient_low, 2.2 * ambient_high, ceiling) + surroundings);
+    n = normalize(n + 0.05 * (streak - 0.5) * side);
+    vec3 steel = colour_at.rgb * (0.86 + 0.10 * streak);
+    float facing = clamp(dot(n, v), 0.0, 1.0);
+    float grazing = (1.0 - facing) * (1.0 - facing);
+    vec3 sum = mix(steel, vec3(1.0), grazing * grazing * (1.0 - facing)) * room(reflect(-v, n));
     for (int i = 0; i < 2; ++i) {
         Arriving light = arriving(i);
-        float nl = dot(n, light.direction);
+        float nl = max(dot(n, light.direction), 0.0);
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
-        float nh4 = nh * nh * nh * nh;
-        float nh16 = nh4 * nh4 * nh4 * nh4;
-        sum += light.colour * steel * max(nl, 0.0) * (0.25 + 0.35 * nh4 + 1.4 * nh16 * nh16);
+        float t = nh * nh * (0.03 - 1.0) + 1.0;
+        sum += light.colour * steel * nl * (0.10 + 0.0024 / (t * t));
     }
     pixel = vec4(min(sum, brightest), opacity);
+}
+)";
+
+/// A cotton cloth over a table.
+inline constexpr std::string_view cloth_fragment = R"(
+in vec4 colour_at;
+void main() {
+    vec3 n = normalize(normal_at);
+    // Far off the weave is finer than a pixel, and the lamp's light ends before the cloth.
+    float weave = 0.5 + 0.25 * (sin(world.x * 2200.0) + sin(world.z * 2200.0));
+    float near = 1.0 - smoothstep(0.3, 0.7, length(eye - world));
+    vec3 albedo = colour_at.rgb * (0.97 + 0.06 * (weave - 0.5) * near);
+    vec3 sum = albedo * ambient(n);
+    for (int i = 0; i < 2; ++i) {
+        Arriving light = arriving(i);
+        sum += albedo * light.colour * max(dot(n, light.direction), 0.0);
+    }
+    sum *= exp(-2.0 * max(length(world.xz) - 0.25, 0.0));
+    // Beneath a head little of the room's light arrives.
+    float beneath = length(world.xz - vec2(0.0, 0.02));
+    sum *= 0.62 + 0.38 * smoothstep(0.02, 0.10, beneath);
+    pixel = vec4(min(sum, brightest), 1.0);
 }
 )";
 
@@ -69,7 +97,7 @@ void main() {
         float nh4 = nh * nh * nh * nh;
         float nh16 = nh4 * nh4 * nh4 * nh4;
         float gloss = nh16 * nh16 * nh16 * nh16;
-        sum += light.colour * (albedo * nl * nl + 0.9 * gloss);
+        sum += min(light.colour, vec3(1.5)) * (albedo * nl * nl + 0.9 * gloss);
         shine += gloss;
     }
     pixel = vec4(min(sum, brightest), opacity * clamp(cover + 0.5 * shine, 0.0, 1.0));

@@ -12,6 +12,7 @@ namespace eti::render {
 namespace {
 
 constexpr float hidden_opacity = 0.22f;
+const Eigen::Vector4f glowing(2.6f, 2.4f, 2.1f, 1.0f);  // linear light of the lamp's glass
 
 std::string lit(std::string_view body) {
     return std::string(source::mesh_inputs) + std::string(source::lighting) + std::string(body);
@@ -22,6 +23,7 @@ std::string lit(std::string_view body) {
 ToolsPass::ToolsPass()
     : metal_("metal", std::string(source::mesh_vertex), lit(source::metal_fragment)),
       plastic_("tube", std::string(source::mesh_vertex), lit(source::tube_fragment)),
+      cloth_("cloth", std::string(source::mesh_vertex), lit(source::cloth_fragment)),
       flat_("flat tool", std::string(source::mesh_vertex), std::string(source::flat_fragment)) {}
 
 void ToolsPass::draw(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows) {
@@ -60,6 +62,25 @@ void ToolsPass::draw_blade(const Drawing& drawing, const SceneMeshes& meshes, co
         shadows.apply(drawing, program);
     }
     meshes.blade()->draw();
+    if (meshes.bulb() && opacity == 1.0f) {
+        ShaderProgram& glass = flat_.with({});
+        glass.use();
+        place(glass, drawing, matrix_of(*drawing.scene.laryngoscope_pose()), no_clipping);
+        glass.set("flat_colour", drawing.ids() ? flat(blade_colour) : glowing);
+        meshes.bulb()->draw();
+    }
+}
+
+void ToolsPass::draw_table(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows) {
+    if (drawing.ids() || !meshes.table()) {
+        return;
+    }
+    ShaderProgram& program = cloth_.with(shadows.defines(drawing));
+    program.use();
+    place(program, drawing, Eigen::Matrix4f::Identity(), drawing.clip_plane);
+    drawing.lighting.apply(program, drawing.camera.eye);
+    shadows.apply(drawing, program);
+    meshes.table()->draw();
 }
 
 void ToolsPass::draw_tube(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows,

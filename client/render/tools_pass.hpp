@@ -14,6 +14,8 @@ class ToolsPass {
   public:
     ToolsPass();
     void draw(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows);
+    /// The table on which the patient lies.
+    void draw_table(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows);
     /// What of them lies behind what was drawn, faintly.
     void draw_hidden(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows);
 
@@ -23,7 +25,7 @@ class ToolsPass {
     void draw_tube(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows,
                    float opacity);
 
-    ShaderFamily metal_, plastic_, flat_;
+    ShaderFamily metal_, plastic_, cloth_, flat_;
 };
 
 }  // namespace eti::render

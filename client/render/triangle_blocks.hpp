@@ -18,7 +18,7 @@ namespace eti::render {
 /// cost a tenth of shaded ones.
 class TriangleBlocks {
   public:
-    static constexpr std::size_t block_size = 256;  ///< triangles
+    static constexpr std::size_t block_size = 96;  ///< triangles
 
     /// Neighbours in triangles().
     struct Range {

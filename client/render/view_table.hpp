@@ -22,6 +22,7 @@ enum class Pass : std::uint8_t {
     lamp_shadow,  ///< light 1, the laryngoscope's, throws shadows
     caps,         ///< faces of the cut; before the patient, whom they hide in good part
     patient,
+    table,  ///< beneath the patient
     tools,
     liquid,
     hidden_tools,  ///< what of the tools lies behind what was drawn, shining through

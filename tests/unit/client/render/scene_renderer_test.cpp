@@ -276,6 +276,55 @@ TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
     EXPECT_LT(most_tilted, 1e-4f);
 }
 
+// The section looks into throat, larynx and windpipe, which are one surface with the skin.
+TEST_F(SceneRendererTest, TellsTissuesOfOneSurfaceApart) {
+    View opened = named("section");
+    std::erase(opened.passes, render::Pass::caps);
+    const render::Image objects = picture(opened, scene_, Shading::object_id);
+    const render::Image tissues = picture(opened, scene_, Shading::tissue_id);
+    for (const Tissue lining : {Tissue::larynx, Tissue::trachea}) {
+        EXPECT_EQ(count(objects, render::object_colour(lining)), 0);
+        EXPECT_GT(count(tissues, render::object_colour(lining)), 50);
+    }
+    EXPECT_EQ(count(tissues, render::object_colour(Tissue::tongue)),
+              count(objects, render::object_colour(Tissue::tongue)));
+}
+
+// A lamp before the face, seen in the section: the walls of larynx and windpipe face it, but lie behind the
+// face. The lowest quality lets its light through.
+TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
+    View opened = named("section");
+    opened.passes = {render::Pass::lamp_shadow, render::Pass::patient};
+    opened.lighting = [](const render::Camera&, const std::optional<render::Light>& lamp) {
+        render::Lighting lighting;
+        lighting.lights[1] = lamp.value();
+        // Beside the handle.
+        lighting.lights[1].position = Vec3f(-0.03f, -0.06f, -0.02f);
+        lighting.lights[1].direction = Vec3f::UnitY();
+        lighting.lights[1].reach = 0.1f;
+        lighting.lights[1].colour = Vec3f::Constant(4.0f);
+        return lighting;
+    };
+    const render::Image tissues = picture(opened, scene_, Shading::tissue_id);
+    const auto lit = [&](std::string_view quality) {
+        render::SceneRenderer renderer(*render::quality_named(quality));
+        renderer.sync(scene_);
+        renderer.draw(opened, scene_, target_, {0, 0, width, height});
+        const render::Image image = target_.read();
+        int pixels = 0;
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+            const std::uint8_t tissue = tissues.rgba[i];
+            const bool lumen = tissue == render::tissue_label(Tissue::larynx) ||
+                               tissue == render::tissue_label(Tissue::trachea);
+            pixels += lumen && image.rgba[i] > 60 ? 1 : 0;
+        }
+        return pixels;
+    };
+    const int through = lit("low"), stopped = lit("medium");
+    EXPECT_GT(through, 50);
+    EXPECT_LT(stopped, through / 4);
+}
+
 TEST_F(SceneRendererTest, ShowsFacesSeenFromBehindWhereAskedTo) {
     // From within the head every surface of it shows its back.
     View inside = named("overview");

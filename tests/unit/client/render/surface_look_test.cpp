@@ -41,6 +41,24 @@ TEST(CreasedMesh, SmoothsBelowTheAngle) {
     }
 }
 
+// A strip whose faces turn by 30 degrees from one to the next: each neighbour is within 40 degrees, the one
+// after it is not. All of them about a common corner have one normal there, or one would stand out.
+TEST(CreasedMesh, WhatGoesOverIntoEachOtherHasOneNormal) {
+    TriangleMesh fan;
+    fan.vertices.emplace_back(0.0f, 0.0f, 0.01f);
+    for (int i = 0; i < 4; ++i) {
+        const float turn = 0.6f * static_cast<float>(i);
+        fan.vertices.emplace_back(0.01f * std::cos(turn), 0.01f * std::sin(turn), 0.0f);
+    }
+    fan.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+    const render::CreasedMesh mesh = render::creased(fan, 0.7f);
+    for (std::size_t t = 1; t < 3; ++t) {
+        EXPECT_LT((mesh.vertices[3 * t].normal - mesh.vertices[0].normal).norm(), 1e-6f);
+    }
+    const render::CreasedMesh sharp = render::creased(fan, 0.2f);
+    EXPECT_GT((sharp.vertices[6].normal - sharp.vertices[0].normal).norm(), 0.3f);
+}
+
 float brightness(const render::VertexColour& colour) {
     return static_cast<float>(colour[0] + colour[1] + colour[2]) / 3.0f;
 }
@@ -50,7 +68,7 @@ TEST(SurfaceColours, SkinIsPalerAndDrierThanTheThroat) {
     view::SceneView scene;
     synthetic::fill(scene, source);
     const view::RestSurface& body = scene.surfaces().at("body").model();
-    const auto colours = render::surface_colours(body, scene.rest_landmarks());
+    const auto colours = render::surface_look(body, scene.rest_landmarks()).colours;
     ASSERT_EQ(colours.size(), body.mesh.vertices.size());
     double skin = 0, lining = 0, skin_wet = 0, lining_wet = 0;
     int skins = 0, linings = 0;
@@ -88,8 +106,8 @@ TEST(SurfaceColours, DoNotFollowTheLandmarksAsTheyMove) {
     synthetic::fill(late, source);
     late.apply(live);
     const auto& body = early.surfaces().at("body").model();
-    EXPECT_EQ(render::surface_colours(body, early.rest_landmarks()),
-              render::surface_colours(body, late.rest_landmarks()));
+    EXPECT_EQ(render::surface_look(body, early.rest_landmarks()).colours,
+              render::surface_look(body, late.rest_landmarks()).colours);
     EXPECT_NE(early.landmarks(), late.landmarks());
 }
 
