@@ -68,8 +68,8 @@ class Occluder {
   public:
     Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin);
 
-    /// `pressed`: the blade that the surface gives way to as drawn, or nothing. `lips`: what then holds this mesh
-    /// aside; null where nothing does.
+    /// `pressed`: the blade that the surface gives way to as drawn, or nothing. `lips`: what then holds this
+    /// mesh aside; null where nothing does.
     void block(SightLines& lines, std::span<const FrameMap> frames,
                const std::optional<PlacedBlade>& pressed = std::nullopt, const LipRetraction* lips = nullptr);
 

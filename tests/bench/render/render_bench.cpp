@@ -243,6 +243,9 @@ class Bench {
         if (options_.pictures || m == best || !options_.golden.empty()) {
             const render::Image picture = artist_.draw(view, scene);
             sheet.put(m, v, picture);
+            if (!options_.golden.empty() && (m == mouth || m == best)) {
+                compare_golden(attempt, picture, m, view, add);
+            }
             if (options_.pictures) {
                 render::write_png(
                     picture, options_.out / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
