@@ -62,7 +62,8 @@ void ToolsPass::draw_blade(const Drawing& drawing, const SceneMeshes& meshes, co
         shadows.apply(drawing, program);
     }
     meshes.blade()->draw();
-    if (meshes.bulb() && opacity == 1.0f) {
+    // The measured view knows the blade without its bulb, and so do pictures that are measured.
+    if (meshes.bulb() && opacity == 1.0f && !drawing.ids()) {
         ShaderProgram& glass = flat_.with({});
         glass.use();
         place(glass, drawing, matrix_of(*drawing.scene.laryngoscope_pose()), no_clipping);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 namespace eti::metrics {
+
 AreaSamples sample_polygon(std::span<const Vec3f> contour, int count) {
     AreaSamples samples;
     if (contour.size() < 3) {
@@ -41,7 +42,11 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
 
 GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope,
                              const Settings& settings)
-    : settings_(settings), rest_centres_(patient.frame_rest_centre), give_way_{plate_of(scope)} {
+    : settings_(settings),
+      lips_as_scanned_(
+          std::ranges::none_of(patient.surfaces, [](const Surface& s) { return s.tissue == Tissue::cloth; })),
+      rest_centres_(patient.frame_rest_centre),
+      give_way_{plate_of(scope)} {
     for (const Surface& surface : patient.surfaces) {
         if (is_bone(surface.tissue)) {  // inside the body, hidden anyway
             continue;
@@ -70,9 +75,13 @@ void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, c
         laryngoscope_->block(lines, std::span(&held, 1));
     }
     const std::optional<PlacedBlade> pressed = PlacedBlade{give_way_, snapshot.proxy};
+    if (lips_as_scanned_) {
+        lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
+    }
     for (Occluder& surface : surfaces_) {
         surface.block(lines, frames, pressed, &lips);
     }
+    lines.begin_at(0.0f);
     if (settings_.tube_radius > 0.0f) {
         for (std::size_t i = 1; i < snapshot.tube_nodes.size(); ++i) {
             lines.block_by_capsule(lines.seen_from_eye(snapshot.tube_nodes[i - 1]),

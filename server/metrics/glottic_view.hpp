@@ -54,6 +54,9 @@ class GlotticViewer {
                const scene::Snapshot& snapshot);
 
     Settings settings_;
+    /// A patient cut from a CT, who has no cloth, lay in it with closed lips. Fingers part them: nothing
+    /// before the upper gum counts.
+    bool lips_as_scanned_;
     std::vector<Vec3f> rest_centres_;
     std::vector<Occluder> surfaces_;
     std::optional<Occluder> laryngoscope_;

@@ -111,7 +111,8 @@ void SightLines::block_by_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& 
         const float u = -a.dot(p) / determinant;
         const float v = lines_[i].dot(q) / determinant;
         const float t = ac.dot(q) / determinant;
-        if (u >= -slack && v >= -slack && u + v <= 1.0f + slack && t > 0.0f && t < last_[i]) {
+        if (u >= -slack && v >= -slack && u + v <= 1.0f + slack && t * lines_[i].z() > level_ &&
+            t < last_[i]) {
             blocked_[i] = 1;
             --open_;
         }

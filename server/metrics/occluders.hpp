@@ -27,6 +27,9 @@ class SightLines {
     /// Position [m] relative to the eye, third axis towards the targets.
     [[nodiscard]] Vec3f seen_from_eye(const Vec3f& point) const { return to_eye_ * (point - eye_); }
 
+    /// From here on nothing nearer than `level` [m] along the third axis blocks.
+    void begin_at(float level) { level_ = level; }
+
     /// False when a ball (centre as seen from the eye, radius) cannot meet any line.
     [[nodiscard]] bool may_meet(const Vec3f& centre, float radius) const;
 
@@ -45,7 +48,8 @@ class SightLines {
     std::vector<std::uint8_t> blocked_;
     Eigen::Vector2f low_;  // box of the image of all targets
     Eigen::Vector2f high_;
-    float farthest_ = 0.0f;  // along the third axis
+    float level_ = 0.0f;     // along the third axis
+    float farthest_ = 0.0f;  // the same
     std::size_t open_ = 0;
 };
 

@@ -93,6 +93,32 @@ void hang(Shares& shares, std::size_t plate, float share) {
     }
 }
 
+/// How much each vertex goes with the epiglottis, levelled along the surface: what places alone say changes
+/// within a millimetre, by more than neighbours can bear as the head is raised.
+std::vector<float> hanging(const Anatomy& anatomy, const TriangleMesh& mesh) {
+    constexpr int rounds = 12;
+    std::vector<float> share(mesh.vertices.size());
+    std::ranges::transform(mesh.vertices, share.begin(),
+                           [&](const Vec3f& p) { return anatomy.hangs_on_epiglottis(p); });
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<float> sum = share;
+        std::vector<float> count(share.size(), 1.0f);
+        for (const Triangle& t : mesh.triangles) {
+            if (share[t[0]] + share[t[1]] + share[t[2]] <= 0.0f) {
+                continue;
+            }
+            for (std::size_t k = 0; k < 3; ++k) {
+                sum[t[k]] += share[t[(k + 1) % 3]] + share[t[(k + 2) % 3]];
+                count[t[k]] += 2.0f;
+            }
+        }
+        for (std::size_t i = 0; i < share.size(); ++i) {
+            share[i] = sum[i] / count[i];
+        }
+    }
+    return share;
+}
+
 }  // namespace
 
 void build_frames(Patient& patient) {
@@ -118,8 +144,11 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
             mend_skin(patient, surface.mesh, carried);
         }
-        for (std::size_t i = 0; plate && surface.tissue == Tissue::soft && i < vertices.size(); ++i) {
-            hang(carried[i], *plate, anatomy.hangs_on_epiglottis(vertices[i]));
+        if (plate && surface.tissue == Tissue::soft) {
+            const std::vector<float> share = hanging(anatomy, surface.mesh);
+            for (std::size_t i = 0; i < vertices.size(); ++i) {
+                hang(carried[i], *plate, share[i]);
+            }
         }
         surface.skin.resize(vertices.size());
         std::ranges::transform(carried, surface.skin.begin(), heaviest);

@@ -122,8 +122,9 @@ class PictureAgainstRays : public ::testing::Test {
             const Vec3f before = p + tolerance * (eye - p).normalized();
             const Vec3f rest = carried.map.linear.transpose() * (before - carried.map.offset);
             object.vertices().insert(object.vertices().end(), rest.data(), rest.data() + 3);
-            object.skin_frame().insert(object.skin_frame().end(), 4, 0);
-            object.skin_weight().insert(object.skin_weight().end(), {255, 0, 0, 0});
+            object.skin_frame().insert(object.skin_frame().end(), frames_per_point, 0);
+            object.skin_weight().push_back(255);
+            object.skin_weight().insert(object.skin_weight().end(), frames_per_point - 1, 0);
         }
         const auto count = static_cast<std::uint32_t>(points.size()) - 1;
         for (std::uint32_t i = 0; i < count; ++i) {

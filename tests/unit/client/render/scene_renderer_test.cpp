@@ -12,6 +12,7 @@
 #include "client/render/headless_context.hpp"
 #include "client/render/render_target.hpp"
 #include "common/bus/fluid_state.hpp"
+#include "common/model/give_way.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -261,9 +262,10 @@ TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
         const auto expected = scene_.surfaces().at(part.name).vertices();
         for (std::size_t v = 0; v < part.vertex_count; ++v) {
             const view::LitVertex& vertex = drawn[part.first_vertex + v];
-            farthest = std::max(farthest, (vertex.position - skin_point(model.mesh.vertices[v], model.skin[v],
-                                                                        scene_.frame_maps()))
-                                              .norm());
+            const Vec3f skinned = skin_point(model.mesh.vertices[v], model.skin[v], scene_.frame_maps());
+            const Vec3f pressed =
+                GiveWay{plate_of(scene_.keys()->laryngoscope())}(skinned, *scene_.laryngoscope_pose());
+            farthest = std::max(farthest, (vertex.position - pressed).norm());
             // Where one frame carries a vertex and all its neighbours, its normal turns with them.
             if (part.name == "tongue") {
                 most_tilted = std::max(most_tilted, (vertex.normal - expected[v].normal).norm());

@@ -311,7 +311,8 @@ TEST(GlotticView, AgreesWithBruteForceOnDeformedSurfaces) {
         model.snapshot.proxy.translation.x() = 0.01f * (random.uniform() - 0.5f);
         const Vec3f eye(0.008f * random.normal(), 0.006f + 0.006f * random.normal(), 0.24f);
         const GlotticView view = viewer.look(model.snapshot, eye);
-        const AreaSamples samples = sample_polygon(model.snapshot.glottis_contour, 80);
+        const AreaSamples samples =
+            sample_polygon(model.snapshot.glottis_contour, GlotticViewer::Settings{}.samples);
         float expected = 0.0f;
         for (std::size_t i = 0; i < samples.points.size(); ++i) {
             expected += hidden(model, mesh, eye, samples.points[i], 0.5e-3) ? 0.0f : 100 * samples.weights[i];
