@@ -100,6 +100,7 @@ std::vector<float> hanging(const Anatomy& anatomy, const TriangleMesh& mesh) {
     std::vector<float> share(mesh.vertices.size());
     std::ranges::transform(mesh.vertices, share.begin(),
                            [&](const Vec3f& p) { return anatomy.hangs_on_epiglottis(p); });
+    const std::vector<float> of_place = share;
     for (int round = 0; round < rounds; ++round) {
         std::vector<float> sum = share;
         std::vector<float> count(share.size(), 1.0f);
@@ -113,7 +114,7 @@ std::vector<float> hanging(const Anatomy& anatomy, const TriangleMesh& mesh) {
             }
         }
         for (std::size_t i = 0; i < share.size(); ++i) {
-            share[i] = sum[i] / count[i];
+            share[i] = of_place[i] > 0.0f ? sum[i] / count[i] : 0.0f;  // what lies farther off stays
         }
     }
     return share;
