@@ -92,11 +92,11 @@ pictures() {
         folder=$(echo "$OUT"/demo/demo-*)
     fi
     for view in "${PICTURES[@]}"; do
-        found=("$folder"/trainee/"${view}"_best_*.png)
-        [ -f "${found[0]}" ] || { eti_say "There is no ${view}_best_*.png in $folder/trainee; give a demo's folder."; return 1; }
+        found=("$folder"/observer/"${view}"_best_*.png)
+        [ -f "${found[0]}" ] || { eti_say "There is no ${view}_best_*.png in $folder/observer; give a demo's folder."; return 1; }
     done
     for view in "${PICTURES[@]}"; do
-        cp "$folder"/trainee/"${view}"_best_*.png "$ETI_ROOT/docs/$view.png" || return 1
+        cp "$folder"/observer/"${view}"_best_*.png "$ETI_ROOT/docs/$view.png" || return 1
     done
 }
 
