@@ -105,7 +105,7 @@ class Figures(unittest.TestCase):
             self.assertEqual(file.read_bytes(), (ROOT / CHARTS / file.name).read_bytes(), file.name)
 
     def test_pictures_come_from_the_best_view_of_a_demo(self):
-        demo = self.root / "demo-1/trainee"
+        demo = self.root / "demo-1/observer"
         demo.mkdir(parents=True)
         views = ("laryngoscope", "section", "overview")
         for view in views:
