@@ -44,6 +44,7 @@ class Hud {
 
   private:
     void draw_numbers(ImDrawList& list, const Readout& readout, const Tile& tile) const;
+    void draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, int width) const;
     void draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int height) const;
     void draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const;
     void draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const;

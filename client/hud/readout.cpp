@@ -73,6 +73,14 @@ Level gum_force_level(float force) {
     return force > gum_force_bad_n ? Level::bad : force > gum_force_warning_n ? Level::warning : Level::good;
 }
 
+Level saturation_level(double percent) {
+    return percent < 80.0 ? Level::bad : percent < 90.0 ? Level::warning : Level::good;
+}
+
+Level heart_rate_level(double per_min) {
+    return per_min < 60.0 ? Level::bad : per_min < 100.0 ? Level::warning : Level::good;
+}
+
 float blade_depth(const Landmarks& points, const Vec3f& tip) {
     const Vec3f& gum = at(points, Landmark::upper_gum);
     const Vec3f past = tip - gum;
@@ -105,6 +113,12 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
         readout.tube_past_cords_cm = metrics->tube_depth_past_glottis() / centimetre;
         readout.tube_force_n = metrics->tube_force_n();
         readout.message = metrics->message().to_string();
+    }
+    if (scene.metrics() && scene.keys()) {
+        const Parameters now = scene.keys()->parameters(scene.metrics()->parameters());
+        if (!std::isnan(now.oxygen_saturation_end_percent) && !std::isnan(now.heart_rate_end_per_min)) {
+            readout.vital_signs = {now.oxygen_saturation_end_percent, now.heart_rate_end_per_min};
+        }
     }
     if (scene.keys() && scene.laryngoscope_pose()) {
         const Vec3f tip = *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip();

@@ -20,6 +20,11 @@ enum class Level { good, warning, bad };
 /// Of the force [N] on the upper gum.
 [[nodiscard]] Level gum_force_level(float force);
 
+/// Of the oxygen saturation [%] and of the heart rate [1/min], by the limits that count as severe in neonatal
+/// airway registries (Herrick et al. 2020, Neonatology 117:65).
+[[nodiscard]] Level saturation_level(double percent);
+[[nodiscard]] Level heart_rate_level(double per_min);
+
 /// How an attempt or the run ended, in words.
 struct Verdict {
     std::string title;  ///< "attempt 2: success"
@@ -40,13 +45,19 @@ struct Readout {
     float blade_depth_cm = 0.0f;       ///< past the upper gum; 0 while the tip is outside
     float tube_past_cords_cm = -1.0f;  ///< negative before the cords
     float tube_force_n = 0.0f;         ///< on the hand that holds the tube
-    float server_load = 0.0f;          ///< step time over step budget
-    float behind_s = 0.0f;             ///< wall clock minus simulation time
-    std::string scenario;              ///< its name
-    std::string description;  ///< of the scenario, in the first seconds and while waiting; else empty
-    std::string message;      ///< the server's newest
-    std::string warning;      ///< of a device that fell silent; else empty
-    std::string notice;       ///< what this client has to say, e.g. of a refused command
+    /// Of the newborn, where they are simulated.
+    struct VitalSigns {
+        double oxygen_saturation_percent = 0.0;
+        double heart_rate_per_min = 0.0;
+    };
+    std::optional<VitalSigns> vital_signs;
+    float server_load = 0.0f;  ///< step time over step budget
+    float behind_s = 0.0f;     ///< wall clock minus simulation time
+    std::string scenario;      ///< its name
+    std::string description;   ///< of the scenario, in the first seconds and while waiting; else empty
+    std::string message;       ///< the server's newest
+    std::string warning;       ///< of a device that fell silent; else empty
+    std::string notice;        ///< what this client has to say, e.g. of a refused command
     std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for
     std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };

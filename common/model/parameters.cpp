@@ -79,6 +79,18 @@ constexpr ParameterField rows[] = {
     {"blade_smoothness", "smoothness of the blade's tip (spectral arc length)", "",
      &Parameters::blade_smoothness, false, unknown, time_mean,
      "Spectral arc length of the blade tip's speed, see below"},
+    {"oxygen_saturation_percent.min", "oxygen saturation, least", "%",
+     &Parameters::oxygen_saturation_min_percent, false, unknown, least,
+     "Oxygen saturation as a pulse oximeter shows it: the least during the attempt; only with `vital_signs: "
+     "on`, "
+     "as the next three"},
+    {"oxygen_saturation_percent.end", "oxygen saturation at the end", "%",
+     &Parameters::oxygen_saturation_end_percent, false, unknown, last,
+     "The same at the attempt's end; while it goes on, now"},
+    {"heart_rate_per_min.min", "heart rate, least", "1/min", &Parameters::heart_rate_min_per_min, false,
+     unknown, least, "Heart rate, the least during the attempt"},
+    {"heart_rate_per_min.end", "heart rate at the end", "1/min", &Parameters::heart_rate_end_per_min, false,
+     unknown, last, "The same at the attempt's end; while it goes on, now"},
 };
 
 }  // namespace

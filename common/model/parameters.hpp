@@ -32,6 +32,8 @@ struct Parameters {
     double epiglottis_force_max_n = 0, tongue_force_max_n = 0;
     double blade_path_length_cm = 0;
     double blade_smoothness = 0;  ///< spectral arc length is negative; closer to zero is smoother
+    double oxygen_saturation_min_percent = 0, oxygen_saturation_end_percent = 0;
+    double heart_rate_min_per_min = 0, heart_rate_end_per_min = 0;
 };
 
 /// How a run's value follows from those of its attempts.

@@ -180,6 +180,9 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     static constexpr std::array<std::string_view, 2> silences = {"go_on", "freeze"};
     s.freeze_on_silence = root.choice("silent_device", 0, silences) == 1;
     s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
+    static constexpr std::array<std::string_view, 2> switches = {"off", "on"};
+    s.vital_signs = root.choice("vital_signs", 0, switches) == 1;
+    s.inspired_oxygen = root.number("inspired_oxygen_percent", s.inspired_oxygen, {21, 100, 0.01f});
     s.seed = root.seed("seed", s.seed);
     root.finish();
     return s;

@@ -43,6 +43,9 @@ struct Scenario {
     bool saliva = false;          ///< whether there may be secretions
     bool saliva_standby = false;  ///< with saliva: none before someone switches them on
     float time_limit = 30.0f;     ///< [s], per attempt
+    bool vital_signs = false;     ///< whether saturation and heart rate are simulated
+    float inspired_oxygen =
+        0.3f;  ///< share, of the gas that the newborn is ventilated with beside the attempts
     bool freeze_on_silence =
         false;  ///< time stands still while a device that was there is silent; else it goes on
     std::uint64_t seed = 1;

@@ -18,6 +18,18 @@ namespace {
 
 constexpr std::uint64_t steps_per_look = steps_per_second / 30;
 
+/// Of the newborn whose vital signs are simulated; nothing where none are. A built model says its weight
+/// alone.
+std::optional<metrics::Physiology> physiology_of(const Scenario& scenario, const anatomy::Patient& patient) {
+    if (!scenario.vital_signs) {
+        return std::nullopt;
+    }
+    const float weeks = scenario.patient.model.empty() ? scenario.patient.shape.gestational_age
+                                                       : usual_gestational_age(patient.weight);
+    return metrics::physiology(static_cast<double>(patient.weight), static_cast<double>(weeks),
+                               static_cast<double>(scenario.inspired_oxygen));
+}
+
 /// Refuses substeps too long for a tongue of tetrahedra.
 scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient& patient) {
     const int substeps = scenario.physics.substeps;
@@ -78,10 +90,10 @@ anatomy::Patient patient_of(const Scenario& scenario) {
     return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
 }
 
-Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                   float time_limit)
-    : viewer_(patient, scope, {.tube_radius = tube.outer_radius()}) {
-    metrics_.begin(patient, scope, static_cast<double>(time_limit));
+Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario)
+    : viewer_(patient, scope, {.tube_radius = scenario.tube.outer_radius()}) {
+    metrics_.begin(patient, scope, static_cast<double>(scenario.time_limit),
+                   physiology_of(scenario, patient));
 }
 
 void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye) {
@@ -95,7 +107,7 @@ void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3
 Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
       scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
-      assessor_(patient, scope_, scenario.tube, scenario.time_limit),
+      assessor_(patient, scope_, scenario),
       tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {}
 
 void Simulation::step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye) {

@@ -39,7 +39,7 @@ struct PatientLimits {
 /// Looks at snapshots and measures: of one session, in the order of its steps.
 class Assessor {
   public:
-    Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, float time_limit);
+    Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario);
 
     /// Takes in the next step. The view is judged at 30 Hz from `eye` [m], by default from where it is best.
     void observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye);

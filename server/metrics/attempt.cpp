@@ -150,6 +150,11 @@ void Attempt::add(const Moment& moment) {
     parameters_.oesophageal_entries += moment.tube.oesophagus == Passage::Change::in ? 1 : 0;
     parameters_.main_stem_entries += moment.tube.main_stem == Passage::Change::in ? 1 : 0;
     parameters_.tube_depth_at_lip_cm = 100.0 * moment.depth_at_lip;
+    parameters_.oxygen_saturation_end_percent = moment.oxygen_saturation;
+    parameters_.oxygen_saturation_min_percent =
+        std::fmin(parameters_.oxygen_saturation_min_percent, moment.oxygen_saturation);
+    parameters_.heart_rate_end_per_min = moment.heart_rate;
+    parameters_.heart_rate_min_per_min = std::fmin(parameters_.heart_rate_min_per_min, moment.heart_rate);
     parameters_.time_s = moment.time;
     parameters_.over_time_limit = moment.time > time_limit_ ? 1 : 0;
     fill_means();

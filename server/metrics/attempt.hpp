@@ -54,8 +54,10 @@ struct Moment {
     Vec3f tube_tip = Vec3f::Zero();
     AirwayWatch::Changes tube;
     bool tube_at_glottis = false;
-    float head_elevation = 0.0f;                                     ///< [rad]
-    double depth_at_lip = std::numeric_limits<double>::quiet_NaN();  ///< [m]
+    float head_elevation = 0.0f;                                          ///< [rad]
+    double depth_at_lip = std::numeric_limits<double>::quiet_NaN();       ///< [m]
+    double oxygen_saturation = std::numeric_limits<double>::quiet_NaN();  ///< [%], where it is simulated
+    double heart_rate = std::numeric_limits<double>::quiet_NaN();         ///< [1/min], likewise
 };
 
 /// Speed [m/s] of a moving point over intervals of at least `interval` [s]: differences between

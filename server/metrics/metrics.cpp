@@ -19,6 +19,11 @@ constexpr double refresh_interval = 1.0;  // [s]
 // Beyond it a run repeats itself; later events are dropped and the last entry says so.
 constexpr std::size_t most_events = 1000;
 
+// What counts as severe during an intubation: Herrick et al. 2020 (Neonatology 117:65) and the neonatal
+// airway registry take a fall by 20 points and a heart rate below 100.
+constexpr double low_saturation = 80.0;   // [%]
+constexpr double low_heart_rate = 100.0;  // [1/min]
+
 double unknown() {
     return std::numeric_limits<double>::quiet_NaN();
 }
@@ -93,12 +98,16 @@ Parameters combine(std::span<const RunPart> parts) {
     return run;
 }
 
-void Metrics::begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit) {
+void Metrics::begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit,
+                    const std::optional<Physiology>& physiology) {
     *this = Metrics{};
     scope_ = scope;
     weight_ = static_cast<double>(patient.weight);
     time_limit_ = time_limit;
     depth_at_lip_ = unknown();
+    if (physiology) {
+        vital_signs_.emplace(*physiology);
+    }
 }
 
 void Metrics::note(std::string text) {
@@ -143,6 +152,7 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
     if (starts) {
         start_attempt();
     }
+    note_vital_signs(seconds);
     const double opening = static_cast<double>(view.opening_percent);
     run_story_.add(tube_, changes, attempt_ ? opening : 0.0, now_);
     if (attempt_) {
@@ -162,6 +172,10 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
             tube_.in_mouth() && (live_.tube_tip - places.glottis.centre).norm() < gates_.glottis_radius;
         moment.head_elevation = snapshot.live.head_elevation;
         moment.depth_at_lip = depth_at_lip_;
+        if (vital_signs_) {
+            moment.oxygen_saturation = vital_signs_->oxygen_saturation();
+            moment.heart_rate = vital_signs_->heart_rate();
+        }
         add_to_attempt(moment);
     } else {
         entries_between_ += changes.oesophagus == Passage::Change::in ? 1 : 0;
@@ -196,6 +210,36 @@ void Metrics::note_changes(const AirwayWatch::Changes& changes) {
     if (changes.main_stem != none) {
         note(changes.main_stem == in ? "the tube passed the carina" : "the tube came back above the carina");
     }
+}
+
+// The blade in the mouth keeps the mask off. Between attempts somebody ventilates, through the tube where it
+// lies in the airway, else through the mask; what a tube in the oesophagus carries does not reach the lungs.
+Ventilation Metrics::ventilation() const {
+    if (attempt_ || tube_.in_oesophagus()) {
+        return Ventilation::none;
+    }
+    return tube_.in_main_stem() ? Ventilation::one_lung : Ventilation::both_lungs;
+}
+
+void Metrics::note_vital_signs(double seconds) {
+    if (!vital_signs_) {
+        return;
+    }
+    vital_signs_->advance(seconds, ventilation());
+    const auto watch = [&](bool& low, double value, double limit, double back, const char* fell,
+                           const char* recovered) {
+        if (!low && value < limit) {
+            low = true;
+            note(fell);
+        } else if (low && value > back) {
+            low = false;
+            note(recovered);
+        }
+    };
+    watch(desaturated_, vital_signs_->oxygen_saturation(), low_saturation, low_saturation + 2.0,
+          "the oxygen saturation fell below 80 %", "the oxygen saturation is above 80 % again");
+    watch(bradycardic_, vital_signs_->heart_rate(), low_heart_rate, low_heart_rate + 5.0,
+          "the heart rate fell below 100 a minute", "the heart rate is above 100 a minute again");
 }
 
 void Metrics::start_attempt() {
@@ -248,6 +292,10 @@ AttemptSummary Metrics::run() const {
     summary.parameters = combine(parts);
     summary.parameters.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_);
     summary.parameters.tube_depth_at_lip_cm = 100.0 * depth_at_lip_;
+    if (vital_signs_) {
+        summary.parameters.oxygen_saturation_end_percent = vital_signs_->oxygen_saturation();
+        summary.parameters.heart_rate_end_per_min = vital_signs_->heart_rate();
+    }
     summary.parameters.oesophageal_entries += entries_between_;
     summary.parameters.main_stem_entries += main_stem_between_;
     Story story = run_story_;

@@ -13,6 +13,7 @@
 #include "server/metrics/attempt.hpp"
 #include "server/metrics/glottic_view.hpp"
 #include "server/metrics/story.hpp"
+#include "server/metrics/vital_signs.hpp"
 #include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
@@ -47,8 +48,9 @@ struct Event {
 /// An attempt begins when the blade's tip passes the mouth opening inwards and ends when it is out again.
 class Metrics {
   public:
-    /// Starts a run. `time_limit` [s] per attempt.
-    void begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit = 30.0);
+    /// Starts a run. `time_limit` [s] per attempt. Without a physiology, vital signs are not simulated.
+    void begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit = 30.0,
+               const std::optional<Physiology>& physiology = std::nullopt);
 
     /// Takes in the next snapshot; one that is not newer than the last is ignored. `view` is the newest
     /// result of GlotticViewer, which may be older than the snapshot.
@@ -75,6 +77,8 @@ class Metrics {
     void add_to_attempt(const Moment& moment);
     void end_attempt();
     void note_changes(const AirwayWatch::Changes& changes);
+    void note_vital_signs(double seconds);
+    [[nodiscard]] Ventilation ventilation() const;
     void note(std::string text);
 
     GateSettings gates_;
@@ -87,6 +91,8 @@ class Metrics {
     Passage blade_;
     AirwayWatch tube_;
     float trachea_length_ = 0.0f;
+    std::optional<VitalSigns> vital_signs_;
+    bool desaturated_ = false, bradycardic_ = false;
     double depth_at_lip_ = 0.0;  // [m], newest
 
     std::optional<Attempt> attempt_;

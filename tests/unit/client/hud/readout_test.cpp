@@ -37,6 +37,26 @@ TEST(Readout, SaysWhatTheMessagesSaid) {
     EXPECT_EQ(hud::readout_of(scene, true).link, hud::Link::finished);
 }
 
+TEST(Readout, ShowsVitalSignsWhereTheyAreSimulated) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    EXPECT_FALSE(hud::readout_of(scene, false).vital_signs);
+    msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 40.0f);
+    Parameters parameters = starting_parameters();
+    parameters.oxygen_saturation_end_percent = 78.5;
+    parameters.heart_rate_end_per_min = 96.0;
+    live.parameters(bus::to_msg(parameters));
+    ASSERT_TRUE(scene.apply(live));
+    const auto signs = hud::readout_of(scene, false).vital_signs;
+    ASSERT_TRUE(signs);
+    EXPECT_DOUBLE_EQ(signs->oxygen_saturation_percent, 78.5);
+    EXPECT_DOUBLE_EQ(signs->heart_rate_per_min, 96.0);
+    EXPECT_EQ(hud::saturation_level(78.5), hud::Level::bad);
+    EXPECT_EQ(hud::heart_rate_level(96.0), hud::Level::warning);
+    EXPECT_EQ(hud::saturation_level(97.0), hud::Level::good);
+}
+
 TEST(Readout, ABladeBeforeTheMouthHasNoDepth) {
     const synthetic::Scene source = synthetic::make_scene();
     EXPECT_EQ(hud::blade_depth(source.landmarks, Vec3f(0.0f, -0.1f, 0.1f)), 0.0f);

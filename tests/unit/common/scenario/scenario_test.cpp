@@ -48,6 +48,8 @@ physics: {substeps: 6, spacing_mm: 1.5, fine_spacing_mm: 0.75, region_mm: 12, sl
 saliva: on
 view: {enhanced: on}
 time_limit_s: 20
+vital_signs: on
+inspired_oxygen_percent: 40
 seed: 42
 )");
     EXPECT_EQ(s.name, "baby");
@@ -73,6 +75,8 @@ seed: 42
     EXPECT_TRUE(s.saliva);
     EXPECT_EQ(s.live.view_enhanced, 1.0f);
     EXPECT_FLOAT_EQ(s.time_limit, 20);
+    EXPECT_TRUE(s.vital_signs);
+    EXPECT_FLOAT_EQ(s.inspired_oxygen, 0.4f);
     EXPECT_EQ(s.seed, 42u);
 }
 
@@ -85,6 +89,8 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     EXPECT_EQ(s.physics.substeps, defaults.physics.substeps);
     EXPECT_TRUE(s.physics.sleep);
     EXPECT_EQ(s.time_limit, defaults.time_limit);
+    EXPECT_FALSE(s.vital_signs) << "as in the paper";
+    EXPECT_THROW(read("inspired_oxygen_percent: 20\n"), InputError);
     EXPECT_EQ(s.saliva, defaults.saliva);
     EXPECT_FALSE(read("saliva: on\n").saliva_standby);
     EXPECT_TRUE(read("saliva: standby\n").saliva);

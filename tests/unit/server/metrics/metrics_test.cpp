@@ -84,6 +84,40 @@ TEST(Metrics, AttemptLastsFromBladeInToBladeOut) {
     EXPECT_NEAR(first.parameters.blade_path_length_cm, 100 * path, 3 * 0.17);
 }
 
+TEST(Metrics, VitalSignsFallWhileTheBladeIsInAndComeBackAfter) {
+    Session run;
+    run.metrics.begin(run.patient, run.scope, 30.0, physiology(3.0, 39.0, 0.21));
+    const auto outside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); };
+    const auto inside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); };
+    run.play(5.0, outside);
+    const double rest = run.metrics.live_parameters().oxygen_saturation_end_percent;
+    EXPECT_GT(rest, 97.0);
+    EXPECT_TRUE(std::isnan(run.metrics.live_parameters().oxygen_saturation_min_percent)) << "no attempt yet";
+    run.play(40.0, inside);
+    const Parameters low = run.metrics.live_parameters();
+    EXPECT_LT(low.oxygen_saturation_end_percent, 80.0);
+    EXPECT_NEAR(low.oxygen_saturation_min_percent, low.oxygen_saturation_end_percent, 1e-9)
+        << "it still falls";
+    EXPECT_LT(low.heart_rate_end_per_min, run.metrics.live_parameters().heart_rate_min_per_min + 1e-9);
+    run.play(60.0, outside);
+    ASSERT_EQ(run.metrics.attempts().size(), 1u);
+    const Parameters of_run = run.metrics.run().parameters;
+    EXPECT_NEAR(of_run.oxygen_saturation_end_percent, rest, 0.5);
+    EXPECT_NEAR(of_run.oxygen_saturation_min_percent, low.oxygen_saturation_min_percent, 0.5);
+    const auto said = [&](std::string_view text) {
+        return std::ranges::count(run.metrics.events(), text, &Event::text);
+    };
+    EXPECT_EQ(said("the oxygen saturation fell below 80 %"), 1);
+    EXPECT_EQ(said("the oxygen saturation is above 80 % again"), 1);
+}
+
+TEST(Metrics, WithoutAPhysiologyThereAreNoVitalSigns) {
+    Session run;
+    run.play(2.0, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); });
+    EXPECT_TRUE(std::isnan(run.metrics.live_parameters().oxygen_saturation_end_percent));
+    EXPECT_TRUE(std::isnan(run.metrics.live_parameters().heart_rate_min_per_min));
+}
+
 TEST(Metrics, ForcesFollowTissueAndTime) {
     Session run;
     run.play(0.5, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); });
@@ -179,6 +213,7 @@ TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
 
 TEST(Metrics, SuccessfulIntubation) {
     Session run;
+    run.metrics.begin(run.patient, run.scope, 30.0, physiology(3.0, 39.0, 0.3));
     const test::Path path = test::tracheal_path();
     const float from = path.length_to(1) - 0.01f;
     const float to = path.length_to(2) + 0.021f;
