@@ -155,14 +155,14 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
 
 // As a monitor has them, at the right.
 void Hud::draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, int width) const {
-    constexpr float wide = 104.0f, high = 78.0f, label = 12.0f, number = 26.0f;
+    constexpr float wide = 124.0f, high = 78.0f, label = 12.0f, number = 26.0f;
     const ImVec2 corner(static_cast<float>(width) - wide - 4.0f, 4.0f);
     list.AddRectFilled(corner, ImVec2(corner.x + wide, corner.y + high), shade, 4.0f);
     float y = corner.y + 6.0f;
     const auto line = [&](const char* name, double value, Level level) {
         const std::string text = fmt::format("{:3.0f}", value);
         list.AddText(small_, 13.0f, ImVec2(corner.x + 8.0f, y + label), grey, name);
-        list.AddText(large_, number, ImVec2(corner.x + 54.0f, y), colour_of(level), text.c_str());
+        list.AddText(large_, number, ImVec2(corner.x + 74.0f, y), colour_of(level), text.c_str());
         y += number + 8.0f;
     };
     line("SpO2 %", signs.oxygen_saturation_percent, saturation_level(signs.oxygen_saturation_percent));
