@@ -2,12 +2,15 @@
 // Copyright the NeoETI authors
 #include "client/app/aids.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "client/view/airway_axes.hpp"
 #include "client/view/line_of_sight.hpp"
+#include "common/math/units.hpp"
 
 namespace eti::client {
 namespace {
@@ -37,23 +40,39 @@ class Projection {
 };
 
 void add(std::vector<hud::Mark>& marks, const Projection& projection, const Vec3f& from, const Vec3f& to,
-         hud::Level level, std::string text = {}) {
+         hud::Level level, std::string text = {}, bool text_left = false) {
     const auto a = projection.pixel(from), b = projection.pixel(to);
     if (a && b) {
-        marks.push_back({*a, *b, level, std::move(text)});
+        marks.push_back({*a, *b, level, std::move(text), text_left});
     }
 }
 
 void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene,
-               const view::TraineeEye& eye) {
+               const view::TraineeEye& eye, bool whole) {
     const view::Sight sight = view::sight_of(eye, scene.landmarks());
     const auto met = view::obstacle(scene, sight);
-    add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
+    if (whole) {
+        add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
+    }
     if (met) {
-        add(marks, projection, met->where, sight.to, hud::Level::bad);
+        if (whole) {
+            add(marks, projection, met->where, sight.to, hud::Level::bad);
+        }
         add(marks, projection, met->where, met->where, hud::Level::bad, std::string(met->name));
     } else {
         add(marks, projection, sight.to, sight.to, hud::Level::good, "glottis in sight");
+    }
+}
+
+void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene) {
+    const view::AirwayAxes axes = view::airway_axes(scene.landmarks(), scene.live().head_elevation);
+    const auto degrees = [](float angle) { return static_cast<double>(angle / degree); };
+    // The angle to the axis before stands beside each but the first.
+    const std::array texts{std::string(axes.axes[0].name),
+                           fmt::format("{}, {:.0f} deg", axes.axes[1].name, degrees(axes.mouth_to_throat)),
+                           fmt::format("{}, {:.0f} deg", axes.axes[2].name, degrees(axes.throat_to_larynx))};
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+        add(marks, projection, axes.axes[i].from, axes.axes[i].to, hud::Level::neutral, texts[i]);
     }
 }
 
@@ -61,18 +80,24 @@ void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, cons
 
 std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
                                const render::Vantage& from, const hud::Tile& tile) {
+    using render::Overlay;
     std::vector<hud::Mark> marks;
     if (!scene.metrics()) {
         return marks;
     }
     const Projection projection(view.camera(scene, from), tile);
-    if (view.has(render::Overlay::gum_force)) {
-        const Vec3f& gum = at(scene.landmarks(), Landmark::upper_gum);
-        const float force = scene.metrics()->gum_force_n();
-        add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force));
+    if (view.has(Overlay::axes) && scene.shows(&LiveValues::view_axes)) {
+        add_axes(marks, projection, scene);
     }
-    if (view.has(render::Overlay::line_of_sight)) {
-        add_sight(marks, projection, scene, from.eye);
+    const bool whole = view.has(Overlay::line_of_sight);
+    if ((whole || view.has(Overlay::sight_dot)) && scene.shows(&LiveValues::view_sight_line)) {
+        add_sight(marks, projection, scene, from.eye, whole);
+    }
+    if (view.has(Overlay::gum_force) && scene.shows(&LiveValues::view_gum_force)) {
+        const Vec3f gum = scene.gum_contact().value_or(at(scene.landmarks(), Landmark::upper_gum));
+        const float force = scene.metrics()->gum_force_n();
+        // The name of the dot, which is often near, stands at the right.
+        add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force), true);
     }
     return marks;
 }

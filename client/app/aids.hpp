@@ -10,8 +10,9 @@
 
 namespace eti::client {
 
-/// What the enhanced view draws over a view that fills `tile`: the upper gum in the colour of the force on
-/// it, and in a section the line of sight onto the glottis, with the name of what it meets first.
+/// What the session's aids draw over a view that fills `tile`: the upper gum in the colour of the force on
+/// it, where it is pressed; the look onto the glottis, with the name of what it meets first; the axes of the
+/// airway.
 [[nodiscard]] std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
                                              const render::Vantage& from, const hud::Tile& tile);
 

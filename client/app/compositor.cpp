@@ -51,9 +51,7 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
     for (const PlacedView& placed : layout(views, target_.width(), target_.height())) {
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
-        if (scene.enhanced()) {
-            tile.marks = aids_of(*placed.view, scene, from, tile);
-        }
+        tile.marks = aids_of(*placed.view, scene, from, tile);
         // OpenGL counts rows from below.
         renderer_.draw(*placed.view, scene, target_,
                        {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);

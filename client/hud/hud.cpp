@@ -18,11 +18,23 @@ namespace eti::hud {
 namespace {
 
 constexpr float panel_width = 330.0f;
+constexpr float below_numbers = 182.0f, counts_width = 176.0f;
+constexpr float above_notice = 66.0f, alarm_height = 34.0f;
 
 constexpr float gum_force_scale_n = 6.0f;  // full length of its bar
 
 ImU32 colour_of(Level level) {
-    return level == Level::bad ? red : level == Level::warning ? amber : green;
+    switch (level) {
+        case Level::bad:
+            return red;
+        case Level::warning:
+            return amber;
+        case Level::neutral:
+            return white;
+        case Level::good:
+            break;
+    }
+    return green;
 }
 
 void draw_mark(ImDrawList& list, const Mark& mark) {
@@ -35,7 +47,8 @@ void draw_mark(ImDrawList& list, const Mark& mark) {
     }
     if (!mark.text.empty()) {
         const ImVec2 size = ImGui::CalcTextSize(mark.text.c_str());
-        const ImVec2 at(to.x + 10.0f, to.y - 0.5f * size.y);
+        const float x = mark.text_left ? to.x - 10.0f - size.x : to.x + 10.0f;
+        const ImVec2 at(x, to.y - 0.5f * size.y);
         list.AddRectFilled(ImVec2(at.x - 3.0f, at.y - 1.0f),
                            ImVec2(at.x + size.x + 3.0f, at.y + size.y + 1.0f), shade, 3.0f);
         list.AddText(at, colour_of(mark.level), mark.text.c_str());
@@ -107,8 +120,12 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     if (readout.vital_signs) {
         draw_vital_signs(list, *readout.vital_signs, width);
     }
+    draw_counts(list, readout);
+    draw_alarms(list, readout.alarms, width, height);
     if (readout.verdict) {
-        draw_verdict(list, *readout.verdict, width, height);
+        draw_verdict(list, *readout.verdict, width,
+                     static_cast<float>(height) - above_notice -
+                         alarm_height * static_cast<float>(readout.alarms.size()));
     }
     draw_keys(list, readout, width, height);
     draw_notice(list, readout, width, height);
@@ -169,8 +186,41 @@ void Hud::draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, i
     line("HR /min", signs.heart_rate_per_min, heart_rate_level(signs.heart_rate_per_min));
 }
 
-// Above the notice, in the middle.
-void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int height) const {
+void Hud::draw_counts(ImDrawList& list, const Readout& readout) const {
+    std::vector<PanelLine> lines;
+    if (const auto& clock = readout.clock) {
+        lines.push_back({.text = fmt::format("{:.1f}/{:.0f} s", clock->time_s, clock->limit_s),
+                         .value = {},
+                         .colour = colour_of(clock->level()),
+                         .large = true});
+    }
+    if (const auto& depth = readout.tube_depth) {
+        lines.push_back({.text = "tube at the lip",
+                         .value = fmt::format("{:.1f} cm", depth->at_lip_cm),
+                         .colour = colour_of(depth->level())});
+        lines.push_back(
+            {.text = "by the rule", .value = fmt::format("{:.1f} cm", depth->rule_cm), .colour = grey});
+    }
+    if (!lines.empty()) {
+        draw_panel(list, {small_, large_}, lines, ImVec2(4.0f, below_numbers), counts_width);
+    }
+}
+
+// Above the notice, in the middle, the first lowest.
+void Hud::draw_alarms(ImDrawList& list, std::span<const std::string> alarms, int width, int height) const {
+    float y = static_cast<float>(height) - above_notice - alarm_height;
+    for (const std::string& alarm : alarms) {
+        const ImVec2 extent = large_->CalcTextSizeA(26.0f, static_cast<float>(width), 0.0f, alarm.c_str());
+        const ImVec2 at(std::max(4.0f, 0.5f * (static_cast<float>(width) - extent.x)), y);
+        list.AddRectFilled(ImVec2(at.x - 8.0f, at.y), ImVec2(at.x + extent.x + 8.0f, at.y + 30.0f), shade,
+                           4.0f);
+        list.AddText(large_, 26.0f, ImVec2(at.x, at.y + 2.0f), red, alarm.c_str());
+        y -= alarm_height;
+    }
+}
+
+// Its lower edge at `bottom`, in the middle.
+void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, float bottom) const {
     std::vector<PanelLine> lines{
         {.text = verdict.title, .value = {}, .colour = verdict.success ? green : red, .large = true},
         {.text = verdict.reason, .value = {}}};
@@ -180,9 +230,7 @@ void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int 
     const float wide = std::min(panel_width, static_cast<float>(width) - 8.0f);
     const float high = panel_height({small_, large_}, lines, wide);
     draw_panel(list, {small_, large_}, lines,
-               ImVec2(0.5f * (static_cast<float>(width) - wide),
-                      std::max(4.0f, static_cast<float>(height) - 66.0f - high)),
-               wide);
+               ImVec2(0.5f * (static_cast<float>(width) - wide), std::max(4.0f, bottom - high)), wide);
 }
 
 // Help in the middle; the scenario and a notice at the top.

@@ -21,6 +21,7 @@ struct Mark {
     Eigen::Vector2f from, to;
     Level level = Level::good;
     std::string text;
+    bool text_left = false;  ///< rather than to the right
 };
 
 /// A part of the picture with a title in its corner; pixels from the upper left.
@@ -45,7 +46,10 @@ class Hud {
   private:
     void draw_numbers(ImDrawList& list, const Readout& readout, const Tile& tile) const;
     void draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, int width) const;
-    void draw_verdict(ImDrawList& list, const Verdict& verdict, int width, int height) const;
+    /// What the session's aids count; below the numbers.
+    void draw_counts(ImDrawList& list, const Readout& readout) const;
+    void draw_alarms(ImDrawList& list, std::span<const std::string> alarms, int width, int height) const;
+    void draw_verdict(ImDrawList& list, const Verdict& verdict, int width, float bottom) const;
     void draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const;
     void draw_notice(ImDrawList& list, const Readout& readout, int width, int height) const;
 

@@ -20,6 +20,10 @@ constexpr double description_for_s = 10.0;  // likewise
 constexpr float gum_force_warning_n = 2.0f;
 constexpr float gum_force_bad_n = 4.0f;
 
+constexpr double last_seconds = 10.0;  // [s], of an attempt's time
+// Of the depth at the lip from the rule; chosen, the marks on a tube are 0.5 to 1 cm apart.
+constexpr double depth_warning_cm = 0.5, depth_bad_cm = 1.0;
+
 // What is shown of an attempt at once; eti-review has the rest.
 constexpr std::array shown{&Parameters::time_s, &Parameters::gum_force_max_n,
                            &Parameters::glottic_opening_max_percent, &Parameters::tube_depth_at_lip_cm,
@@ -67,7 +71,40 @@ std::string warning_of(const msg::SessionStatus& status) {
                        status.phase() == msg::PHASE_FROZEN ? ": time stands still" : "");
 }
 
+// What a supervisor would call out.
+std::vector<std::string> alarms_of(const msg::LiveMetrics& metrics, const Parameters& now) {
+    std::vector<std::string> alarms;
+    if (gum_force_level(metrics.gum_force_n()) == Level::bad) {
+        alarms.emplace_back("pressing on the upper gum");
+    }
+    switch (metrics.tube_place()) {
+        case msg::TUBE_IN_OESOPHAGUS:
+            alarms.emplace_back("tube in the oesophagus");
+            break;
+        case msg::TUBE_IN_MAIN_STEM:
+            alarms.emplace_back("tube in a main bronchus");
+            break;
+        case msg::TUBE_IN_TRACHEA:
+            if (now.tube_depth_at_lip_cm > now.tube_depth_rule_cm + depth_bad_cm) {
+                alarms.emplace_back("tube too deep");
+            }
+            break;
+        default:
+            break;
+    }
+    return alarms;
+}
+
 }  // namespace
+
+Level Readout::Clock::level() const {
+    return time_s > limit_s ? Level::bad : time_s > limit_s - last_seconds ? Level::warning : Level::good;
+}
+
+Level Readout::TubeDepth::level() const {
+    const double off = std::abs(at_lip_cm - rule_cm);
+    return off > depth_bad_cm ? Level::bad : off > depth_warning_cm ? Level::warning : Level::good;
+}
 
 Level gum_force_level(float force) {
     return force > gum_force_bad_n ? Level::bad : force > gum_force_warning_n ? Level::warning : Level::good;
@@ -116,6 +153,15 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
     }
     if (scene.metrics() && scene.keys()) {
         const Parameters now = scene.keys()->parameters(scene.metrics()->parameters());
+        if (scene.shows(&LiveValues::view_clock) && readout.attempt_running) {
+            readout.clock = {now.time_s, static_cast<double>(scene.description()->time_limit_s())};
+        }
+        if (scene.shows(&LiveValues::view_tube_depth) && !std::isnan(now.tube_depth_at_lip_cm)) {
+            readout.tube_depth = {now.tube_depth_at_lip_cm, now.tube_depth_rule_cm};
+        }
+        if (scene.shows(&LiveValues::view_warnings)) {
+            readout.alarms = alarms_of(*scene.metrics(), now);
+        }
         if (!std::isnan(now.oxygen_saturation_end_percent) && !std::isnan(now.heart_rate_end_per_min)) {
             readout.vital_signs = {now.oxygen_saturation_end_percent, now.heart_rate_end_per_min};
         }

@@ -15,7 +15,7 @@ namespace eti::hud {
 enum class Link { waiting, running, finished, lost };
 
 /// As traffic lights have it.
-enum class Level { good, warning, bad };
+enum class Level { good, warning, bad, neutral };
 
 /// Of the force [N] on the upper gum.
 [[nodiscard]] Level gum_force_level(float force);
@@ -51,13 +51,26 @@ struct Readout {
         double heart_rate_per_min = 0.0;
     };
     std::optional<VitalSigns> vital_signs;
-    float server_load = 0.0f;  ///< step time over step budget
-    float behind_s = 0.0f;     ///< wall clock minus simulation time
-    std::string scenario;      ///< its name
-    std::string description;   ///< of the scenario, in the first seconds and while waiting; else empty
-    std::string message;       ///< the server's newest
-    std::string warning;       ///< of a device that fell silent; else empty
-    std::string notice;        ///< what this client has to say, e.g. of a refused command
+    /// Of the attempt, where the session asks for the clock.
+    struct Clock {
+        double time_s = 0.0, limit_s = 30.0;
+        [[nodiscard]] Level level() const;
+    };
+    std::optional<Clock> clock;
+    /// Of the tube at the lip, where the session asks for it and the tube is in the mouth.
+    struct TubeDepth {
+        double at_lip_cm = 0.0, rule_cm = 0.0;
+        [[nodiscard]] Level level() const;
+    };
+    std::optional<TubeDepth> tube_depth;
+    std::vector<std::string> alarms;  ///< where the session asks for warnings: what harms now
+    float server_load = 0.0f;         ///< step time over step budget
+    float behind_s = 0.0f;            ///< wall clock minus simulation time
+    std::string scenario;             ///< its name
+    std::string description;          ///< of the scenario, in the first seconds and while waiting; else empty
+    std::string message;              ///< the server's newest
+    std::string warning;              ///< of a device that fell silent; else empty
+    std::string notice;               ///< what this client has to say, e.g. of a refused command
     std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for
     std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };

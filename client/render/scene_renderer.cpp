@@ -136,6 +136,9 @@ void SceneRenderer::run(Pass pass, const Drawing& drawing) {
                              area.height);
             }
             break;
+        case Pass::glottis:
+            glottis_.draw(drawing);
+            break;
         case Pass::hidden_tools:
             tools_.draw_hidden(drawing, meshes_, shadows_);
             break;

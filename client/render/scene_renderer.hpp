@@ -4,6 +4,7 @@
 
 #include "client/render/caps_pass.hpp"
 #include "client/render/drawing.hpp"
+#include "client/render/glottis_pass.hpp"
 #include "client/render/liquid_surface.hpp"
 #include "client/render/patient_pass.hpp"
 #include "client/render/render_target.hpp"
@@ -40,6 +41,7 @@ class SceneRenderer {
     PatientPass patient_;
     ToolsPass tools_;
     LiquidSurface liquid_;
+    GlottisPass glottis_;
     TonePass tone_;
 };
 

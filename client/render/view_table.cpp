@@ -45,7 +45,8 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
     return {left, right};
 }
 
-const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid};
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid,
+                                   Pass::glottis};
 
 const std::array table{
     View{.name = "eye",
@@ -53,7 +54,7 @@ const std::array table{
          .help = "what the trainee's own eye sees",
          .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
-         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid},
+         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis},
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::always,
          .moves = Moves::eye,
@@ -64,7 +65,7 @@ const std::array table{
          .cameras = on_the_blade,
          .lighting = laryngoscope_lighting,
          .passes = of_a_mouth,
-         .overlays = {},  // the gum lies behind the lens
+         .overlays = {Overlay::sight_dot},  // the gum lies behind the lens
          .tone = {.vignette = 1.0f},
          .automatic = Automatic::always,
          .moves = Moves::eye,
@@ -77,6 +78,7 @@ const std::array table{
          .lighting = overview_lighting,
          .passes = {Pass::room_shadow, Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools,
                     Pass::liquid},
+         .overlays = {Overlay::gum_force, Overlay::line_of_sight},
          .background = Vec3f(0.035f, 0.065f, 0.075f),
          .automatic = Automatic::always,
          .moves = Moves::onlooker},
@@ -86,7 +88,7 @@ const std::array table{
          .cameras = onto_the_cut,
          .lighting = section_lighting,
          .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools},
-         .overlays = {Overlay::gum_force, Overlay::line_of_sight},
+         .overlays = {Overlay::gum_force, Overlay::line_of_sight, Overlay::axes},
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::enhanced,
          .moves = Moves::section,

@@ -25,13 +25,16 @@ enum class Pass : std::uint8_t {
     table,  ///< beneath the patient
     tools,
     liquid,
+    glottis,       ///< its opening, tinted, where the session asks for it
     hidden_tools,  ///< what of the tools lies behind what was drawn, shining through
 };
 
 /// What the enhanced view draws over a view.
 enum class Overlay : std::uint8_t {
-    gum_force,      ///< a mark on the upper gum
-    line_of_sight,  ///< from the eye onto the glottis
+    gum_force,      ///< a mark where the upper gum is pressed
+    sight_dot,      ///< where the look from the eye onto the glottis ends
+    line_of_sight,  ///< the look itself, too
+    axes,           ///< of mouth, throat and larynx
 };
 
 /// Whether a view is shown where nothing was asked for.
@@ -56,7 +59,7 @@ struct View {
     /// `lamp`: the laryngoscope's, where there is one.
     Lighting (*lighting)(const Camera& camera, const std::optional<Light>& lamp);
     std::vector<Pass> passes;
-    std::vector<Overlay> overlays = {Overlay::gum_force};
+    std::vector<Overlay> overlays = {Overlay::gum_force, Overlay::sight_dot};
     Vec3f background = Vec3f::Zero();  ///< linear
     ToneMapping tone = {};
     Automatic automatic = Automatic::never;

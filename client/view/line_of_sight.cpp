@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/view/pressed.hpp"
 #include "common/model/lip_retraction.hpp"
 
 namespace eti::view {
@@ -76,7 +77,7 @@ std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
         if (is_bone(model.tissue)) {  // inside the body, hidden anyway
             continue;
         }
-        const auto vertices = surface.vertices();
+        const auto vertices = pressed(scene, surface);
         for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
             const auto& [a, b, c] = model.mesh.triangles[t];
             const auto corner = [&](std::uint32_t v) { return lips.held_aside(vertices[v].position); };

@@ -275,8 +275,22 @@ bool SceneView::apply(const msg::ProxyState& message) {
     if (!pose) {
         return refuse("eti/proxy", "impossible pose");
     }
+    // The middle of the contacts with the upper gum, by their forces.
+    Vec3f moment = Vec3f::Zero();
+    float force = 0.0f;
+    for (const msg::ShellContact& contact : message.contacts()) {
+        const Vec3f position = bus::from_msg(contact.position());
+        if (!plausible(position) || !std::isfinite(contact.force())) {
+            return refuse("eti/proxy", "an impossible contact");
+        }
+        if (contact.tissue() == static_cast<std::uint32_t>(Tissue::upper_gum) && contact.force() > 0.0f) {
+            moment += contact.force() * position;
+            force += contact.force();
+        }
+    }
     note_time(message.header().simulation_time_ns());
     laryngoscope_pose_ = *pose;
+    gum_contact_ = force > 0.0f ? std::optional<Vec3f>(moment / force) : std::nullopt;
     return true;
 }
 
@@ -298,10 +312,17 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!printable(message.message().to_string())) {
         return refuse("eti/live_metrics", "a message with control characters");
     }
+    std::vector<Vec3f> contour;
+    std::ranges::transform(message.glottis_contour(), std::back_inserter(contour),
+                           [](const msg::Vec3& p) { return bus::from_msg(p); });
+    if (!std::ranges::all_of(contour, plausible)) {
+        return refuse("eti/live_metrics", "an impossible contour of the glottis");
+    }
     note_time(message.header().simulation_time_ns());
     landmarks_ = *points;
     live_landmarks_ = true;
     metrics_ = message;
+    glottis_contour_ = std::move(contour);
     live_ = keys_->live(message);
     return true;
 }

@@ -74,6 +74,12 @@ class SceneView {
     [[nodiscard]] const LiveValues& live() const { return live_; }
     /// The session asks for the enhanced view.
     [[nodiscard]] bool enhanced() const { return live_.view_enhanced > 0.5f; }
+    /// The session asks for an aid, by itself or with all of the enhanced view.
+    [[nodiscard]] bool shows(float LiveValues::*aid) const { return enhanced() || live_.*aid > 0.5f; }
+    /// Where the blade presses on the upper gum [m], by the newest contacts; nothing while it does not.
+    [[nodiscard]] const std::optional<Vec3f>& gum_contact() const { return gum_contact_; }
+    /// Closed polygon around the glottic opening [m]; empty before metrics came.
+    [[nodiscard]] std::span<const Vec3f> glottis_contour() const { return glottis_contour_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
     /// How the newest attempt of this run ended.
     [[nodiscard]] const std::optional<AttemptReport>& attempt_report() const { return attempt_report_; }
@@ -142,6 +148,8 @@ class SceneView {
     Landmarks rest_landmarks_ = unseen_landmarks();
     bool live_landmarks_ = false;
 
+    std::optional<Vec3f> gum_contact_;
+    std::vector<Vec3f> glottis_contour_;
     std::optional<msg::LiveMetrics> metrics_;
     LiveValues live_;
     std::optional<msg::SessionStatus> status_;

@@ -16,6 +16,12 @@ namespace {
 constexpr float nurse = 0.17f;  // [rad/s]; a head is tilted at about 10 deg/s
 constexpr float at_once = 0.0f;
 
+// What the enhanced view draws, each on its own.
+constexpr LiveField aid(std::string_view name, std::string_view label, float LiveValues::*value,
+                        std::string_view help) {
+    return {{name, "view", label, "", 1.0f, 0.0f, 1.0f, value, help}, at_once, false, "inputs", "1", true};
+}
+
 constexpr LiveField rows[] = {
     {{"head_elevation", "patient", "head elevation", "deg", degree, 0.0f, max_head_elevation_deg,
       &LiveValues::head_elevation,
@@ -74,12 +80,28 @@ constexpr LiveField rows[] = {
      "inputs",
      "1"},
     {{"view_enhanced", "view", "enhanced view", "", 1.0f, 0.0f, 1.0f, &LiveValues::view_enhanced,
-      "Every client shows the mid-sagittal section beside the scene, and what else helps a learner"},
+      "Every client shows the mid-sagittal section beside the scene, and all of the aids below"},
      at_once,
      false,
      "inputs",
      "1",
      true},
+    aid("view_gum_force", "mark of the gum force", &LiveValues::view_gum_force,
+        "The force on the upper gum, where it acts, as a colour and a number"),
+    aid("view_sight_line", "laser dot", &LiveValues::view_sight_line,
+        "A dot where the look onto the glottis ends, with the name of what it meets; in a section the whole "
+        "line"),
+    aid("view_glottis", "tinted glottis", &LiveValues::view_glottis,
+        "The part of the glottic opening that nothing covers is tinted"),
+    aid("view_axes", "axes of the airway", &LiveValues::view_axes,
+        "Axes of mouth, throat and larynx, and the angles between them"),
+    aid("view_clock", "clock of the attempt", &LiveValues::view_clock,
+        "Time of the attempt against its limit, red beyond it"),
+    aid("view_tube_depth", "tube depth against the rule", &LiveValues::view_tube_depth,
+        "Depth of the tube at the lip beside the one that weight plus 6 cm gives"),
+    aid("view_warnings", "warnings", &LiveValues::view_warnings,
+        "A word while the gum is pressed hard, or the tube lies in the oesophagus, too deep or in a main "
+        "bronchus"),
     {{"tube_youngs_modulus", "tube", "tube stiffness", "MPa", 1e6f, 1.0f, 200.0f,
       &LiveValues::tube_youngs_modulus,
       "Young's modulus of the tube's material; 10 to 20 is PVC, more stands for a stylet"},

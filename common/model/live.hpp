@@ -20,7 +20,9 @@ struct LiveValues {
     float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     float secretion = 1.0f;         ///< of what the glands usually give
     float suction = 0.0f;           ///< 0..1
-    float view_enhanced = 0.0f;     ///< 0 or 1
+    float view_enhanced = 0.0f;     ///< 0 or 1, as the others of the view: all aids and the section
+    float view_gum_force = 0.0f, view_sight_line = 0.0f, view_glottis = 0.0f, view_axes = 0.0f;
+    float view_clock = 0.0f, view_tube_depth = 0.0f, view_warnings = 0.0f;
     float tube_youngs_modulus = Tube{}.youngs_modulus;  ///< [Pa]
     float tube_curve_radius = Tube{}.curve_radius;      ///< [m]
 

@@ -85,6 +85,7 @@ void Judge::tell(const scene::Snapshot& snapshot) {
     values.glottic_opening_percent = live.glottic_opening_percent;
     values.gum_force = live.gum_force;
     values.tube_depth_past_glottis = live.tube_depth_past_glottis;
+    values.tube_place = live.tube_place;
     values.message = live.message;
     values.parameters = parameters_;
     output_->post_live(snapshot, values);

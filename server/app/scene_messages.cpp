@@ -129,6 +129,12 @@ msg::LiveMetrics live_message(const scene::Snapshot& snapshot, const LiveMeasure
     message.gum_force_n(live.gum_force);
     message.tube_depth_past_glottis(live.tube_depth_past_glottis);
     message.tube_force_n(snapshot.tube_force.norm());
+    message.tube_place(static_cast<msg::TubePlace>(live.tube_place));
+    const std::size_t around =
+        std::min(msg::bound::LiveMetrics_glottis_contour, snapshot.glottis_contour.size());
+    for (std::size_t i = 0; i < around; ++i) {
+        message.glottis_contour().push_back(to_msg(snapshot.glottis_contour[i]));
+    }
     message.tube_tip(to_msg(snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : snapshot.tube_nodes.back()));
     bus::put_live(snapshot.live, message);
     for (const Vec3f& p : snapshot.landmarks) {

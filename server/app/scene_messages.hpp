@@ -12,6 +12,7 @@
 #include "common/model/parameters.hpp"
 #include "common/model/tools.hpp"
 #include "common/scenario/scenario.hpp"
+#include "server/metrics/metrics.hpp"
 #include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
@@ -24,6 +25,7 @@ struct LiveMeasures {
     float glottic_opening_percent = 0.0f;
     float gum_force = 0.0f;                 ///< [N]
     float tube_depth_past_glottis = -1.0f;  ///< [m]
+    metrics::TubePlace tube_place = metrics::TubePlace::outside;
     Parameters parameters;
     std::string message;
 };

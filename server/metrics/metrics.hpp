@@ -19,6 +19,9 @@
 
 namespace eti::metrics {
 
+/// Where the tube's tip lies.
+enum class TubePlace : std::uint8_t { outside, mouth, trachea, main_stem, oesophagus };
+
 /// What an instructor watches while a run goes on.
 struct Live {
     std::uint32_t attempt = 0;  ///< number of the last attempt; 0 before the first
@@ -26,8 +29,9 @@ struct Live {
     float glottic_opening_percent = 0.0f;
     float gum_force = 0.0f;                 ///< [N]
     float tube_depth_past_glottis = -1.0f;  ///< [m]; minus the distance from the glottis before it
-    Vec3f tube_tip = Vec3f::Zero();         ///< [m]
-    std::string message;                    ///< the last event
+    TubePlace tube_place = TubePlace::outside;
+    Vec3f tube_tip = Vec3f::Zero();  ///< [m]
+    std::string message;             ///< the last event
 };
 
 struct AttemptSummary {
@@ -79,6 +83,7 @@ class Metrics {
     void note_changes(const AirwayWatch::Changes& changes);
     void note_vital_signs(double seconds);
     [[nodiscard]] Ventilation ventilation() const;
+    [[nodiscard]] TubePlace tube_place() const;
     void note(std::string text);
 
     GateSettings gates_;

@@ -2,8 +2,10 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
+#include "client/app/aids.hpp"
 #include "client/app/compositor.hpp"
 #include "client/render/headless_context.hpp"
 #include "common/bus/session_keys.hpp"
@@ -20,9 +22,12 @@ class EnhancedView : public ::testing::Test {
     void SetUp() override { synthetic::fill(scene_, source_); }
 
     void say(bool enhanced, float gum_force) {
-        auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
         LiveValues live;
         live.view_enhanced = enhanced ? 1.0f : 0.0f;
+        say(live, gum_force);
+    }
+    void say(const LiveValues& live, float gum_force) {
+        auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
         bus::put_live(live, metrics);
         metrics.gum_force_n(gum_force);
         ASSERT_TRUE(scene_.apply(metrics));
@@ -52,9 +57,12 @@ class EnhancedView : public ::testing::Test {
         return {all, far};
     }
     [[nodiscard]] Eigen::Vector2f gum_pixel(std::string_view view) const {
+        return pixel_of(at(scene_.landmarks(), Landmark::upper_gum), view);
+    }
+    [[nodiscard]] Eigen::Vector2f pixel_of(const Vec3f& point, std::string_view view) const {
         const render::Camera camera = render::view_named(view)->camera(scene_, {});
-        const Eigen::Vector4f clip = camera.projection(static_cast<float>(width) / height) * camera.view() *
-                                     at(scene_.landmarks(), Landmark::upper_gum).homogeneous();
+        const Eigen::Vector4f clip =
+            camera.projection(static_cast<float>(width) / height) * camera.view() * point.homogeneous();
         return {0.5f * width * (1.0f + clip.x() / clip.w()), 0.5f * height * (1.0f - clip.y() / clip.w())};
     }
 
@@ -87,7 +95,7 @@ TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
 
 TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
     for (const render::View& view : render::views()) {
-        if (view.overlays.empty()) {
+        if (!view.has(render::Overlay::gum_force)) {
             continue;
         }
         say(false, 1.0f);
@@ -96,18 +104,104 @@ TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
         const int x = static_cast<int>(std::lround(gum.x())), y = static_cast<int>(std::lround(gum.y()));
         ASSERT_TRUE(x > 0 && x < width && y > 0 && y < height) << view.name;
         for (const auto& [force, red] : {std::pair{1.0f, false}, std::pair{5.0f, true}}) {
-            say(true, force);
+            LiveValues mark_alone;
+            mark_alone.view_gum_force = 1.0f;
+            say(mark_alone, force);
             const render::Image marked = picture(view.name);
             const std::uint8_t* const at_gum = marked.pixel(x, y);
             EXPECT_EQ(at_gum[0] > at_gum[1], red) << view.name << " at " << force << " N";
             const auto [all, far] = changed(plain, marked, gum, 60.0f);
             EXPECT_GT(all, 60) << view.name;
-            // A disc of 6 pixels and a number beside it; the section has more.
-            if (!view.has(render::Overlay::line_of_sight)) {
-                EXPECT_EQ(far, 0) << view.name;
+            // A disc of 6 pixels and a number beside it.
+            EXPECT_EQ(far, 0) << view.name;
+        }
+    }
+}
+
+TEST_F(EnhancedView, EachAidComesByItself) {
+    struct Case {
+        float LiveValues::*aid;
+        std::string_view view;
+    };
+    for (const auto& [aid, view] :
+         {Case{&LiveValues::view_gum_force, "overview"}, Case{&LiveValues::view_sight_line, "section"},
+          Case{&LiveValues::view_axes, "section"}}) {
+        const auto with = [&](float LiveValues::*shown) {
+            LiveValues live;
+            live.*shown = 1.0f;
+            say(live, 1.0f);
+            return picture(view);
+        };
+        say(LiveValues{}, 1.0f);
+        const render::Image plain = picture(view), alone = with(aid);
+        const int by_itself = changed(plain, alone, Eigen::Vector2f::Zero(), 0.0f).first;
+        EXPECT_GT(by_itself, 60) << view;
+        EXPECT_GT(changed(plain, with(&LiveValues::view_enhanced), Eigen::Vector2f::Zero(), 0.0f).first,
+                  by_itself)
+            << view;
+        for (const LiveField& field : live_fields) {
+            if (field.on_off && field.value != aid) {
+                EXPECT_TRUE(with(field.value).rgba != alone.rgba) << field.name;
             }
         }
     }
+}
+
+TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
+    msg::ProxyState proxy = synthetic::proxy(source_, 3'000'000);
+    const Vec3f gum = at(scene_.landmarks(), Landmark::upper_gum);
+    const Vec3f pressed = gum + Vec3f(6e-3f, 0.0f, 0.0f);
+    msg::ShellContact contact;
+    contact.position().x(pressed.x());
+    contact.position().y(pressed.y());
+    contact.position().z(pressed.z());
+    contact.force(2.0f);
+    contact.tissue(static_cast<std::uint32_t>(Tissue::upper_gum));
+    proxy.contacts().push_back(contact);
+    ASSERT_TRUE(scene_.apply(proxy));
+    say(true, 5.0f);
+    const render::View& view = *render::view_named("overview");
+    const auto marks = client::aids_of(view, scene_, {}, {"overview", 0, 0, width, height});
+    const auto mark = std::ranges::find(marks, "5.0 N", &hud::Mark::text);
+    ASSERT_NE(mark, marks.end());
+    const Eigen::Vector2f there = pixel_of(pressed, "overview");
+    EXPECT_LT((mark->from - there).norm(), 2.0f);
+    EXPECT_GT((mark->from - pixel_of(gum, "overview")).norm(), 2.0f);
+    EXPECT_EQ(mark->level, hud::Level::bad);
+}
+
+TEST_F(EnhancedView, TheGlottisIsTintedAsFarAsNothingCoversIt) {
+    // A square of 4 mm, at a distance from the eye on its way to the glottis: in the open air, or behind the
+    // head.
+    const render::View& view = *render::view_named("eye");
+    const render::Camera camera = view.camera(scene_, {});
+    const Vec3f way = (at(scene_.landmarks(), Landmark::glottis) - camera.eye).normalized();
+    const Vec3f across = way.unitOrthogonal(), along = way.cross(across);
+    const auto tinted = [&](float away) {
+        auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
+        for (const auto& [i, j] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
+            const Vec3f p = camera.eye + away * way + 2e-3f * (i * across + j * along);
+            msg::Vec3& point = metrics.glottis_contour().emplace_back();
+            point.x(p.x());
+            point.y(p.y());
+            point.z(p.z());
+        }
+        const auto drawn = [&](float shown) {
+            LiveValues live;
+            live.view_glottis = shown;
+            bus::put_live(live, metrics);
+            EXPECT_TRUE(scene_.apply(metrics));
+            return picture("eye");
+        };
+        const render::Image without = drawn(0.0f), with = drawn(1.0f);
+        return changed(without, with, Eigen::Vector2f::Zero(), 0.0f).first;
+    };
+    // 4 mm at a quarter of a metre, in pixels.
+    const float distance = 0.25f;
+    const float side = 4e-3f / distance * 0.5f * static_cast<float>(height) *
+                       camera.projection(static_cast<float>(width) / height)(1, 1);
+    EXPECT_NEAR(tinted(distance), side * side, 0.35f * side * side);
+    EXPECT_EQ(tinted(1.0f), 0) << "behind the head";
 }
 
 TEST_F(EnhancedView, DrawsTheLineOfSightInTheSection) {

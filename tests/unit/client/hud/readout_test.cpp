@@ -57,6 +57,56 @@ TEST(Readout, ShowsVitalSignsWhereTheyAreSimulated) {
     EXPECT_EQ(hud::saturation_level(97.0), hud::Level::good);
 }
 
+TEST(Readout, CountsWhatTheSessionAsksFor) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    const auto readout = [&](const LiveValues& aids, double time, double depth, msg::TubePlace place,
+                             float gum) {
+        msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 40.0f);
+        bus::put_live(aids, live);
+        Parameters parameters = starting_parameters();
+        parameters.time_s = time;
+        parameters.tube_depth_at_lip_cm = depth;
+        parameters.tube_depth_rule_cm = 9.5;
+        live.parameters(bus::to_msg(parameters));
+        live.tube_place(place);
+        live.gum_force_n(gum);
+        EXPECT_TRUE(scene.apply(live));
+        return hud::readout_of(scene, false);
+    };
+    const hud::Readout plain = readout({}, 31.0, 12.0, msg::TUBE_IN_OESOPHAGUS, 9.0f);
+    EXPECT_FALSE(plain.clock);
+    EXPECT_FALSE(plain.tube_depth);
+    EXPECT_TRUE(plain.alarms.empty());
+    LiveValues aids;
+    aids.view_clock = 1.0f;
+    for (const auto& [time, level] :
+         {std::pair{12.0, hud::Level::good}, {20.5, hud::Level::warning}, {30.1, hud::Level::bad}}) {
+        const auto clock = readout(aids, time, 9.5, msg::TUBE_IN_MOUTH, 0.0f).clock;
+        ASSERT_TRUE(clock);
+        EXPECT_EQ(clock->limit_s, 30.0);
+        EXPECT_EQ(clock->level(), level) << time;
+    }
+    aids = {};
+    aids.view_tube_depth = 1.0f;
+    for (const auto& [depth, level] :
+         {std::pair{9.8, hud::Level::good}, {8.8, hud::Level::warning}, {10.6, hud::Level::bad}}) {
+        EXPECT_EQ(readout(aids, 5.0, depth, msg::TUBE_IN_TRACHEA, 0.0f).tube_depth->level(), level) << depth;
+    }
+    aids = {};
+    aids.view_enhanced = 1.0f;
+    const auto alarms = [&](double depth, msg::TubePlace place, float gum) {
+        return readout(aids, 5.0, depth, place, gum).alarms;
+    };
+    using Words = std::vector<std::string>;
+    EXPECT_EQ(alarms(9.5, msg::TUBE_IN_TRACHEA, 1.0f), Words{});
+    EXPECT_EQ(alarms(9.5, msg::TUBE_IN_OESOPHAGUS, 5.0f),
+              (Words{"pressing on the upper gum", "tube in the oesophagus"}));
+    EXPECT_EQ(alarms(9.5, msg::TUBE_IN_MAIN_STEM, 1.0f), Words{"tube in a main bronchus"});
+    EXPECT_EQ(alarms(10.6, msg::TUBE_IN_TRACHEA, 1.0f), Words{"tube too deep"});
+}
+
 TEST(Readout, ABladeBeforeTheMouthHasNoDepth) {
     const synthetic::Scene source = synthetic::make_scene();
     EXPECT_EQ(hud::blade_depth(source.landmarks, Vec3f(0.0f, -0.1f, 0.1f)), 0.0f);

@@ -261,6 +261,12 @@ TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
     proxy = synthetic::proxy(scene_, 5);
     proxy.proxy().orientation().w(5.0f);
     expect_refused(view_.apply(proxy));
+    proxy = synthetic::proxy(scene_, 5);
+    proxy.contacts().emplace_back().position().y(not_a_number);
+    expect_refused(view_.apply(proxy));
+    proxy.contacts()[0].position().y(0.0f);
+    proxy.contacts()[0].force(not_a_number);
+    expect_refused(view_.apply(proxy));
     auto live = synthetic::metrics(scene_, 5, 10.0f);
     live.landmarks().pop_back();
     expect_refused(view_.apply(live));
@@ -269,6 +275,9 @@ TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
     expect_refused(view_.apply(live));
     live = synthetic::metrics(scene_, 5, 10.0f);
     live.live()[2] = not_a_number;
+    expect_refused(view_.apply(live));
+    live = synthetic::metrics(scene_, 5, 10.0f);
+    live.glottis_contour().emplace_back().z(not_a_number);
     expect_refused(view_.apply(live));
     live = synthetic::metrics(scene_, 5, not_a_number);
     expect_refused(view_.apply(live));

@@ -233,6 +233,7 @@ TEST(Metrics, SuccessfulIntubation) {
     ASSERT_EQ(run.metrics.attempts().size(), 1u);
     const AttemptSummary& attempt = run.metrics.attempts()[0];
     EXPECT_TRUE(attempt.outcome.success);
+    EXPECT_EQ(run.metrics.live().tube_place, TubePlace::trachea);
     EXPECT_EQ(attempt.outcome.reason, "the tube's tip lies 21 mm past the glottis, 29 mm above the carina");
     EXPECT_EQ(run.metrics.run().outcome.reason, attempt.outcome.reason);
     const Parameters& p = attempt.parameters;
@@ -265,6 +266,7 @@ TEST(Metrics, OesophagealIntubationIsSaidSo) {
     EXPECT_FALSE(run_summary.outcome.success);
     // 30 mm and the slack of 2 mm at 20 mm/s.
     EXPECT_EQ(run_summary.outcome.reason, "the tube went into the oesophagus at 1.6 s");
+    EXPECT_EQ(run.metrics.live().tube_place, TubePlace::oesophagus);
     EXPECT_EQ(run_summary.parameters.oesophageal_entries, 1);
     EXPECT_EQ(run_summary.parameters.cormack_lehane_grade, 2);
 }
