@@ -13,8 +13,8 @@ struct Pad {
 /// What both hand controllers do, by what it is meant for. All at rest while no hand is there.
 struct HandInput {
     float suction = 0.0f;  ///< 0-1
-    Pad head_and_jaw;      ///< up and down: the head; right and left: the jaw
-    Pad table;             ///< up and down
+    Pad head_and_jaw{};    ///< up and down: the head; right and left: the jaw
+    Pad table{};           ///< up and down
     bool head_up = false;  ///< of controllers without a pad
     bool head_down = false;
     bool enhanced = false;
