@@ -31,6 +31,10 @@ void EyeCompositor::draw_eyes(const view::SceneView& scene, const render::Vantag
     }
 }
 
+void EyeCompositor::finish() const {
+    glFinish();
+}
+
 void EyeCompositor::mirror(int width, int height) const {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glClearColor(0.0f, 0.0f, 0.0f, 1.0f);

@@ -23,6 +23,8 @@ class EyeCompositor {
     /// The readout is then in sheet(), clear where it says nothing.
     void draw_sheet(const hud::Readout& readout);
 
+    /// Waits until all of it is drawn.
+    void finish() const;
     /// The left eye's picture into framebuffer 0, a window of this size, as large as it fits.
     void mirror(int width, int height) const;
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
 #include "client/app/eye_compositor.hpp"
 #include "client/app/hand_keys.hpp"
@@ -28,7 +29,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int headset_nice = 5;
 constexpr double lost_after_s = 1.0;
-constexpr auto between_looks = 500ms;      // for a headset, or a runtime that went
+constexpr auto between_looks = 500ms;  // for a headset
+constexpr auto between_calls =
+    2000ms;  // for a runtime that went; OpenXR's loader says each time that it failed
 constexpr auto while_nobody_looks = 20ms;  // between events of a runtime that wants no frames
 constexpr auto longest_farewell = 2s;      // a runtime that does not let go is left
 
@@ -85,12 +88,6 @@ class HeadsetClient {
                 if (headset) {
                     absent = false;
                     wear(*runtime, *headset);
-                    if (ends_.back() == hmd::SessionEnd::runtime_gone) {
-                        spdlog::warn("the headset's runtime is gone; waiting for it (Ctrl-C ends)");
-                        runtime.reset();
-                    } else if (ends_.back() == hmd::SessionEnd::headset_gone) {
-                        spdlog::warn("the headset is gone; waiting for it (Ctrl-C ends)");
-                    }
                 } else if (!absent) {
                     absent = true;
                     spdlog::info("{}: no headset is there yet; waiting for it (Ctrl-C ends)",
@@ -101,14 +98,16 @@ class HeadsetClient {
                     throw;  // it never was there
                 }
             } catch (const hmd::CallFailed& failed) {
-                if (failed.result != XR_ERROR_INSTANCE_LOST) {
+                if (!failed.runtime_gone() && !failed.headset_gone()) {
                     throw;
                 }
-                ends_.push_back(hmd::SessionEnd::runtime_gone);
+                ended(failed.runtime_gone() ? hmd::SessionEnd::runtime_gone : hmd::SessionEnd::headset_gone);
+            }
+            if (!ends_.empty() && ends_.back() == hmd::SessionEnd::runtime_gone) {
                 runtime.reset();
             }
             if (!over()) {
-                idle(between_looks);
+                idle(runtime ? between_looks : between_calls);
             }
         }
         controls_->let_go(Clock::now());
@@ -123,6 +122,10 @@ class HeadsetClient {
                            {"sessions", ends_.size()},
                            {"recentred", recentred_},
                            {"layered", layered_},
+                           {"draw_ms",
+                            {{"eyes", eyes_time_.mean_ms()},
+                             {"sheet", sheet_time_.mean_ms()},
+                             {"hand_over", hand_over_time_.mean_ms()}}},
                            {"messages_dropped", scene_.dropped()}};
         if (commands_) {
             (void)commands_->take_answers();
@@ -140,6 +143,16 @@ class HeadsetClient {
         return stop_asked() ? "stopped" : closed_ ? "closed" : enough() ? "enough frames" : "left";
     }
     [[nodiscard]] bool enough() const { return options_.frames > 0 && frames_ >= options_.frames; }
+
+    void ended(hmd::SessionEnd why) {
+        ends_.push_back(why);
+        left_ = why == hmd::SessionEnd::left;
+        if (why == hmd::SessionEnd::headset_gone) {
+            spdlog::warn("the headset is gone; waiting for it (Ctrl-C ends)");
+        } else if (why == hmd::SessionEnd::runtime_gone) {
+            spdlog::warn("the headset's runtime is gone; waiting for it (Ctrl-C ends)");
+        }
+    }
 
     // What arrives meanwhile must not pile up.
     void idle(std::chrono::milliseconds longest) {
@@ -175,8 +188,7 @@ class HeadsetClient {
                          layered_ ? "both in one picture of two layers" : "a picture for each");
             follow(session);
             recentred_ += session.recentred();
-            ends_.push_back(session.life().end());
-            left_ = session.life().end() == hmd::SessionEnd::left;
+            ended(session.life().end());
         }
         graphics_.make_current();
         let_go_of_hands();
@@ -224,9 +236,9 @@ class HeadsetClient {
         if (eyes) {
             hud::Readout readout = hud::readout_of(scene_, server_lost());
             controls_->put_into(readout, now);
-            pictures_->draw_eyes(scene_, vantage_, scene_.shaped());
-            pictures_->draw_sheet(readout);
-            session.draw(pictures_->both(), pictures_->sheet());
+            measure(eyes_time_, [&] { pictures_->draw_eyes(scene_, vantage_, scene_.shaped()); });
+            measure(sheet_time_, [&] { pictures_->draw_sheet(readout); });
+            measure(hand_over_time_, [&] { session.draw(pictures_->both(), pictures_->sheet()); });
         }
         session.end_frame(frame, eyes, sheet);
         if (Window* const window = screen_.window(); window != nullptr && eyes && !window->minimised()) {
@@ -235,6 +247,17 @@ class HeadsetClient {
             window->show_frame();
         }
         frames_ += eyes && scene_.complete() ? 1 : 0;
+    }
+
+    // Waits for the driver, and so does only for --json.
+    template <class Work>
+    void measure(DrawTime& time, Work work) const {
+        const auto begin = Clock::now();
+        work();
+        if (options_.json && scene_.shaped()) {
+            pictures_->finish();
+            time.add(begin);
+        }
     }
 
     // The eye that pictures, pose and measure go by is one: the dominant, with which people look along a
@@ -278,6 +301,7 @@ class HeadsetClient {
     std::unique_ptr<EyeCompositor> pictures_;
     std::vector<hmd::SessionEnd> ends_;  // of sessions with a headset
     std::uint64_t frames_ = 0;
+    DrawTime eyes_time_, sheet_time_, hand_over_time_;
     unsigned recentred_ = 0;
     bool layered_ = false, left_ = false, closed_ = false;
 };

@@ -10,8 +10,8 @@ namespace eti::hmd {
 /// Where the patient lies in the trainee's room. The world is OpenXR's local space: metres, y up, -z ahead,
 /// its origin where the eyes were when the headset was last centred.
 struct Room {
-    /// Of the upper gum. By default the eyes are 0.36 m from it, on the line along which an extended head shows
-    /// its glottis.
+    /// Of the upper gum. By default the eyes are 0.36 m from it, on the line along which an extended head
+    /// shows its glottis.
     Vec3f gum{0.0f, -0.20f, -0.30f};
 
     /// No farther than this along each axis [m].

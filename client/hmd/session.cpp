@@ -78,9 +78,9 @@ auto Session::guarded(Call call) -> decltype(call()) {
     try {
         return call();
     } catch (const CallFailed& failed) {
-        if (failed.result == XR_ERROR_INSTANCE_LOST || failed.result == XR_ERROR_RUNTIME_UNAVAILABLE) {
+        if (failed.runtime_gone()) {
             life_.lose(SessionEnd::runtime_gone);
-        } else if (failed.result == XR_ERROR_SESSION_LOST) {
+        } else if (failed.headset_gone()) {
             life_.lose(SessionEnd::headset_gone);
         } else {
             throw;

@@ -18,6 +18,10 @@ namespace eti::hmd {
 /// A call that the runtime refused.
 struct CallFailed : std::runtime_error {
     CallFailed(const char* call, XrResult result);
+    [[nodiscard]] bool runtime_gone() const {
+        return result == XR_ERROR_INSTANCE_LOST || result == XR_ERROR_RUNTIME_UNAVAILABLE;
+    }
+    [[nodiscard]] bool headset_gone() const { return result == XR_ERROR_SESSION_LOST; }
     XrResult result;
 };
 

@@ -12,11 +12,12 @@ namespace eti::headset_runtime {
 namespace {
 
 constexpr XrTime begun_at = 1'000'000'000;
+constexpr std::size_t most_faults = 10;  // the first tell most
 
 }  // namespace
 
 Course::Course(const std::filesystem::path& folder)
-    : folder_(folder), script_(read_script(folder / "script.json")) {
+    : folder_(folder), script_(read_script(folder / "script.json")), now_(begun_at) {
     // The loader takes a lost runtime out of memory; what it has seen it finds here again.
     if (std::ifstream before(folder / "report.json"); before) {
         report_ = nlohmann::json::parse(before);
@@ -33,7 +34,9 @@ Course::Course(const std::filesystem::path& folder)
 }
 
 void Course::fault(const std::string& what) {
-    report_["faults"].push_back(fmt::format("life {}, frame {}: {}", life_, frame_, what));
+    if (report_["faults"].size() < most_faults) {
+        report_["faults"].push_back(fmt::format("life {}, frame {}: {}", life_, frame_, what));
+    }
 }
 
 void Course::report() const {

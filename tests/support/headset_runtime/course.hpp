@@ -68,7 +68,7 @@ class Course {
     Script script_;
     nlohmann::json report_;
     int life_ = 0;
-    XrTime now_ = 1'000'000'000;
+    XrTime now_;
     int frame_ = 0;
     bool waited_ = false, begun_ = false, running_ = false, lost_ = false, exit_asked_ = false;
     XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;  // as the program has heard
