@@ -6,6 +6,7 @@
 #include <exception>
 #include <iostream>
 
+#include "client/app/headset.hpp"
 #include "client/app/offscreen.hpp"
 #include "client/app/options.hpp"
 #include "client/app/windowed.hpp"
@@ -21,8 +22,10 @@ int main(int argc, char** argv) {
     eti::catch_stop_signals({.second_ends = true});
     try {
         nlohmann::json result;
-        const int status =
-            options.offscreen.empty() ? run_windowed(options, result) : run_offscreen(options, result);
+        const auto run = options.headset             ? run_headset
+                         : options.offscreen.empty() ? run_windowed
+                                                     : run_offscreen;
+        const int status = run(options, result);
         if (options.json && !result.is_null()) {
             std::cout << result.dump(2) << '\n';
         }

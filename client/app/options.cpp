@@ -6,6 +6,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <iostream>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@
 namespace eti::client {
 namespace {
 
+constexpr const char* headset_name = "hmd";
 constexpr int smallest_side = 64;
 constexpr int largest_side = 7680;
 
@@ -51,6 +53,12 @@ std::optional<Vec3f> read_three(const std::string& text, const Vec3f& limits) {
     return at == end ? std::optional(numbers) : std::nullopt;
 }
 
+// As a person says it: to the right, up and ahead; the world's z is back.
+std::optional<Vec3f> read_place(const std::string& text) {
+    const auto mm = read_three(text, Vec3f::Constant(1e3f * hmd::Room::farthest));
+    return mm ? std::optional(Vec3f(1e-3f * mm->x(), 1e-3f * mm->y(), -1e-3f * mm->z())) : std::nullopt;
+}
+
 std::optional<view::TraineeEye> read_eye(const std::string& text) {
     const auto mm = read_three(text, Vec3f::Constant(1e3f * view::TraineeEye::farthest));
     return mm ? std::optional(view::TraineeEye(1e-3f * *mm)) : std::nullopt;
@@ -73,6 +81,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         names.emplace_back(one.name);
         of_views += fmt::format("{}{}: {}", of_views.empty() ? "" : "; ", one.name, one.help);
     }
+    names.emplace_back(headset_name);
+    of_views += fmt::format("; {}: in a headset", headset_name);
     std::vector<std::string> quality_names{"auto"};
     std::string of_qualities = "auto: high with a graphics card, low without";
     for (const render::Quality& one : render::qualities()) {
@@ -82,7 +92,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string quality = "auto";
     std::string view(options.selection->name);
     std::string size = "960x540";
-    std::string eye_offset = "0,0,0", section = "0,0,0";
+    std::string eye_offset = "0,0,0", section = "0,0,0", dominant_eye = "right";
+    const Vec3f gum = 1e3f * options.gum_in_room;
+    std::string gum_at = fmt::format("{:.0f},{:.0f},{:.0f}", gum.x(), gum.y(), -gum.z());
     bool no_video = false;
     std::string keys = "Keys in the window:";
     for (const auto& [key, help] : keys_help(true)) {
@@ -108,6 +120,25 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                  text, 1e3f * view::TraineeEye::farthest, 1e3f * view::TraineeEye::farthest);
             },
             "X,Y,Z");
+    app.add_option(
+           "--patient-at-mm", gum_at,
+           "In a headset: the upper gum lies so far to the right, up and ahead of where the eyes were "
+           "when the headset was centred")
+        ->capture_default_str()
+        ->check(
+            [](const std::string& text) {
+                return read_place(text)
+                           ? std::string()
+                           : fmt::format(
+                                 "'{}' is no place; expected RIGHT,UP,AHEAD in mm, each from -{:.0f} to "
+                                 "{:.0f}, e.g. 0,-300,250",
+                                 text, 1e3f * hmd::Room::farthest, 1e3f * hmd::Room::farthest);
+            },
+            "RIGHT,UP,AHEAD");
+    app.add_option("--dominant-eye", dominant_eye,
+                   "In a headset: the eye that the line of sight begins at, by which the view is measured")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"right", "left"}));
     app.add_option("--section-plane", section,
                    "Where the section cuts: so far from the middle, towards the patient's left [mm]; turned "
                    "about the patient's back-to-front axis and tilted about its long axis [deg]")
@@ -173,7 +204,15 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    options.selection = selection_named(view);
+    options.headset = view == headset_name;
+    if (options.headset && !options.offscreen.empty()) {
+        std::cerr
+            << "--view hmd: a headset shows it, --offscreen would draw pictures instead; leave one out\n";
+        return 2;
+    }
+    options.selection = options.headset ? &default_selection() : selection_named(view);
+    options.left_eye_leads = dominant_eye == "left";
+    options.gum_in_room = *read_place(gum_at);
     options.quality = render::quality_named(quality);
     (void)read_size(size, options.width, options.height);
     options.vantage.eye = *read_eye(eye_offset);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "client/app/selection.hpp"
+#include "client/hmd/room.hpp"
 #include "client/render/quality.hpp"
 #include "common/bus/bus.hpp"
 
@@ -17,6 +18,9 @@ struct Options {
     bus::Options bus{.name = "eti-client", .one_of_many = true};
     bool observe = false;  ///< watch only: publishes nothing
     const Selection* selection = &default_selection();
+    bool headset = false;         ///< `--view hmd`: in a headset, not in a window
+    bool left_eye_leads = false;  ///< of a headset's eyes: the one that the line of sight begins at
+    Vec3f gum_in_room = hmd::Room().gum;
     render::Vantage vantage;          ///< from where views are drawn, until somebody moves it
     std::filesystem::path offscreen;  ///< folder for pictures; empty: a window
     std::filesystem::path video;      ///< empty: none

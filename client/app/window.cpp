@@ -77,6 +77,10 @@ void Window::poll_events() {
     glfwPollEvents();
 }
 
+void Window::show_at_once() {
+    glfwSwapInterval(0);
+}
+
 void Window::show_frame() {
     glfwSwapBuffers(window_);
 }

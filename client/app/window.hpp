@@ -33,6 +33,8 @@ class Window {
     /// Nobody sees what would be drawn.
     [[nodiscard]] bool minimised() const;
     void poll_events();
+    /// Shows frames as they come, where something else sets the pace.
+    void show_at_once();
     void show_frame();
 
     /// Size of the drawing area in pixels, at least 64 a side.

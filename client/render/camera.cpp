@@ -33,10 +33,19 @@ Eigen::Matrix4f Camera::view() const {
 }
 
 Eigen::Matrix4f Camera::projection(float aspect) const {
-    const float focal = 1.0f / std::tan(0.5f * vertical_field);
     Eigen::Matrix4f matrix = Eigen::Matrix4f::Zero();
-    matrix(0, 0) = focal / aspect;
-    matrix(1, 1) = focal;
+    if (field) {
+        const float left = std::tan(field->left), right = std::tan(field->right);
+        const float up_to = std::tan(field->up), down_to = std::tan(field->down);
+        matrix(0, 0) = 2.0f / (right - left);
+        matrix(0, 2) = (right + left) / (right - left);
+        matrix(1, 1) = 2.0f / (up_to - down_to);
+        matrix(1, 2) = (up_to + down_to) / (up_to - down_to);
+    } else {
+        const float focal = 1.0f / std::tan(0.5f * vertical_field);
+        matrix(0, 0) = focal / aspect;
+        matrix(1, 1) = focal;
+    }
     matrix(2, 2) = (far_plane + near_plane) / (near_plane - far_plane);
     matrix(2, 3) = 2.0f * far_plane * near_plane / (near_plane - far_plane);
     matrix(3, 2) = -1.0f;
@@ -109,6 +118,18 @@ Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now) {
     // The laryngoscope's handle comes close.
     camera.near_plane = 0.03f;
     camera.far_plane = 0.8f;
+    return camera;
+}
+
+Camera worn_camera(const RigidTransform& pose, const Field& field) {
+    Camera camera;
+    camera.eye = pose.translation;
+    camera.target = pose * Vec3f(0.0f, 0.0f, -0.3f);
+    camera.up = pose.rotation * Vec3f::UnitY();
+    camera.field = field;
+    // Closer no eye can look; as far as the table reaches.
+    camera.near_plane = 0.03f;
+    camera.far_plane = 3.0f;
     return camera;
 }
 

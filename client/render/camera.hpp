@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include <optional>
+
 #include "client/render/section.hpp"
 #include "client/view/trainee_eye.hpp"
 #include "common/math/transform.hpp"
@@ -11,6 +13,11 @@
 #include "common/model/landmark.hpp"
 
 namespace eti::render {
+
+/// How far a picture reaches to each side of the gaze [rad]; as OpenXR has it, to the left and down negative.
+struct Field {
+    float left, right, up, down;
+};
 
 /// A perspective camera in the patient frame; lengths in metres.
 struct Camera {
@@ -20,6 +27,7 @@ struct Camera {
     float vertical_field = 30.0f * degree;  ///< [rad]
     float near_plane = 0.05f;
     float far_plane = 2.0f;
+    std::optional<Field> field{};  ///< instead of `vertical_field`: of a lens that is not centred on the gaze
 
     [[nodiscard]] Eigen::Matrix4f view() const;
     [[nodiscard]] Eigen::Matrix4f projection(float aspect) const;
@@ -49,6 +57,9 @@ struct Orbit {
 
 /// The trainee's eye, with as much around what it looks at as a person sees clearly.
 [[nodiscard]] Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now);
+
+/// An eye behind a headset's lens. `pose` as OpenXR has it, in the patient frame.
+[[nodiscard]] Camera worn_camera(const RigidTransform& pose, const Field& field);
 
 /// The same eye's close-up: the mouth fills the picture.
 [[nodiscard]] Camera close_up_camera(const view::TraineeEye& eye, const Landmarks& now);

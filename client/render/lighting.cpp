@@ -38,11 +38,13 @@ Light blade_lamp(const RigidTransform& pose, float blade_length) {
     return lamp;
 }
 
-Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lamp) {
+namespace {
+
+Lighting room_lighting(const Vec3f& onto, const std::optional<Light>& lamp) {
     Lighting lighting;
     Light& key = lighting.lights[0];
-    key.position = camera.target + Vec3f(0.30f, -0.75f, 0.40f);
-    key.direction = (camera.target - key.position).normalized();
+    key.position = onto + Vec3f(0.30f, -0.75f, 0.40f);
+    key.direction = (onto - key.position).normalized();
     key.colour = Vec3f(1.60f, 1.52f, 1.42f);
     key.reach = 1.5f;
     if (lamp) {
@@ -51,6 +53,16 @@ Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lam
     lighting.ambient_high = Vec3f(0.34f, 0.36f, 0.40f);
     lighting.ambient_low = Vec3f(0.10f, 0.09f, 0.10f);
     return lighting;
+}
+
+}  // namespace
+
+Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lamp) {
+    return room_lighting(camera.target, lamp);
+}
+
+Lighting worn_lighting(const Camera&, const std::optional<Light>& lamp) {
+    return room_lighting(Vec3f::Zero(), lamp);
 }
 
 Lighting section_lighting(const Camera& camera, const std::optional<Light>&) {

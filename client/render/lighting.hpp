@@ -41,6 +41,8 @@ struct Lighting {
 [[nodiscard]] Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lamp);
 /// The cut is lit by the room alone.
 [[nodiscard]] Lighting section_lighting(const Camera& camera, const std::optional<Light>& lamp);
+/// Both eyes of a headset see the same room: its lamp hangs above the table.
+[[nodiscard]] Lighting worn_lighting(const Camera& camera, const std::optional<Light>& lamp);
 [[nodiscard]] Lighting laryngoscope_lighting(const Camera& camera, const std::optional<Light>& lamp);
 
 }  // namespace eti::render

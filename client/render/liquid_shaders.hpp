@@ -98,7 +98,8 @@ uniform float sphere_pixels;    // across, of a sphere at one metre
 uniform float radius;           // [m]
 vec3 place(vec2 where) {
     float z = texture(depth, where).r;
-    return vec3((2.0 * where - 1.0) * z / vec2(projection[0][0], projection[1][1]), -z);
+    vec2 aside = vec2(projection[2][0], projection[2][1]);  // of a lens that is not centred
+    return vec3((2.0 * where - 1.0 + aside) * z / vec2(projection[0][0], projection[1][1]), -z);
 }
 // Between both neighbours, but where one of them lies on another surface.
 vec3 slope(vec3 p, vec2 aside) {

@@ -101,11 +101,18 @@ Image RenderTarget::read() const {
     return image;
 }
 
-void RenderTarget::copy_to_window() const {
+void RenderTarget::copy_to(GLuint framebuffer, const Viewport& from, const Viewport& to) const {
+    const bool scaled = from.width != to.width || from.height != to.height;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.name());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glBlitFramebuffer(from.x, from.y, from.x + from.width, from.y + from.height, to.x, to.y, to.x + to.width,
+                      to.y + to.height, GL_COLOR_BUFFER_BIT, scaled ? GL_LINEAR : GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void RenderTarget::copy_to_window() const {
+    const Viewport whole{0, 0, width_, height_};
+    copy_to(0, whole, whole);
 }
 
 }  // namespace eti::render

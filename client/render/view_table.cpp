@@ -108,6 +108,23 @@ const std::array table{
 
 }  // namespace
 
+const View& headset_view() {
+    // In front of the trainee the patient is whole, and lit by one lamp of the room for both eyes.
+    static const View view{
+        .name = "hmd",
+        .key = '\0',
+        .help = "the trainee's headset",
+        .cameras = [](const view::SceneView&, const Vantage& from) { return from.worn; },
+        .lighting = worn_lighting,
+        .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid},
+        .overlays = {},  // they would need a depth
+        .background = Vec3f(0.035f, 0.065f, 0.075f),
+        .automatic = Automatic::alone,
+        .moves = Moves::eye,
+        .lips_aside = true};
+    return view;
+}
+
 bool View::has(Pass pass) const {
     return std::ranges::find(passes, pass) != passes.end();
 }

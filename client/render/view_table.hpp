@@ -77,6 +77,9 @@ struct View {
 /// Every view; the first takes the larger part of a picture with several.
 [[nodiscard]] std::span<const View> views();
 
+/// What a headset shows, from the vantage's worn eyes. Not in the table: without a headset nothing draws it.
+[[nodiscard]] const View& headset_view();
+
 /// The row of a name, or nullptr.
 [[nodiscard]] const View* view_named(std::string_view name);
 

@@ -28,11 +28,20 @@ Mat3f axes_of(const Vec3f& eye, const Vec3f& target) {
 
 TraineeEye::TraineeEye(const Vec3f& offset) : offset_(held(offset)) {}
 
+TraineeEye TraineeEye::worn(const RigidTransform& pose) {
+    TraineeEye eye;
+    eye.worn_ = pose;
+    return eye;
+}
+
 Vec3f TraineeEye::position(const Landmarks& now) const {
-    return best_eye(now) + offset_;
+    return worn_ ? worn_->translation : Vec3f(best_eye(now) + offset_);
 }
 
 RigidTransform TraineeEye::pose(const Landmarks& now) const {
+    if (worn_) {
+        return *worn_;
+    }
     const Vec3f eye = position(now);
     const Quatf straight(axes_of(eye, at(now, Landmark::glottis)));
     const Quatf aside =
@@ -41,6 +50,9 @@ RigidTransform TraineeEye::pose(const Landmarks& now) const {
 }
 
 void TraineeEye::move(const Vec3f& by, const Landmarks& now) {
+    if (worn_) {
+        return;
+    }
     const Vec3f glottis = at(now, Landmark::glottis);
     const Vec3f eye = position(now);
     const Vec3f wanted = held(offset_ + axes_of(eye, glottis) * by);
@@ -51,6 +63,9 @@ void TraineeEye::move(const Vec3f& by, const Landmarks& now) {
 }
 
 void TraineeEye::turn(float right, float up) {
+    if (worn_) {
+        return;
+    }
     right_ = std::clamp(right_ + right, -most_turn, most_turn);
     up_ = std::clamp(up_ + up, -most_turn, most_turn);
 }

@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
+
+#include "common/math/transform.hpp"
 #include "common/model/landmark.hpp"
 
 namespace eti::view {
@@ -18,6 +21,9 @@ class TraineeEye {
     TraineeEye() = default;
     /// `offset` [m], patient frame, from the best place; each number is held within `farthest`.
     explicit TraineeEye(const Vec3f& offset);
+    /// Behind a headset's lens: where the head holds it, whatever the patient does; keys and mouse do not
+    /// move it.
+    [[nodiscard]] static TraineeEye worn(const RigidTransform& pose);
 
     [[nodiscard]] const Vec3f& offset() const { return offset_; }
     [[nodiscard]] Vec3f position(const Landmarks& now) const;  ///< [m]
@@ -34,6 +40,7 @@ class TraineeEye {
   private:
     Vec3f offset_ = Vec3f::Zero();
     float right_ = 0.0f, up_ = 0.0f;  // [rad], of the gaze, from the glottis
+    std::optional<RigidTransform> worn_;
 };
 
 }  // namespace eti::view

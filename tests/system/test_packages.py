@@ -67,7 +67,8 @@ class Packages(Case):
             self.assertLess(len(field(file, "Description").splitlines()[0]), 80)
         for package, needed in {
             "neoeti-server": ["libfastrtps2.9", "libbullet3.24", "libhdf5-103-1", "libtbb12", "libyaml-cpp0.7"],
-            "neoeti-client": ["libfastrtps2.9", "libepoxy0", "libgl1-mesa-dri", "libegl1", "libopencv-videoio406"],
+            "neoeti-client": ["libfastrtps2.9", "libepoxy0", "libgl1-mesa-dri", "libegl1", "libopencv-videoio406",
+                              "libopenxr-loader1"],
             "neoeti-devices": ["libfastrtps2.9", "libglfw3"],
             "neoeti-tools": ["libgdcm3.0", "libhdf5-103-1"],
             "neoeti": [name for name in NAMES if name not in ("neoeti", "neoeti-doc")] + ["python3"],

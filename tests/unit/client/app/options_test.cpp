@@ -54,6 +54,32 @@ TEST(Options, PlacesTheTraineesEye) {
     EXPECT_EQ(plain.vantage.eye.offset(), Vec3f::Zero());
 }
 
+TEST(Options, PlacesThePatientBeforeAHeadset) {
+    client::Options plain;
+    ASSERT_FALSE(parse({"--view", "hmd"}, plain));
+    EXPECT_TRUE(plain.headset);
+    EXPECT_FALSE(plain.left_eye_leads);
+    EXPECT_LT((plain.gum_in_room - hmd::Room().gum).norm(), 1e-6f) << "what help says is what is done";
+    client::Options placed;
+    ASSERT_FALSE(
+        parse({"--view", "hmd", "--patient-at-mm", "10,-300,250", "--dominant-eye", "left"}, placed));
+    EXPECT_LT((placed.gum_in_room - Vec3f(0.01f, -0.3f, -0.25f)).norm(), 1e-6f) << "ahead is -z";
+    EXPECT_TRUE(placed.left_eye_leads);
+    client::Options window;
+    ASSERT_FALSE(parse({}, window));
+    EXPECT_FALSE(window.headset);
+    ::testing::internal::CaptureStderr();
+    client::Options both;
+    EXPECT_EQ(parse({"--view", "hmd", "--offscreen", "pics"}, both), 2);
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("--offscreen"), std::string::npos);
+    for (const char* const text : {"0,0", "nan,0,0", "0,2001,0", ""}) {
+        ::testing::internal::CaptureStderr();
+        client::Options far;
+        EXPECT_EQ(parse({"--patient-at-mm", text}, far), 2) << text;
+        EXPECT_NE(::testing::internal::GetCapturedStderr().find("RIGHT,UP,AHEAD"), std::string::npos);
+    }
+}
+
 TEST(Options, SaysWhatPlaceAnEyeMayHave) {
     for (const char* const text : {"nan,0,0", "0,inf,0", "1,2", "1,2,3,4", "1,2,", "251,0,0", "a,b,c", ""}) {
         client::Options options;

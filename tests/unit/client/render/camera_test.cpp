@@ -99,5 +99,23 @@ TEST(BladeCamera, RidesNearTheTipAndLooksAlongTheBlade) {
     EXPECT_LT(clip.y(), clip.w());
 }
 
+// A lens shows what lies within its four angles, and its corners are those of the picture.
+TEST(WornCamera, FillsThePictureWithAFieldThatIsNotCentred) {
+    const RigidTransform pose = RigidTransform::about({0.1f, -0.2f, 0.3f}, Vec3f::UnitY(), 0.4f);
+    const Field field{-0.9f, 0.6f, 0.5f, -0.8f};
+    const Camera camera = worn_camera(pose, field);
+    EXPECT_LT((camera.pose().translation - pose.translation).norm(), 1e-6f);
+    EXPECT_LT(camera.pose().rotation.angularDistance(pose.rotation), 1e-3f);
+    for (const auto& [x, angle_x] : {std::pair{-1.0f, field.left}, std::pair{1.0f, field.right}}) {
+        for (const auto& [y, angle_y] : {std::pair{-1.0f, field.down}, std::pair{1.0f, field.up}}) {
+            const Vec3f corner = pose * (0.7f * Vec3f(std::tan(angle_x), std::tan(angle_y), -1.0f));
+            // Whatever the picture's sides: its angles say all.
+            const Eigen::Vector4f clip = camera.projection(3.0f) * camera.view() * corner.homogeneous();
+            EXPECT_NEAR(clip.x() / clip.w(), x, 1e-4f);
+            EXPECT_NEAR(clip.y() / clip.w(), y, 1e-4f);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace eti::render

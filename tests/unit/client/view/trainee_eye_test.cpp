@@ -74,6 +74,17 @@ TEST(TraineeEye, TurnsItsGazeRightAndUpAndStaysWhereItIs) {
     EXPECT_LT((straight.inverse().rotation * gaze(eye)).z(), 0.0f) << "still towards the patient";
 }
 
+TEST(TraineeEye, WornItIsWhereTheHeadHoldsIt) {
+    const RigidTransform held = RigidTransform::about({0.1f, -0.3f, 0.2f}, Vec3f::UnitX(), 0.3f);
+    TraineeEye eye = TraineeEye::worn(held);
+    eye.move({0.01f, 0.01f, 0.01f}, points);
+    eye.turn(0.1f, 0.1f);
+    EXPECT_EQ(eye.position(points), held.translation);
+    EXPECT_EQ(eye.pose(points).translation, held.translation);
+    EXPECT_EQ(eye.pose(points).rotation.coeffs(), held.rotation.coeffs());
+    EXPECT_EQ(eye.position(unseen_landmarks()), held.translation) << "whatever the patient does";
+}
+
 TEST(TraineeEye, IsFiniteWhileLandmarksAreMissing) {
     EXPECT_TRUE(is_rigid(TraineeEye().pose(unseen_landmarks())));
 }

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/eye_compositor.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "client/render/view_table.hpp"
+
+namespace eti::client {
+namespace {
+
+void clear(const render::RenderTarget& target, float opacity) {
+    target.bind_picture();
+    glClearColor(0.0f, 0.0f, 0.0f, opacity);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
+}  // namespace
+
+EyeCompositor::EyeCompositor(int eye_width, int eye_height, const render::Quality& quality)
+    : both_(2 * eye_width, eye_height, quality.samples),
+      sheet_(sheet_width, sheet_height, 1),
+      renderer_(quality) {}
+
+void EyeCompositor::draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown) {
+    clear(both_, 1.0f);
+    renderer_.sync(scene, render::Baking::go_on);
+    if (shown) {
+        renderer_.draw(render::headset_view(), scene, both_, {0, 0, both_.width(), both_.height()}, from);
+    }
+}
+
+void EyeCompositor::finish() const {
+    glFinish();
+}
+
+void EyeCompositor::mirror(int width, int height) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    const render::Viewport eye{0, 0, both_.width() / 2, both_.height()};
+    const int wide = std::min(width, height * eye.width / eye.height);
+    const int high = std::min(height, width * eye.height / eye.width);
+    both_.copy_to(0, eye, {(width - wide) / 2, (height - high) / 2, wide, high});
+}
+
+void EyeCompositor::draw_sheet(const hud::Readout& readout) {
+    clear(sheet_, 0.0f);
+    const std::array tiles{hud::Tile{render::headset_view().name, 0, 0, sheet_width, sheet_height}};
+    hud_.draw(readout, tiles, sheet_width, sheet_height);
+}
+
+}  // namespace eti::client

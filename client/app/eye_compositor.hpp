@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "client/hud/hud.hpp"
+#include "client/hud/readout.hpp"
+#include "client/render/render_target.hpp"
+#include "client/render/scene_renderer.hpp"
+#include "client/view/scene_view.hpp"
+
+namespace eti::client {
+
+/// Draws what a headset shows: a picture for each eye, and a sheet with the readout. Text over the eyes'
+/// pictures would lie at no distance that eyes can settle on.
+class EyeCompositor {
+  public:
+    static constexpr int sheet_width = 640, sheet_height = 400;
+
+    EyeCompositor(int eye_width, int eye_height, const render::Quality& quality);
+
+    /// Both eyes are then in both(), side by side. `shown`: there is a patient to be seen.
+    void draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown);
+    /// The readout is then in sheet(), clear where it says nothing.
+    void draw_sheet(const hud::Readout& readout);
+
+    /// Waits until all of it is drawn.
+    void finish() const;
+    /// The left eye's picture into framebuffer 0, a window of this size, as large as it fits.
+    void mirror(int width, int height) const;
+
+    [[nodiscard]] const render::RenderTarget& both() const { return both_; }
+    [[nodiscard]] const render::RenderTarget& sheet() const { return sheet_; }
+
+  private:
+    render::RenderTarget both_, sheet_;
+    render::SceneRenderer renderer_;
+    hud::Hud hud_;
+};
+
+}  // namespace eti::client

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/hand_keys.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "client/app/command_keys.hpp"
+
+namespace eti::client {
+namespace {
+
+// A trigger that trembles about one threshold would switch the suction on and off.
+constexpr float trigger_on = 0.5f, trigger_off = 0.3f;
+// In the pad's middle no direction is meant.
+constexpr float pad_middle = 0.3f;
+
+// The key of the side on which a pad is pressed; 0: of none.
+char32_t key_of(const hmd::Pad& pad, char32_t up, char32_t down, char32_t left, char32_t right) {
+    if (!pad.pressed || std::hypot(pad.x, pad.y) < pad_middle) {
+        return 0;
+    }
+    if (std::abs(pad.y) >= std::abs(pad.x)) {
+        return pad.y > 0.0f ? up : down;
+    }
+    return pad.x > 0.0f ? right : left;
+}
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> help{
+    {{"trigger", "suction while held"},
+     {"right pad", "pressed up or down: head; right or left: jaw open or closed"},
+     {"left pad", "pressed up or down: table"},
+     {"menu", "enhanced view on or off"},
+     {"two buttons", "right: suction, enhanced view; left: head up, head down"}}};
+
+}  // namespace
+
+std::vector<KeyEvent> HandKeys::follow(const hmd::HandInput& hands) {
+    std::set<char32_t> now;
+    if (hands.suction >= (held_.contains(U's') ? trigger_off : trigger_on)) {
+        now.insert(U's');
+    }
+    now.insert(key_of(hands.head_and_jaw, key_up, key_down, key_left, key_right));
+    now.insert(key_of(hands.table, U']', U'[', 0, 0));
+    if (hands.head_up) {
+        now.insert(key_up);
+    }
+    if (hands.head_down) {
+        now.insert(key_down);
+    }
+    if (hands.enhanced) {
+        now.insert(U'e');
+    }
+    now.erase(0);
+    std::vector<KeyEvent> out;
+    for (const char32_t key : held_) {
+        if (!now.contains(key)) {
+            out.push_back({key, false, false});
+        }
+    }
+    for (const char32_t key : now) {
+        out.push_back({key, true, held_.contains(key)});
+    }
+    held_ = std::move(now);
+    return out;
+}
+
+std::span<const std::pair<std::string_view, std::string_view>> hands_help() {
+    return help;
+}
+
+}  // namespace eti::client

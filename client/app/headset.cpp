@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/headset.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include "client/app/compositor.hpp"
+#include "client/app/controls.hpp"
+#include "client/app/eye_compositor.hpp"
+#include "client/app/hand_keys.hpp"
+#include "client/app/session_input.hpp"
+#include "client/app/window.hpp"
+#include "client/hmd/graphics.hpp"
+#include "client/hmd/session.hpp"
+#include "client/render/headless_context.hpp"
+#include "common/process/priority.hpp"
+#include "common/process/stop_signal.hpp"
+
+namespace eti::client {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr int headset_nice = 5;
+constexpr double lost_after_s = 1.0;
+constexpr auto between_looks = 500ms;  // for a headset
+constexpr auto between_calls =
+    2000ms;  // for a runtime that went; OpenXR's loader says each time that it failed
+constexpr auto while_nobody_looks = 20ms;  // between events of a runtime that wants no frames
+constexpr auto longest_farewell = 2s;      // a runtime that does not let go is left
+
+// Beyond the patient at arm's length and a little more, tilted towards the eyes: between 0.7 and 1.5 m they
+// neither cross nor tire.
+const hmd::Panel sheet{
+    RigidTransform::from(Quatf(Eigen::AngleAxisf(-0.2f, Vec3f::UnitX())), {0.0f, 0.08f, -1.0f}), 0.64f,
+    0.40f};
+
+// A window where there is a display, so that others see what the trainee sees and keys work, too; else no
+// screen.
+class Screen {
+  public:
+    Screen(const Options& options, bool egl) {
+        if (std::getenv("DISPLAY") != nullptr || !egl) {
+            window_.emplace(options.width, options.height, "NeoETI - " + options.bus.session);
+            window_->show_at_once();
+        } else {
+            no_window_.emplace();
+        }
+    }
+    [[nodiscard]] Window* window() { return window_ ? &*window_ : nullptr; }
+
+  private:
+    std::optional<Window> window_;
+    std::optional<render::HeadlessContext> no_window_;
+};
+
+class HeadsetClient {
+  public:
+    /// `egl`: the runtime takes pictures from a program without a window.
+    HeadsetClient(const Options& options, bool egl)
+        : options_(options),
+          screen_(options, egl),
+          quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          node_(options.bus),
+          input_(node_, !options.observe, !options.observe),
+          room_{options.gum_in_room} {
+        if (!options.observe) {
+            commands_.emplace(node_, options.bus.name);
+        }
+        controls_.emplace(*options.selection, commands_ ? &*commands_ : nullptr, options.vantage);
+    }
+
+    void run(std::optional<hmd::Runtime>& runtime) {
+        bool absent = false;
+        while (!over()) {
+            try {
+                if (!runtime) {
+                    runtime.emplace();
+                    spdlog::info("the headset's runtime is back: {}", runtime->name());
+                }
+                const auto headset = runtime->headset();
+                if (headset) {
+                    absent = false;
+                    wear(*runtime, *headset);
+                } else if (!absent) {
+                    absent = true;
+                    spdlog::info("{}: no headset is there yet; waiting for it (Ctrl-C ends)",
+                                 runtime->name());
+                }
+            } catch (const hmd::NoRuntime&) {
+                if (ends_.empty()) {
+                    throw;  // it never was there
+                }
+            } catch (const hmd::CallFailed& failed) {
+                if (!failed.runtime_gone() && !failed.headset_gone()) {
+                    throw;
+                }
+                ended(failed.runtime_gone() ? hmd::SessionEnd::runtime_gone : hmd::SessionEnd::headset_gone);
+            }
+            if (!ends_.empty() && ends_.back() == hmd::SessionEnd::runtime_gone) {
+                runtime.reset();
+            }
+            if (!over()) {
+                idle(runtime ? between_looks : between_calls);
+            }
+        }
+        controls_->let_go(Clock::now());
+    }
+
+    [[nodiscard]] nlohmann::json report() {
+        nlohmann::json out{{"session", options_.bus.session},
+                           {"view", "hmd"},
+                           {"end", end()},
+                           {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
+                           {"frames", frames_},
+                           {"sessions", ends_.size()},
+                           {"recentred", recentred_},
+                           {"layered", layered_},
+                           {"draw_ms",
+                            {{"eyes", eyes_time_.mean_ms()},
+                             {"sheet", sheet_time_.mean_ms()},
+                             {"hand_over", hand_over_time_.mean_ms()}}},
+                           {"messages_dropped", scene_.dropped()}};
+        if (commands_) {
+            (void)commands_->take_answers();
+            out["commands"] = {{"sent", commands_->sent()},
+                               {"accepted", commands_->accepted()},
+                               {"refused", commands_->refused()}};
+        }
+        return out;
+    }
+
+  private:
+    [[nodiscard]] bool over() const { return left_ || closed_ || stop_asked() || enough(); }
+
+    [[nodiscard]] const char* end() const {
+        return stop_asked() ? "stopped" : closed_ ? "closed" : enough() ? "enough frames" : "left";
+    }
+    [[nodiscard]] bool enough() const { return options_.frames > 0 && frames_ >= options_.frames; }
+
+    void ended(hmd::SessionEnd why) {
+        ends_.push_back(why);
+        left_ = why == hmd::SessionEnd::left;
+        if (why == hmd::SessionEnd::headset_gone) {
+            spdlog::warn("the headset is gone; waiting for it (Ctrl-C ends)");
+        } else if (why == hmd::SessionEnd::runtime_gone) {
+            spdlog::warn("the headset's runtime is gone; waiting for it (Ctrl-C ends)");
+        }
+    }
+
+    // What arrives meanwhile must not pile up.
+    void idle(std::chrono::milliseconds longest) {
+        for (const auto until = Clock::now() + longest; Clock::now() < until && !over();) {
+            tend();
+        }
+    }
+    void tend() {
+        tend_window();
+        input_.take_into(scene_);
+        input_.wait(while_nobody_looks);
+    }
+    void tend_window() {
+        if (Window* const window = screen_.window()) {
+            window->poll_events();
+            press(window->take_keys());
+            (void)window->take_drags();  // the head moves the eye
+            closed_ = closed_ || !window->open();
+        }
+    }
+
+    void wear(const hmd::Runtime& runtime, const hmd::Headset& headset) {
+        if (!pictures_ || pictures_->both().width() != 2 * headset.eye_width ||
+            pictures_->both().height() != headset.eye_height) {
+            pictures_.reset();  // the text overlay is one
+            pictures_ = std::make_unique<EyeCompositor>(headset.eye_width, headset.eye_height, quality_);
+        }
+        {
+            hmd::Session session(runtime, headset, graphics_, EyeCompositor::sheet_width,
+                                 EyeCompositor::sheet_height);
+            layered_ = session.layered();
+            spdlog::info("{}: {} x {} pixels an eye, {}", headset.name, headset.eye_width, headset.eye_height,
+                         layered_ ? "both in one picture of two layers" : "a picture for each");
+            follow(session);
+            recentred_ += session.recentred();
+            ended(session.life().end());
+        }
+        graphics_.make_current();
+        let_go_of_hands();
+    }
+
+    void follow(hmd::Session& session) {
+        std::optional<Clock::time_point> farewell;
+        while (session.life().end() == hmd::SessionEnd::none) {
+            session.poll();
+            if (over() && !farewell) {
+                farewell = Clock::now();
+                session.leave();
+            }
+            if (farewell && Clock::now() - *farewell > longest_farewell) {
+                spdlog::warn("the headset's runtime does not let go; leaving all the same");
+                break;
+            }
+            if (!session.life().running()) {
+                let_go_of_hands();
+                tend();
+            } else if (const auto frame = session.wait_frame()) {
+                show(session, *frame);
+            }
+        }
+    }
+
+    void show(hmd::Session& session, const hmd::Frame& frame) {
+        const auto now = Clock::now();
+        input_.take_into(scene_);
+        if (!scene_.complete()) {
+            bus::refuse_other_protocol(node_);
+        }
+        scene_.update();
+        tend_window();
+        press(hand_keys_.follow(session.hands()));
+        controls_->tend(now);
+        std::optional<hmd::Eyes> eyes = session.eyes(frame);
+        if (eyes) {
+            look_through(*eyes);
+            input_.publish_eye(scene_, vantage_.eye);
+        }
+        if (!frame.wanted || !session.life().visible()) {
+            eyes.reset();
+        }
+        if (eyes) {
+            hud::Readout readout = hud::readout_of(scene_, server_lost());
+            controls_->put_into(readout, now);
+            measure(eyes_time_, [&] { pictures_->draw_eyes(scene_, vantage_, scene_.shaped()); });
+            measure(sheet_time_, [&] { pictures_->draw_sheet(readout); });
+            measure(hand_over_time_, [&] { session.draw(pictures_->both(), pictures_->sheet()); });
+        }
+        session.end_frame(frame, eyes, sheet);
+        if (Window* const window = screen_.window(); window != nullptr && eyes && !window->minimised()) {
+            graphics_.make_current();
+            pictures_->mirror(window->width(), window->height());
+            window->show_frame();
+        }
+        frames_ += eyes && scene_.complete() ? 1 : 0;
+    }
+
+    // Waits for the driver, and so does only for --json.
+    template <class Work>
+    void measure(DrawTime& time, Work work) const {
+        const auto begin = Clock::now();
+        work();
+        if (options_.json && scene_.shaped()) {
+            pictures_->finish();
+            time.add(begin);
+        }
+    }
+
+    // The eye that pictures, pose and measure go by is one: the dominant, with which people look along a
+    // blade.
+    void look_through(const hmd::Eyes& eyes) {
+        const RigidTransform to_patient = room_.patient(scene_.live().table_angle).inverse();
+        vantage_.worn.clear();
+        for (const hmd::Eye& eye : eyes) {
+            vantage_.worn.push_back(render::worn_camera(to_patient * eye.pose, eye.field));
+        }
+        const hmd::Eye& dominant = eyes[options_.left_eye_leads ? 0 : 1];
+        vantage_.eye = view::TraineeEye::worn(to_patient * dominant.pose);
+    }
+
+    void press(const std::vector<KeyEvent>& keys) {
+        const auto now = Clock::now();
+        for (const KeyEvent& event : keys) {
+            event.down ? controls_->press(event.key, event.repeated, scene_, now)
+                       : controls_->release(event.key, now);
+        }
+    }
+    void let_go_of_hands() { press(hand_keys_.follow({})); }
+
+    [[nodiscard]] bool server_lost() const {
+        return (input_.presence() == Presence::gone || input_.presence() == Presence::silent) &&
+               input_.presence_for_s() > lost_after_s;
+    }
+
+    const Options& options_;
+    Screen screen_;
+    hmd::Graphics graphics_;
+    const render::Quality& quality_;
+    bus::Node node_;
+    SessionInput input_;
+    std::optional<bus::CommandSender> commands_;
+    std::optional<Controls> controls_;
+    HandKeys hand_keys_;
+    hmd::Room room_;
+    view::SceneView scene_;
+    render::Vantage vantage_;
+    std::unique_ptr<EyeCompositor> pictures_;
+    std::vector<hmd::SessionEnd> ends_;  // of sessions with a headset
+    std::uint64_t frames_ = 0;
+    DrawTime eyes_time_, sheet_time_, hand_over_time_;
+    unsigned recentred_ = 0;
+    bool layered_ = false, left_ = false, closed_ = false;
+};
+
+}  // namespace
+
+int run_headset(const Options& options, nlohmann::json& result) {
+    yield_to_others(headset_nice);
+    // First: without one there is nothing to wait for.
+    std::optional<hmd::Runtime> runtime(std::in_place);
+    spdlog::info("headset's runtime: {}", runtime->name());
+    HeadsetClient client(options, runtime->takes_egl());
+    spdlog::info("drawing with {}", render::driver_name());
+    client.run(runtime);
+    result = client.report();
+    return 0;
+}
+
+}  // namespace eti::client

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+// Before OpenXR's, which declares what is particular to OpenGL and EGL only where it is asked for.
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#define XR_USE_GRAPHICS_API_OPENGL
+#define XR_USE_PLATFORM_EGL
+#include <openxr/openxr.h>
+#include <openxr/openxr_platform.h>

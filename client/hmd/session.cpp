@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/hmd/session.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <vector>
+
+#include "client/hmd/platform.hpp"
+
+namespace eti::hmd {
+namespace {
+
+SessionState from_xr(XrSessionState state) {
+    switch (state) {
+        case XR_SESSION_STATE_IDLE:
+            return SessionState::idle;
+        case XR_SESSION_STATE_READY:
+            return SessionState::ready;
+        case XR_SESSION_STATE_SYNCHRONIZED:
+            return SessionState::synchronized;
+        case XR_SESSION_STATE_VISIBLE:
+            return SessionState::visible;
+        case XR_SESSION_STATE_FOCUSED:
+            return SessionState::focused;
+        case XR_SESSION_STATE_STOPPING:
+            return SessionState::stopping;
+        case XR_SESSION_STATE_LOSS_PENDING:
+            return SessionState::loss_pending;
+        case XR_SESSION_STATE_EXITING:
+            return SessionState::exiting;
+        default:
+            return SessionState::unknown;
+    }
+}
+
+// A runtime refuses a session before it was asked which versions it draws with.
+void ask_for_versions(const Runtime& runtime, XrSystemId system) {
+    auto versions = made<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
+    const auto ask =
+        runtime.function<PFN_xrGetOpenGLGraphicsRequirementsKHR>("xrGetOpenGLGraphicsRequirementsKHR");
+    check(ask(runtime.instance(), system, &versions), "xrGetOpenGLGraphicsRequirementsKHR");
+    GLint major = 0, minor = 0;
+    glGetIntegerv(GL_MAJOR_VERSION, &major);
+    glGetIntegerv(GL_MINOR_VERSION, &minor);
+    if (XR_MAKE_VERSION(major, minor, 0) < versions.minApiVersionSupported) {
+        throw std::runtime_error(
+            fmt::format("OpenXR: the driver gives OpenGL {}.{}, the headset's runtime needs {}.{}. Install a "
+                        "newer driver.",
+                        major, minor, XR_VERSION_MAJOR(versions.minApiVersionSupported),
+                        XR_VERSION_MINOR(versions.minApiVersionSupported)));
+    }
+}
+
+}  // namespace
+
+Session::Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics, int panel_width,
+                 int panel_height)
+    : runtime_(runtime) {
+    ask_for_versions(runtime, headset.system);
+    auto info = made<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
+    info.next = graphics.binding();
+    info.systemId = headset.system;
+    check(xrCreateSession(runtime.instance(), &info, session_.put()), "xrCreateSession");
+    graphics.make_current();
+    auto space = made<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
+    space.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
+    space.poseInReferenceSpace = to_xr(RigidTransform{});
+    check(xrCreateReferenceSpace(session_.get(), &space, world_.put()), "xrCreateReferenceSpace");
+    actions_.emplace(runtime.instance(), session_.get());
+    eye_images_.emplace(session_.get(), graphics, headset.eye_width, headset.eye_height);
+    panel_image_.emplace(session_.get(), graphics, panel_width, panel_height);
+}
+
+// What the runtime refuses because session or runtime is lost ends the session; other refusals are passed on.
+template <class Call>
+auto Session::guarded(Call call) -> decltype(call()) {
+    try {
+        return call();
+    } catch (const CallFailed& failed) {
+        if (failed.runtime_gone()) {
+            life_.lose(SessionEnd::runtime_gone);
+        } else if (failed.headset_gone()) {
+            life_.lose(SessionEnd::headset_gone);
+        } else {
+            throw;
+        }
+        return decltype(call())();
+    }
+}
+
+void Session::poll() {
+    guarded([&] {
+        while (life_.end() == SessionEnd::none) {
+            auto event = made<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
+            if (check(xrPollEvent(runtime_.instance(), &event), "xrPollEvent") == XR_EVENT_UNAVAILABLE) {
+                break;
+            }
+            switch (event.type) {
+                case XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED:
+                    on_state(*reinterpret_cast<const XrEventDataSessionStateChanged*>(&event));
+                    break;
+                case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
+                    // The runtime moves the world; the patient stays where it lies in it, before the trainee.
+                    spdlog::info("the headset was centred anew");
+                    ++recentred_;
+                    break;
+                case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
+                    life_.lose(SessionEnd::runtime_gone);
+                    break;
+                case XR_TYPE_EVENT_DATA_EVENTS_LOST:
+                    spdlog::warn("the headset's runtime lost events: the program asked too late for them");
+                    break;
+                default:
+                    break;
+            }
+        }
+    });
+}
+
+void Session::on_state(const XrEventDataSessionStateChanged& event) {
+    if (event.session != session_.get()) {
+        return;
+    }
+    switch (life_.enter(from_xr(event.state))) {
+        case Duty::begin_session: {
+            auto info = made<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
+            info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+            check(xrBeginSession(session_.get(), &info), "xrBeginSession");
+            break;
+        }
+        case Duty::end_session:
+            check(xrEndSession(session_.get()), "xrEndSession");
+            break;
+        case Duty::none:
+            break;
+    }
+}
+
+void Session::leave() {
+    guarded([&] {
+        if (life_.ask_to_leave()) {
+            check(xrRequestExitSession(session_.get()), "xrRequestExitSession");
+        }
+    });
+}
+
+std::optional<Frame> Session::wait_frame() {
+    return guarded([&]() -> std::optional<Frame> {
+        auto state = made<XrFrameState>(XR_TYPE_FRAME_STATE);
+        check(xrWaitFrame(session_.get(), nullptr, &state), "xrWaitFrame");
+        check(xrBeginFrame(session_.get(), nullptr), "xrBeginFrame");
+        return Frame{state.predictedDisplayTime, state.shouldRender == XR_TRUE};
+    });
+}
+
+std::optional<Eyes> Session::eyes(const Frame& frame) {
+    return guarded([&]() -> std::optional<Eyes> {
+        auto info = made<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
+        info.viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+        info.displayTime = frame.seen_at;
+        info.space = world_.get();
+        auto state = made<XrViewState>(XR_TYPE_VIEW_STATE);
+        std::array<XrView, 2> views{};
+        views.fill(made<XrView>(XR_TYPE_VIEW));
+        std::uint32_t count = 0;
+        check(xrLocateViews(session_.get(), &info, &state, static_cast<std::uint32_t>(views.size()), &count,
+                            views.data()),
+              "xrLocateViews");
+        constexpr XrViewStateFlags known =
+            XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT;
+        if ((state.viewStateFlags & known) != known || count != views.size()) {
+            return std::nullopt;
+        }
+        Eyes out;
+        for (std::size_t i = 0; i < views.size(); ++i) {
+            out[i] = {hmd::from_xr(views[i].pose), hmd::from_xr(views[i].fov)};
+        }
+        return out;
+    });
+}
+
+HandInput Session::hands() {
+    return guarded([&] { return life_.focused() ? actions_->read() : HandInput{}; });
+}
+
+void Session::draw(const render::RenderTarget& both, const render::RenderTarget& panel) {
+    guarded([&] {
+        eye_images_->show(both);
+        panel_image_->show(panel);
+    });
+}
+
+void Session::end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, const Panel& panel) {
+    guarded([&] {
+        std::array<XrCompositionLayerProjectionView, 2> views{};
+        auto room = made<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
+        auto sheet = made<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD);
+        std::vector<const XrCompositionLayerBaseHeader*> layers;
+        if (seen_by) {
+            for (std::size_t i = 0; i < views.size(); ++i) {
+                views[i] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW, nullptr, to_xr((*seen_by)[i].pose),
+                            to_xr((*seen_by)[i].field), eye_images_->of(static_cast<int>(i))};
+            }
+            room.space = world_.get();
+            room.viewCount = static_cast<std::uint32_t>(views.size());
+            room.views = views.data();
+            layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&room));
+            sheet.layerFlags = XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
+            sheet.space = world_.get();
+            sheet.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
+            sheet.subImage = panel_image_->image();
+            sheet.pose = to_xr(panel.pose);
+            sheet.size = {panel.width, panel.height};
+            layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&sheet));
+        }
+        auto info = made<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
+        info.displayTime = frame.seen_at;
+        info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+        info.layerCount = static_cast<std::uint32_t>(layers.size());
+        info.layers = layers.data();
+        check(xrEndFrame(session_.get(), &info), "xrEndFrame");
+    });
+}
+
+}  // namespace eti::hmd

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <openxr/openxr.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/headset_runtime/course.hpp"
+#include "tests/support/headset_runtime/pictures.hpp"
+
+namespace eti::headset_runtime {
+
+struct Action {
+    XrActionType type;
+    std::vector<std::string> inputs;  // of the controller that the script holds
+};
+
+// One of each at a time: handles are checked by the validation layer.
+struct State {
+    std::unique_ptr<Course> course;
+    std::vector<std::string> paths{""};
+    std::map<std::uint64_t, std::unique_ptr<Chain>> chains;
+    std::map<std::uint64_t, Action> actions;
+    std::uint64_t next_handle = 1;
+    XrSession session = XR_NULL_HANDLE;
+    void* display = nullptr;  // Xlib's, of a program with a window
+    bool versions_asked = false, attached = false, synchronised = false;
+    int asked_for_headset = 0;
+};
+extern State state;
+
+template <class Handle>
+[[nodiscard]] Handle new_handle() {
+    return reinterpret_cast<Handle>(state.next_handle++);
+}
+template <class Handle>
+[[nodiscard]] std::uint64_t number(Handle handle) {
+    return reinterpret_cast<std::uint64_t>(handle);
+}
+
+[[nodiscard]] inline Course& course() {
+    return *state.course;
+}
+
+// Every call on a lost runtime fails.
+#define ETI_UNLESS_LOST()              \
+    if (course().lost()) {             \
+        return XR_ERROR_INSTANCE_LOST; \
+    }
+
+template <class Value>
+[[nodiscard]] XrResult fill(const std::vector<Value>& values, std::uint32_t capacity, std::uint32_t* count,
+                            Value* out) {
+    *count = static_cast<std::uint32_t>(values.size());
+    if (capacity == 0) {
+        return XR_SUCCESS;
+    }
+    if (capacity < *count) {
+        return XR_ERROR_SIZE_INSUFFICIENT;
+    }
+    std::copy(values.begin(), values.end(), out);
+    return XR_SUCCESS;
+}
+
+}  // namespace eti::headset_runtime

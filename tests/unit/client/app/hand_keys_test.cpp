@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/hand_keys.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "client/app/command_keys.hpp"
+
+namespace eti {
+namespace {
+
+// "+" pressed, "=" held, "-" let go, each before the command that the key stands for.
+std::string said(const std::vector<client::KeyEvent>& events) {
+    std::string out;
+    for (const client::KeyEvent& event : events) {
+        const client::CommandKey* const key = client::command_key(event.key);
+        out += fmt::format("{}{}{}", out.empty() ? "" : " ",
+                           !event.down      ? '-'
+                           : event.repeated ? '='
+                                            : '+',
+                           key != nullptr ? fmt::format("{}{:+.0f}", key->command, key->step) : "nothing");
+    }
+    return out;
+}
+
+TEST(HandKeys, ATriggerThatTremblesSucksWithoutPause) {
+    client::HandKeys hands;
+    EXPECT_EQ(said(hands.follow({.suction = 0.4f})), "");
+    EXPECT_EQ(said(hands.follow({.suction = 0.6f})), "+suction+0");
+    EXPECT_EQ(said(hands.follow({.suction = 0.4f})), "=suction+0");
+    EXPECT_EQ(said(hands.follow({.suction = 0.2f})), "-suction+0");
+    EXPECT_EQ(said(hands.follow({.suction = 0.4f})), "");
+}
+
+TEST(HandKeys, APadMovesOneThingAtATime) {
+    client::HandKeys hands;
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.2f, 0.9f, true}})), "+head_elevation+1");
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.2f, 0.9f, true}})), "=head_elevation+1");
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.9f, 0.2f, true}})), "-head_elevation+1 +jaw_opening+1");
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {-0.9f, 0.2f, true}})), "-jaw_opening+1 +jaw_opening-1");
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.0f, -0.9f, true}})), "-jaw_opening-1 +head_elevation-1");
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.1f, 0.1f, true}})), "-head_elevation-1")
+        << "in its middle";
+    EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.0f, 0.9f, false}})), "") << "touched, not pressed";
+}
+
+TEST(HandKeys, TheOtherPadTiltsTheTableAndNothingElse) {
+    client::HandKeys hands;
+    EXPECT_EQ(said(hands.follow({.table = {0.0f, 0.9f, true}})), "+table_angle+1");
+    EXPECT_EQ(said(hands.follow({.table = {0.0f, -0.9f, true}})), "-table_angle+1 +table_angle-1");
+    EXPECT_EQ(said(hands.follow({.table = {0.9f, 0.0f, true}})), "-table_angle-1");
+}
+
+TEST(HandKeys, ControllersWithoutAPadMoveTheHeadByTwoButtons) {
+    client::HandKeys hands;
+    EXPECT_EQ(said(hands.follow({.head_up = true})), "+head_elevation+1");
+    EXPECT_EQ(said(hands.follow({.head_down = true})), "-head_elevation+1 +head_elevation-1");
+    EXPECT_EQ(said(hands.follow({.enhanced = true})), "-head_elevation-1 +view_enhanced+0");
+}
+
+TEST(HandKeys, HandsThatGoLetGo) {
+    client::HandKeys hands;
+    (void)hands.follow({.suction = 1.0f, .table = {0.0f, 0.9f, true}});
+    EXPECT_EQ(said(hands.follow({})), "-table_angle+1 -suction+0");
+    EXPECT_EQ(said(hands.follow({})), "");
+}
+
+}  // namespace
+}  // namespace eti

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+
+// A headset that a script wears, from OpenXR's loader through its validation layer to a server on the bus.
+#include "client/app/headset.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "client/render/image.hpp"
+#include "common/process/stop_signal.hpp"
+#include "synthetic_server.hpp"
+#include "tests/support/virtual_display.hpp"
+
+namespace eti {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using synthetic::SyntheticServer;
+
+constexpr const char* right_trigger = "/user/hand/right/input/trigger/value";
+
+class HeadsetTest : public ::testing::Test {
+  protected:
+    enum class Screen { window, none };
+
+    explicit HeadsetTest(Screen screen = Screen::window) {
+        ask_to_stop(false);
+        folder_ = std::filesystem::temp_directory_path() / ("eti_headset_" + std::to_string(::getpid()));
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+        ::setenv("ETI_HEADSET_FOLDER", folder_.c_str(), 1);
+        ::setenv("XR_RUNTIME_JSON", ETI_HEADSET_RUNTIME, 1);
+        options_.bus = synthetic::bus_options("eti-client");
+        options_.headset = true;
+        options_.width = options_.height = 128;
+        options_.quality = &render::qualities().front();
+        if (screen == Screen::window) {
+            display_.emplace();
+            // Debian's knows GLX, and refuses EGL as a structure it has never heard of.
+            ::setenv("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation", 1);
+            ::setenv("XR_CORE_VALIDATION_EXPORT_TYPE", "text", 1);
+            ::setenv("XR_CORE_VALIDATION_FILE_NAME", (folder_ / "validation.txt").c_str(), 1);
+        } else {
+            ::unsetenv("DISPLAY");
+            ::unsetenv("XR_ENABLE_API_LAYERS");
+        }
+    }
+    ~HeadsetTest() override {
+        ask_to_stop(false);
+        std::filesystem::remove_all(folder_);
+    }
+
+    // Runs the client until the script or `enough` ends it, at the latest after a minute.
+    int wear(
+        json script, const std::function<bool()>& enough = [] { return false; }) {
+        if (display_ && !display_->ready()) {
+            ADD_FAILURE() << "Xvfb does not start; install the package xvfb";
+            return -1;
+        }
+        script["eye_width"] = script["eye_height"] = side;
+        script["pace_ms"] = script.value("pace_ms", 4);
+        std::ofstream(folder_ / "script.json") << script;
+        std::atomic<bool> done = false;
+        std::thread watch([&] {
+            const auto limit = std::chrono::steady_clock::now() + 60s;
+            while (!done && !enough() && std::chrono::steady_clock::now() < limit) {
+                std::this_thread::sleep_for(5ms);
+            }
+            ask_to_stop(!done);
+        });
+        const int status = client::run_headset(options_, result_);
+        done = true;
+        watch.join();
+        report_ = json::parse(std::ifstream(folder_ / "report.json"));
+        return status;
+    }
+    // Every call was in order, every frame in time and from where the eyes were then, and the layer that
+    // knows what the specification asks for said nothing.
+    void expect_no_fault() const {
+        EXPECT_EQ(report_["faults"], json::array());
+        std::stringstream said;
+        said << std::ifstream(folder_ / "validation.txt").rdbuf();
+        EXPECT_EQ(said.str(), "");
+    }
+
+    static constexpr int side = 240;  // pixels
+    std::filesystem::path folder_;
+    std::optional<test::VirtualDisplay> display_;
+    client::Options options_;
+    json result_, report_;
+};
+
+class WindowlessHeadsetTest : public HeadsetTest {
+  protected:
+    WindowlessHeadsetTest() : HeadsetTest(Screen::none) {}
+};
+
+struct Extent {
+    float left = 1e9f, right = -1e9f, top = 1e9f, bottom = -1e9f;
+    void add(float x, float y) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+        top = std::min(top, y);
+        bottom = std::max(bottom, y);
+    }
+};
+
+// Of what is skin by its colour: nothing else in the room is as red.
+Extent skin_in(const std::filesystem::path& picture) {
+    const render::Image image = render::read_png(picture);
+    Extent out;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const std::uint8_t* const p = image.pixel(x, y);
+            if (p[0] > p[2] + 12) {
+                out.add(static_cast<float>(x), static_cast<float>(y));
+                out.add(static_cast<float>(x + 1), static_cast<float>(y + 1));
+            }
+        }
+    }
+    return out;
+}
+
+// Where the head must be, by nothing but the eye's place, its turn and the four angles of its field: a point
+// at (x, y, -z) before the eye is seen x / z to the right and y / z up.
+Extent skin_by_mathematics(const json& eye, const Vec3f& gum, int pixels) {
+    const auto place = eye["position"].get<std::array<float, 3>>();
+    const auto turn = eye["orientation"].get<std::array<float, 4>>();
+    const auto field = eye["fov"].get<std::array<float, 4>>();
+    const Eigen::Quaternionf rotation(turn[0], turn[1], turn[2], turn[3]);
+    Extent out;
+    for (const Vec3f& point : synthetic::body_mesh().vertices) {
+        // Lying on its back, head towards the trainee.
+        const Vec3f world = gum + Vec3f(-point.x(), -point.y(), point.z());
+        const Vec3f seen = rotation.conjugate() * (world - Vec3f(place[0], place[1], place[2]));
+        const float x = seen.x() / -seen.z(), y = seen.y() / -seen.z();
+        const float left = std::tan(field[0]), right = std::tan(field[1]);
+        const float up = std::tan(field[2]), down = std::tan(field[3]);
+        out.add((x - left) / (right - left) * static_cast<float>(pixels),
+                (up - y) / (up - down) * static_cast<float>(pixels));
+    }
+    return out;
+}
+
+void expect_close(const Extent& drawn, const Extent& expected, float pixels) {
+    EXPECT_NEAR(drawn.left, expected.left, pixels);
+    EXPECT_NEAR(drawn.right, expected.right, pixels);
+    EXPECT_NEAR(drawn.top, expected.top, pixels);
+    EXPECT_NEAR(drawn.bottom, expected.bottom, pixels);
+}
+
+json pictures_of_frames() {
+    json frames = json::array();
+    for (int frame = 10; frame < 20000; frame += 10) {
+        frames.push_back(frame);
+    }
+    return frames;
+}
+
+TEST_F(HeadsetTest, BothEyesSeeThePatientWhereCameraMathematicsHasIt) {
+    SyntheticServer server(1e9);
+    options_.frames = 100;
+    // To and fro by 4 mm a frame: who drew from where the eyes are now would be 4 pixels off, and be told so.
+    json head = json::array();
+    for (int turn = 0; turn < 1000; ++turn) {
+        const double aside = turn % 2 == 0 ? -0.04 : 0.04;
+        head.push_back({{"frame", 20 * turn}, {"position", {aside, 0.02, 0.05}}, {"pitch", -0.6}});
+    }
+    ASSERT_EQ(wear({{"pictures", pictures_of_frames()}, {"head", head}}), 0);
+    expect_no_fault();
+    EXPECT_EQ(result_["end"], "enough frames");
+    ASSERT_FALSE(report_["pictures"].empty());
+    const json& last = report_["pictures"].back();
+    std::array<Extent, 2> drawn, expected;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
+        drawn[eye] = skin_in(folder_ / file);
+        expected[eye] = skin_by_mathematics(last["eyes"][eye], options_.gum_in_room, side);
+        // Half a pixel of rasterising, one of a colour that fades along the rim.
+        SCOPED_TRACE(file);
+        expect_close(drawn[eye], expected[eye], 1.5f);
+    }
+    // 64 mm between eyes 0.4 m away.
+    EXPECT_GT(expected[0].left - expected[1].left, 0.08f * side);
+    EXPECT_NEAR(drawn[0].left - drawn[1].left, expected[0].left - expected[1].left, 1.5f);
+}
+
+TEST_F(HeadsetTest, TheServerHearsOfTheDominantEye) {
+    for (const bool left : {false, true}) {
+        SyntheticServer server(1e9);
+        options_.left_eye_leads = left;
+        options_.gum_in_room = {0.0f, -0.25f, -0.2f};
+        std::filesystem::remove(folder_ / "report.json");
+        ASSERT_EQ(wear({{"head", {{{"position", {0.01, 0.02, 0.03}}, {"pitch", -0.5}}}}},
+                       [&] { return server.eyes() > 3; }),
+                  0);
+        expect_no_fault();
+        ask_to_stop(false);
+        server.stop();
+        // 0.01 m to the right of the middle and half of 64 mm to its side; 0.27 m above the gum and 0.23 m
+        // behind it.
+        const Vec3f expected(-(0.01f + (left ? -0.032f : 0.032f)), -0.27f, 0.23f);
+        EXPECT_LT((server.eye() - expected).norm(), 1e-4f) << server.eye().transpose();
+    }
+}
+
+TEST_F(HeadsetTest, AnObserverPublishesNeitherEyeNorCommands) {
+    SyntheticServer server(1e9);
+    options_.observe = true;
+    options_.frames = 60;
+    ASSERT_EQ(wear({{"hands", {{{"frame", 1}, {"input", right_trigger}, {"value", 1.0}}}}}), 0);
+    expect_no_fault();
+    server.stop();
+    EXPECT_EQ(server.eyes(), 0);
+    EXPECT_TRUE(server.commands().empty());
+    EXPECT_FALSE(result_.contains("commands"));
+}
+
+// What hands do again and again until the server has heard it: it may come late.
+json again_and_again(std::initializer_list<std::pair<const char*, json>> inputs, int held, int every) {
+    json out = json::array();
+    for (int frame = every; frame < 20000; frame += every) {
+        for (const auto& [input, value] : inputs) {
+            out.push_back({{"frame", frame}, {"input", input}, {"value", value}});
+            out.push_back({{"frame", frame + held}, {"input", input}, {"value", 0.0}});
+        }
+    }
+    return out;
+}
+
+bool has(const std::vector<std::string>& commands, const std::string& one) {
+    return std::ranges::find(commands, one) != commands.end();
+}
+
+TEST_F(HeadsetTest, TriggerAndPadsOfAViveControllerBecomeCommands) {
+    SyntheticServer server(1e9);
+    const json hands = again_and_again({{right_trigger, 1.0},
+                                        {"/user/hand/right/input/trackpad", json::array({0.1, 0.9})},
+                                        {"/user/hand/right/input/trackpad/click", 1.0},
+                                        {"/user/hand/left/input/trackpad", json::array({0.0, -0.8})},
+                                        {"/user/hand/left/input/trackpad/click", 1.0}},
+                                       10, 20);
+    ASSERT_EQ(wear({{"hands", hands}},
+                   [&] {
+                       const auto all = server.commands();
+                       return has(all, "suction 1.000") && has(all, "suction 0.000") &&
+                              has(all, "head_elevation 0.017") && has(all, "table_angle -0.017");
+                   }),
+              0);
+    expect_no_fault();
+    server.stop();
+    const auto commands = server.commands();
+    EXPECT_TRUE(has(commands, "suction 1.000"));
+    EXPECT_TRUE(has(commands, "suction 0.000"));
+    EXPECT_TRUE(has(commands, "head_elevation 0.017")) << "a degree";
+    EXPECT_TRUE(has(commands, "table_angle -0.017"));
+    EXPECT_EQ(report_["profiles"], json({"/interaction_profiles/htc/vive_controller",
+                                         "/interaction_profiles/khr/simple_controller"}));
+}
+
+TEST_F(HeadsetTest, SoDoTheButtonsOfASimpleController) {
+    SyntheticServer server(1e9);
+    const json hands = again_and_again(
+        {{"/user/hand/right/input/select/click", 1.0}, {"/user/hand/left/input/select/click", 1.0}}, 10, 20);
+    ASSERT_EQ(wear({{"hands", hands}, {"controller", "/interaction_profiles/khr/simple_controller"}},
+                   [&] {
+                       const auto all = server.commands();
+                       return has(all, "suction 1.000") && has(all, "head_elevation 0.017");
+                   }),
+              0);
+    expect_no_fault();
+    server.stop();
+    EXPECT_TRUE(has(server.commands(), "suction 1.000"));
+    EXPECT_TRUE(has(server.commands(), "head_elevation 0.017"));
+}
+
+TEST_F(HeadsetTest, SuctionStopsWhileAMenuHasTheHands) {
+    SyntheticServer server(1e9);
+    json events = json::array();
+    for (int frame = 30; frame < 20000; frame += 60) {
+        events.push_back({{"frame", frame}, {"what", "blur"}});
+        events.push_back({{"frame", frame + 30}, {"what", "focus"}});
+    }
+    // The trigger is held all the time.
+    const auto stops = [&] { return std::ranges::count(server.commands(), "suction 0.000"); };
+    ASSERT_EQ(
+        wear({{"hands", {{{"frame", 1}, {"input", right_trigger}, {"value", 1.0}}}}, {"events", events}},
+             [&] { return stops() >= 2; }),
+        0);
+    expect_no_fault();
+    EXPECT_GE(stops(), 2);
+    EXPECT_GE(std::ranges::count(server.commands(), "suction 1.000"), 2);
+}
+
+TEST_F(HeadsetTest, GoesThroughEveryTurnOfASession) {
+    const auto at = [](int frame, const char* what, int life = 0) {
+        return json{{"frame", frame}, {"what", what}, {"life", life}};
+    };
+    ASSERT_EQ(wear({{"events",
+                     {at(10, "blur"), at(15, "focus"), at(20, "hide"), at(30, "show"), at(40, "recentre"),
+                      at(50, "sleep"), at(60, "lose_headset"), at(80, "lose_runtime"), at(20, "leave", 1)}}}),
+              0);
+    expect_no_fault();
+    EXPECT_EQ(result_["end"], "left");
+    EXPECT_EQ(result_["recentred"], 1);
+    EXPECT_EQ(report_["lives"], 2) << "a runtime that went was waited for";
+    EXPECT_EQ(report_["sessions"], 3) << "one to the headset's loss, one to the runtime's, one to the end";
+    EXPECT_EQ(result_["sessions"], 3);
+    // Frames go on while nobody sees them, but none is drawn.
+    EXPECT_GE(report_["frames"].get<int>() - report_["shown"].get<int>(), 8);
+}
+
+TEST_F(HeadsetTest, WaitsForAHeadsetThatIsNotThereYet) {
+    ASSERT_EQ(wear({{"absent", 2}, {"events", {{{"frame", 5}, {"what", "leave"}}}}}), 0);
+    expect_no_fault();
+    EXPECT_EQ(result_["end"], "left");
+    EXPECT_EQ(report_["sessions"], 1);
+}
+
+TEST_F(HeadsetTest, CtrlCEndsTheWait) {
+    const auto begun = std::chrono::steady_clock::now();
+    ASSERT_EQ(wear({{"absent", 1000000}}, [&] { return std::chrono::steady_clock::now() - begun > 1s; }), 0);
+    expect_no_fault();
+    EXPECT_EQ(result_["end"], "stopped");
+    EXPECT_EQ(report_["sessions"], 0);
+}
+
+TEST_F(HeadsetTest, CtrlCLeavesARunningSessionAsTheRuntimeWantsIt) {
+    SyntheticServer server(1e9);
+    ASSERT_EQ(wear(json::object(), [&] { return server.eyes() > 3; }), 0);
+    expect_no_fault();
+    EXPECT_EQ(result_["end"], "stopped");
+    EXPECT_GT(report_["shown"], 0);
+}
+
+TEST_F(HeadsetTest, ARuntimeWithoutLayersGetsAPictureForEachEye) {
+    SyntheticServer server(1e9);
+    options_.frames = 60;
+    ASSERT_EQ(wear({{"layered", false},
+                    {"pictures", pictures_of_frames()},
+                    {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
+              0);
+    expect_no_fault();
+    EXPECT_EQ(result_["layered"], false);
+    const json& last = report_["pictures"].back();
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
+        SCOPED_TRACE(file);
+        expect_close(skin_in(folder_ / file),
+                     skin_by_mathematics(last["eyes"][eye], options_.gum_in_room, side), 1.5f);
+    }
+}
+
+TEST_F(WindowlessHeadsetTest, DrawsWithoutADisplay) {
+    SyntheticServer server(1e9);
+    options_.frames = 20;
+    ASSERT_EQ(wear({{"pictures", pictures_of_frames()}}), 0);
+    expect_no_fault();
+    EXPECT_GE(report_["shown"], 20);
+    // The sheet hangs where eyes rest easily: between 0.7 and 1.5 m.
+    const auto sheet = report_["sheet"].get<std::array<float, 3>>();
+    EXPECT_GT(std::hypot(sheet[0], sheet[1], sheet[2]), 0.7f);
+    EXPECT_LT(std::hypot(sheet[0], sheet[1], sheet[2]), 1.5f);
+}
+
+TEST_F(WindowlessHeadsetTest, SaysWhatToInstallWithoutARuntime) {
+    ::setenv("XR_RUNTIME_JSON", "/nowhere/runtime.json", 1);
+    try {
+        (void)client::run_headset(options_, result_);
+        FAIL() << "a headset without its software";
+    } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(),
+                    ::testing::AllOf(::testing::HasSubstr("--view hmd"), ::testing::HasSubstr("Install"),
+                                     ::testing::HasSubstr("XR_RUNTIME_JSON")));
+    }
+}
+
+}  // namespace
+}  // namespace eti
