@@ -215,6 +215,77 @@ TEST_F(SceneRendererTest, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
               picture(named("section"), wet, Shading::object_id).rgba);
 }
 
+// Two drops that clash before the mouth and part again: foam and threads are seen, about the liquid alone,
+// and they are gone once nothing has moved for longer than a bubble lives.
+TEST_F(SceneRendererTest, FoamAndThreadsAreSeenWhereLiquidIs) {
+    const View& view = named("overview");
+    const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    view::SceneView wet = scene_;
+    std::uint64_t time_ns = wet.simulation_time_ns();
+    const auto state = [&](float gap) {
+        std::vector<Vec3f> drops;
+        for (int k = 0; k < 2 * 5 * 5 * 5; ++k) {
+            const Vec3f side(k < 125 ? -gap - 5e-3f : gap, 0.0f, 0.0f);
+            drops.push_back(mouth + side +
+                            1e-3f * Eigen::Vector3i(k % 5, k / 5 % 5, k / 25 % 5).cast<float>());
+        }
+        time_ns += 11'111'111;
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drops.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drops}, chunk,
+                                 message);
+            message.header().simulation_time_ns(time_ns);
+            ASSERT_TRUE(wet.apply(message));
+        }
+    };
+    for (int s = 0; s <= 16; ++s) {
+        state(4e-3f - 0.25e-3f * static_cast<float>(s));
+    }
+    for (int s = 1; s <= 12; ++s) {
+        state(0.25e-3f * static_cast<float>(s));
+    }
+    state(3e-3f);
+    wet.update();
+    ASSERT_GT(wet.liquid_detail().foam().bubbles().size(), 20u);
+    ASSERT_GT(wet.liquid_detail().strings().strings().size(), 2u);
+    const render::Image frothy = picture(view, wet, Shading::lit);
+    // The same places without a history.
+    const std::vector<Vec3f> places(wet.liquid().begin(), wet.liquid().end());
+    view::SceneView still = scene_;
+    msg::FluidState message;
+    for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(places.size()); ++chunk) {
+        bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, places}, chunk, message);
+        ASSERT_TRUE(still.apply(message));
+    }
+    still.update();
+    const render::Image plain = picture(view, still, Shading::lit);
+    const Eigen::Matrix4f projection =
+        view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
+    const Eigen::Vector4f clip = projection * mouth.homogeneous();
+    const Eigen::Vector2f centre(0.5f * width * (1.0f + clip.x() / clip.w()),
+                                 0.5f * height * (1.0f - clip.y() / clip.w()));
+    const float reach = 16e-3f * 0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w();
+    int changed = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (std::memcmp(frothy.pixel(x, y), plain.pixel(x, y), 3) != 0) {
+                ++changed;
+                EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
+                          reach)
+                    << x << ", " << y;
+            }
+        }
+    }
+    EXPECT_GT(changed, 20);
+    for (int s = 0; s < 90 * 10; ++s) {
+        state(3e-3f);
+    }
+    wet.update();
+    EXPECT_TRUE(wet.liquid_detail().foam().bubbles().empty());
+    EXPECT_TRUE(wet.liquid_detail().strings().strings().empty());
+    EXPECT_EQ(picture(view, wet, Shading::lit).rgba, plain.rgba);
+}
+
 // As a client does that keeps the scene of the best view: both go on from the same shape, one update each.
 TEST_F(SceneRendererTest, ACopyThatWentItsOwnWayIsDrawnAsItIs) {
     const View& section = named("section");
