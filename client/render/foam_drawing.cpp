@@ -16,7 +16,8 @@ namespace {
 using Packed = std::array<Eigen::half, 4>;
 static_assert(sizeof(Packed) == 8);
 
-const Vec3f white(0.80f, 0.82f, 0.82f);
+// Many films scatter so much more than the liquid alone.
+constexpr float brighter = 1.3f;
 
 }  // namespace
 
@@ -50,7 +51,7 @@ void FoamDrawing::upload(std::span<const view::Bubble> bubbles) {
 }
 
 void FoamDrawing::draw(const Camera& camera, const Eigen::Matrix4f& projection, const Lighting& lighting,
-                       const Eigen::Vector4f& clip_plane, float lift, int height) {
+                       const Eigen::Vector4f& clip_plane, float lift, int height, const Vec3f& liquid) {
     if (count_ == 0) {
         return;
     }
@@ -63,7 +64,7 @@ void FoamDrawing::draw(const Camera& camera, const Eigen::Matrix4f& projection, 
     program_.set("clip_plane", clip_plane);
     program_.set("lift", lift);
     program_.set("height", static_cast<float>(height));
-    program_.set("tint", white);
+    program_.set("tint", Vec3f(brighter * liquid));
     glEnable(GL_PROGRAM_POINT_SIZE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

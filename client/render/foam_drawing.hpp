@@ -21,9 +21,10 @@ class FoamDrawing {
     void upload(std::span<const view::Bubble> bubbles);
 
     /// Over the bound framebuffer, after the liquid; its viewport is `height` pixels high. `lift` [m] from
-    /// the particles to the surface that is seen.
+    /// the particles to the surface that is seen; `liquid` is what that scatters back, and shells have its
+    /// colour.
     void draw(const Camera& camera, const Eigen::Matrix4f& projection, const Lighting& lighting,
-              const Eigen::Vector4f& clip_plane, float lift, int height);
+              const Eigen::Vector4f& clip_plane, float lift, int height, const Vec3f& liquid);
 
   private:
     ShaderProgram program_;

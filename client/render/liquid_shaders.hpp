@@ -101,9 +101,10 @@ void main() {
 inline constexpr std::string_view liquid_surface_inputs = R"(
 in vec2 at;
 vec3 world;
+layout(location = 0, index = 1) out vec4 transmitted;   // of what was drawn before
 )";
 
-/// The surface over what was drawn before: alpha is what comes through from there.
+/// The surface over what was drawn before, of which each colour comes through by its own share.
 inline constexpr std::string_view liquid_surface_fragment = R"(
 uniform sampler2D depth;
 uniform sampler2D thickness;
@@ -112,6 +113,9 @@ uniform mat4 to_world;
 uniform vec2 next_pixel;
 uniform float sphere_pixels;    // across, of a sphere at one metre
 uniform float radius;           // [m]
+uniform vec3 extinction;        // [1/mm]
+uniform float deepest;          // [mm]
+uniform vec3 albedo;
 vec3 place(vec2 where) {
     float z = texture(depth, where).r;
     return vec3((2.0 * where - 1.0) * z / vec2(projection[0][0], projection[1][1]), -z);
@@ -151,9 +155,7 @@ void main() {
     float nv = clamp(dot(n, v), 0.0, 1.0);
     // Less at the rim than a smooth sphere's: what is mirrored there is the throat, not the room.
     float fresnel = 0.02 + 0.35 * pow(1.0 - nv, 5.0);
-    // Mucus and froth scatter a little: a sixth of the light within a millimetre.
-    float milky = 1.0 - exp(-0.18 * min(through, 5.0));
-    const vec3 albedo = vec3(0.62, 0.66, 0.64);
+    vec3 clear = exp(-extinction * min(through, deepest));
     vec3 scattered = 1.2 * albedo * ambient(n);
     vec3 mirrored = fresnel * 1.5 * ambient(reflect(-v, n));
     for (int i = 0; i < 2; ++i) {
@@ -164,7 +166,8 @@ void main() {
         float nh64 = pow(nh8, 8.0);
         mirrored += light.colour * (0.01 * nh8 * nh8 * nh8 + 0.25 * nh64 * nh64 * nh64 * nh64);
     }
-    pixel = vec4(edge * min(milky * scattered + mirrored, brightest), 1.0 - edge * (1.0 - (1.0 - milky) * (1.0 - fresnel)));
+    pixel = vec4(edge * min((1.0 - clear) * scattered + mirrored, brightest), 0.0);
+    transmitted = vec4(1.0 - edge * (1.0 - clear * (1.0 - fresnel)), 1.0);
 }
 )";
 

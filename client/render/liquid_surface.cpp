@@ -17,8 +17,6 @@
 namespace eti::render {
 namespace {
 
-// Of a sphere over the particles' spacing: neighbours then overlap into one surface.
-constexpr float sphere_size = 1.0f;
 // The liquid's own pictures have half of the view's pixels along each side, from this height on.
 constexpr int halved_from = 800;
 // Widths of the rounds of smoothing, over a sphere's: the second fills the steps that the first leaves.
@@ -139,8 +137,9 @@ LiquidSurface::LiquidSurface()
     glBindVertexArray(0);
 }
 
-void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing,
-                           const view::LiquidDetail& detail) {
+void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail,
+                           LiquidKind kind) {
+    look_ = look_of(kind);
     particles_.assign(positions.begin(), positions.end());
     extent_ = particles_;
     radius_ = sphere_size * spacing;
@@ -152,6 +151,11 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing,
     glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size_bytes()), positions.data(),
                  GL_STREAM_DRAW);
+    Eigen::AlignedBox3f box;
+    for (const Vec3f& p : particles_) {
+        box.extend(p);
+    }
+    middle_ = box.center();
     std::vector<PackedString> strings;
     for (const view::LiquidString& string : detail.strings().strings()) {
         strings.push_back({string.from.place, string.radius(), string.to.place, bead_of(string)});
@@ -164,6 +168,11 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing,
         glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(strings.size() * sizeof(PackedString)),
                      strings.data(), GL_STREAM_DRAW);
     }
+}
+
+void LiquidSurface::draw_particles() const {
+    glBindVertexArray(array_.name());
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particles_.size()));
 }
 
 void LiquidSurface::draw_quad() const {
@@ -184,8 +193,7 @@ void LiquidSurface::draw_spheres(Spheres& programs, const Camera& camera, const 
     };
     use(programs.particles);
     programs.particles.set("radius", radius_);
-    glBindVertexArray(array_.name());
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particles_.size()));
+    draw_particles();
     if (string_count_ > 0) {
         use(programs.strings);
         glBindVertexArray(string_array_.name());
@@ -252,7 +260,7 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     glScissor(x + part * left, y + part * bottom, part * across, part * up);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_SRC_ALPHA);
+    glBlendFunc(GL_ONE, GL_SRC1_COLOR);
     surface_.use();
     lighting.apply(surface_, camera.eye);
     surface_.set("projection", projection);
@@ -261,6 +269,9 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
                                                1.0f / static_cast<float>(layer_height)));
     surface_.set("sphere_pixels", projection(1, 1) * radius_ * static_cast<float>(layer_height));
     surface_.set("radius", radius_);
+    surface_.set("extinction", look_.extinction);
+    surface_.set("deepest", look_.deepest);
+    surface_.set("albedo", look_.albedo);
     surface_.set("depth", 0);
     surface_.set("thickness", 1);
     bind(GL_TEXTURE1, layers_->thickness);
@@ -269,7 +280,7 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     glDisable(GL_BLEND);
     glDepthMask(GL_TRUE);
     glScissor(x, y, width, height);
-    foam_.draw(camera, projection, lighting, clip_plane, 0.9f * radius_, height);
+    foam_.draw(camera, projection, lighting, clip_plane, 0.9f * radius_, height, look_.albedo);
     glEnable(GL_CULL_FACE);
 }
 

@@ -10,6 +10,7 @@
 #include "client/render/foam_drawing.hpp"
 #include "client/render/gl_object.hpp"
 #include "client/render/lighting.hpp"
+#include "client/render/liquid_look.hpp"
 #include "client/render/shader_program.hpp"
 #include "client/view/liquid_detail.hpp"
 
@@ -24,9 +25,16 @@ class LiquidSurface {
     LiquidSurface();
 
     /// What is to be drawn from now on. `spacing` [m] of particles at rest.
-    void upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail = {});
+    void upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail = {},
+                LiquidKind kind = LiquidKind::saliva);
     std::uint64_t revision = 0;  ///< of the shape last uploaded
     [[nodiscard]] bool empty() const { return particles_.empty(); }
+
+    /// Of what is to be drawn: a particle's distance to the next, and the middle of all [m].
+    [[nodiscard]] float spacing() const { return radius_ / sphere_size; }
+    [[nodiscard]] Vec3f middle() const { return middle_; }
+    /// The particles as points, their places in attribute 0, by the program in use.
+    void draw_particles() const;
 
     /// Draws over the bound framebuffer's pixels from (x, y) on, which are not farther than the liquid; after
     /// everything opaque. What lies beyond `clip_plane` is left out.
@@ -60,7 +68,11 @@ class LiquidSurface {
     FoamDrawing foam_;
     std::vector<Vec3f> particles_, extent_;  // extent: all that may be drawn lies about these
     GLsizei string_count_ = 0;
-    float radius_ = 0.0f;  // [m], of the spheres
+    LiquidLook look_ = look_of(LiquidKind::saliva);
+    // Of a sphere over the particles' spacing: neighbours then overlap into one surface.
+    static constexpr float sphere_size = 1.0f;
+    float radius_ = 0.0f;           // [m], of the spheres
+    Vec3f middle_ = Vec3f::Zero();  // [m]
     std::optional<Layers> layers_;
 };
 

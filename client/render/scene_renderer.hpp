@@ -11,6 +11,7 @@
 #include "client/render/shadow_pass.hpp"
 #include "client/render/tone_pass.hpp"
 #include "client/render/tools_pass.hpp"
+#include "client/render/wet_film.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
@@ -29,6 +30,7 @@ class SceneRenderer {
               const Viewport& area, const Vantage& from = {}, Shading shading = Shading::lit);
 
     [[nodiscard]] const SceneMeshes& meshes() const { return meshes_; }
+    [[nodiscard]] const WetFilm& film() const { return film_; }
 
   private:
     void run(Pass pass, const Drawing& drawing);
@@ -40,6 +42,7 @@ class SceneRenderer {
     PatientPass patient_;
     ToolsPass tools_;
     LiquidSurface liquid_;
+    WetFilm film_;
     TonePass tone_;
 };
 

@@ -26,12 +26,12 @@ void LiquidDetail::advance(std::uint64_t time_ns, std::span<const Vec3f> positio
     if (!later) {
         foam_.clear();
     }
-    foam_.advance(tracks_, spacing, dt, foaming_);
+    foam_.advance(tracks_, spacing, dt, liquid_.foaming);
     if (!followed) {
         strings_.clear();
         return;
     }
-    strings_.advance(tracks_, tools, spacing, dt, stringing_);
+    strings_.advance(tracks_, tools, spacing, dt, liquid_.stringing);
 }
 
 void LiquidDetail::clear() {

@@ -8,6 +8,7 @@
 #include "client/view/liquid_foam.hpp"
 #include "client/view/liquid_strings.hpp"
 #include "client/view/liquid_tracks.hpp"
+#include "common/model/liquid_kind.hpp"
 
 namespace eti::view {
 
@@ -22,11 +23,8 @@ class LiquidDetail {
     /// gap threads are gone, and foam is older.
     void advance(std::uint64_t time_ns, std::span<const Vec3f> positions, float spacing,
                  std::span<const Capsule> tools);
-    /// How much the liquid foams and is drawn into threads, 0-1; both 1 for saliva.
-    void set_kind(float foaming, float stringing) {
-        foaming_ = foaming;
-        stringing_ = stringing;
-    }
+    /// How much it foams and is drawn into threads; saliva until it is said.
+    void set_kind(const LiquidProperties& liquid) { liquid_ = liquid; }
     void clear();
 
     [[nodiscard]] const LiquidTracks& tracks() const { return tracks_; }
@@ -35,7 +33,7 @@ class LiquidDetail {
 
   private:
     std::uint64_t time_ns_ = 0;
-    float foaming_ = 1.0f, stringing_ = 1.0f;
+    LiquidProperties liquid_ = properties_of(LiquidKind::saliva);
     LiquidTracks tracks_;
     LiquidFoam foam_;
     LiquidStrings strings_;

@@ -79,6 +79,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
         spdlog::warn("{}", keys->unlike());
     }
     keys_ = std::move(keys);
+    liquid_detail_.set_kind(properties_of(keys_->liquid()));
     description_ = message;
     tube_.emplace(keys_->tube());
     tube_moved_ = !tube_nodes_.empty();

@@ -60,6 +60,7 @@ class SceneView {
     [[nodiscard]] float liquid_spacing() const { return liquid_spacing_; }  ///< [m], of particles at rest
     /// Foam and threads of the liquid, as of the last state that arrived whole.
     [[nodiscard]] const LiquidDetail& liquid_detail() const { return liquid_detail_; }
+    [[nodiscard]] LiquidKind liquid_kind() const { return keys_ ? keys_->liquid() : LiquidKind::saliva; }
     /// Another whenever liquid() is.
     [[nodiscard]] std::uint64_t liquid_revision() const { return liquid_revision_; }
     /// Newest landmarks; those of the rest posture until live ones come.

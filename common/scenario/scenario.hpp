@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/model/liquid_kind.hpp"
 #include "common/model/live.hpp"
 #include "common/model/newborn_shape.hpp"
 #include "common/model/tissue.hpp"
@@ -40,9 +41,10 @@ struct Scenario {
         bool sleep = true;          ///< whether tissue at rest is left alone until something moves it
     } physics;
 
-    bool saliva = false;          ///< whether there may be secretions
-    bool saliva_standby = false;  ///< with saliva: none before someone switches them on
-    float time_limit = 30.0f;     ///< [s], per attempt
+    bool saliva = false;                     ///< whether there may be secretions
+    bool saliva_standby = false;             ///< with saliva: none before someone switches them on
+    LiquidKind liquid = LiquidKind::saliva;  ///< what the secretions are
+    float time_limit = 30.0f;                ///< [s], per attempt
     bool freeze_on_silence =
         false;  ///< time stands still while a device that was there is silent; else it goes on
     std::uint64_t seed = 1;

@@ -28,12 +28,19 @@ std::vector<Vec3f> block(const Vec3f& at, int wide, int high) {
     return points;
 }
 
+LiquidProperties that(float foaming, float stringing) {
+    LiquidProperties liquid = properties_of(LiquidKind::saliva);
+    liquid.foaming = foaming;
+    liquid.stringing = stringing;
+    return liquid;
+}
+
 /// A flat block whose particles swing at random phases and directions, five times a second, by `speed` at
 /// most.
 view::LiquidDetail churned(float speed, int states, float foaming = 1.0f) {
     constexpr float turns = 2.0f * std::numbers::pi_v<float> * 5.0f;
     view::LiquidDetail detail;
-    detail.set_kind(foaming, 1.0f);
+    detail.set_kind(that(foaming, 1.0f));
     for (int s = 0; s < states; ++s) {
         std::vector<Vec3f> points = block(Vec3f::Zero(), 12, 3);
         Random random(5);
@@ -94,7 +101,7 @@ TEST(LiquidFoam, IsTheSameForTheSameStates) {
 /// A drop that is pulled off a pool at 30 mm/s.
 view::LiquidDetail pulled(int states, float stringing = 1.0f) {
     view::LiquidDetail detail;
-    detail.set_kind(0.0f, stringing);
+    detail.set_kind(that(0.0f, stringing));
     for (int s = 0; s < states; ++s) {
         std::vector<Vec3f> points = block(Vec3f::Zero(), 5, 3);
         points.push_back(Vec3f(2e-3f, -1e-3f - 0.03f * state * static_cast<float>(s), 2e-3f));
@@ -122,7 +129,7 @@ TEST(LiquidStrings, AreDrawnOutBetweenWhatPartsAndBreak) {
 
 TEST(LiquidStrings, HangOnAToolThatLeaves) {
     view::LiquidDetail detail;
-    detail.set_kind(0.0f, 1.0f);
+    detail.set_kind(that(0.0f, 1.0f));
     const std::vector<Vec3f> pool = block(Vec3f::Zero(), 5, 3);
     float gap = 0.0f;
     for (int s = 0; s < 12; ++s) {
