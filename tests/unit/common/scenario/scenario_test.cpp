@@ -108,7 +108,7 @@ TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(refused("patient: {weight_kg: 3, weight_kg: 4}\n", {"weight_kg", "twice"}));
     EXPECT_TRUE(refused("saliva: maybe\n", {"saliva", "'maybe'", "off, on, standby"}));
     EXPECT_TRUE(refused("saliva: on\nliquid: milk\n", {"baby.yaml:2", "liquid", "'milk'", "saliva, blood"}));
-    EXPECT_TRUE(refused("liquid: blood\n", {"liquid", "'blood'", "without 'saliva: on'"}));
+    EXPECT_TRUE(refused("liquid: blood\n", {"liquid", "found blood", "without 'saliva: on'"}));
     EXPECT_TRUE(refused("seed: -1\n", {"seed", "'-1'", "whole number"}));
     EXPECT_TRUE(refused("seed: 1.5\n", {"seed", "'1.5'"}));
     EXPECT_TRUE(refused("physics: {substeps: 0}\n", {"substeps", "1 to 64"}));
