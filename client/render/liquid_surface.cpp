@@ -144,6 +144,7 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     extent_ = particles_;
     radius_ = sphere_size * spacing;
     string_count_ = 0;
+    box_.setEmpty();
     foam_.upload(empty() ? std::span<const view::Bubble>() : detail.foam().bubbles());
     if (empty()) {
         return;
@@ -151,11 +152,9 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size_bytes()), positions.data(),
                  GL_STREAM_DRAW);
-    Eigen::AlignedBox3f box;
     for (const Vec3f& p : particles_) {
-        box.extend(p);
+        box_.extend(p);
     }
-    middle_ = box.center();
     std::vector<PackedString> strings;
     for (const view::LiquidString& string : detail.strings().strings()) {
         strings.push_back({string.from.place, string.radius(), string.to.place, bead_of(string)});

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,9 +32,9 @@ class LiquidSurface {
     std::uint64_t revision = 0;  ///< of the shape last uploaded
     [[nodiscard]] bool empty() const { return particles_.empty(); }
 
-    /// Of what is to be drawn: a particle's distance to the next, and the middle of all [m].
+    /// Of what is to be drawn: a particle's distance to the next [m], and the box of all; empty without any.
     [[nodiscard]] float spacing() const { return radius_ / sphere_size; }
-    [[nodiscard]] Vec3f middle() const { return middle_; }
+    [[nodiscard]] const Eigen::AlignedBox3f& box() const { return box_; }
     /// The particles as points, their places in attribute 0, by the program in use.
     void draw_particles() const;
 
@@ -71,8 +73,8 @@ class LiquidSurface {
     LiquidLook look_ = look_of(LiquidKind::saliva);
     // Of a sphere over the particles' spacing: neighbours then overlap into one surface.
     static constexpr float sphere_size = 1.0f;
-    float radius_ = 0.0f;           // [m], of the spheres
-    Vec3f middle_ = Vec3f::Zero();  // [m]
+    float radius_ = 0.0f;  // [m], of the spheres
+    Eigen::AlignedBox3f box_;
     std::optional<Layers> layers_;
 };
 

@@ -19,7 +19,7 @@ static_assert(row * row == side);
 constexpr float cell_size = 1.2f;
 constexpr float dries_in = 25.0f;  // [s], to a third
 constexpr std::uint64_t gone_ns = 150'000'000'000;
-constexpr std::uint64_t period_ns = 50'000'000;  // more often nobody sees it
+constexpr std::uint64_t period_ns = 100'000'000;  // more often nobody sees it
 
 const ShaderProgram::Defines defines{fmt::format("SIDE {}", side), fmt::format("ROW {}", row)};
 
@@ -66,7 +66,7 @@ void WetFilm::begin(const PatientMesh& patient) {
 
 void WetFilm::mark(const LiquidSurface& liquid) {
     cell_ = cell_size * liquid.spacing();
-    low_ = liquid.middle() - Vec3f::Constant(0.5f * side * cell_);
+    low_ = liquid.box().center() - Vec3f::Constant(0.5f * side * cell_);
     glBindFramebuffer(GL_FRAMEBUFFER, target_.name());
     glViewport(0, 0, row * side, row * side);
     for (const GLenum off : {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_BLEND}) {
@@ -101,6 +101,8 @@ void WetFilm::update(std::uint64_t time_ns, PatientMesh& patient, const LiquidSu
     dry_.use();
     dry_.set("low", low_);
     dry_.set("cell", cell_);
+    dry_.set("reach_low", Vec3f(liquid.box().min() - Vec3f::Constant(cell_)));
+    dry_.set("reach_high", Vec3f(liquid.box().max() + Vec3f::Constant(cell_)));
     dry_.set("stays", std::exp(-seconds / dries_in));
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, marks_.name());

@@ -86,10 +86,11 @@ void LiquidFoam::entrap(const LiquidTracks& liquid, std::uint32_t i, float spaci
     Vec3f out = Vec3f::Zero();
     liquid.cells().around(x, [&](std::uint32_t k) {
         const Vec3f apart = x - liquid.positions()[k];
-        const float r = apart.norm();
-        if (k == i || r >= h || r < 1e-6f) {
+        const float squared = apart.squaredNorm();
+        if (k == i || squared >= h * h || squared < 1e-12f) {
             return;
         }
+        const float r = std::sqrt(squared);
         const float w = 1.0f - r / h;
         const Vec3f against = v - liquid.velocities()[k];
         const float speed = against.norm();

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "client/view/liquid_strings.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +12,7 @@ namespace eti::view {
 namespace {
 
 // Distances of particles [spacings]: neighbours are nearer, and past it nothing holds them together.
-constexpr float together = 1.5f, parted = 1.7f;
+constexpr float together = 1.5f, parted = 1.7f, apart_at_most = 3.0f;
 // Of a particle's centre from a tool's surface [spacings].
 constexpr float on_tool = 0.9f;
 constexpr float parting_speed = 4e-3f;     // [m/s] at least, apart
@@ -102,8 +104,16 @@ void LiquidStrings::advance(const LiquidTracks& liquid, std::span<const Capsule>
 void LiquidStrings::touch(const LiquidTracks& liquid, std::span<const Capsule> tools, float spacing) {
     touched_before_.swap(touched_);
     touched_.assign(liquid.positions().size(), nobody);
+    Eigen::AlignedBox3f about;
+    for (const Capsule& tool : tools) {
+        const Vec3f reach = Vec3f::Constant(tool.radius + on_tool * spacing);
+        about.extend(Eigen::AlignedBox3f(tool.a.cwiseMin(tool.b) - reach, tool.a.cwiseMax(tool.b) + reach));
+    }
     for (std::size_t i = 0; i < touched_.size(); ++i) {
         const Vec3f& p = liquid.positions()[i];
+        if (!about.contains(p)) {
+            continue;
+        }
         for (std::uint32_t k = 0; k < tools.size() && touched_[i] == nobody; ++k) {
             const float reach = tools[k].radius + on_tool * spacing;
             if ((p - on_axis(tools[k], along_of(tools[k], p))).squaredNorm() < reach * reach) {
@@ -132,15 +142,25 @@ void LiquidStrings::part(const LiquidTracks& liquid, std::span<const Capsule> to
                                     {.tool = tool, .along = along, .place = foot}});
             }
         }
+        // Of two that part one moves, and that one looks.
+        const auto moves = [&](std::uint32_t k) {
+            return liquid.velocities()[k].squaredNorm() > 0.25f * parting_speed * parting_speed;
+        };
+        if (!moves(i)) {
+            continue;
+        }
         liquid.cells().around(positions[i], [&](std::uint32_t k) {
-            if (k <= i || held_[k] != 0 || liquid.before()[k] == nobody) {
+            if (k == i || (k < i && moves(k)) || held_[k] != 0 || liquid.before()[k] == nobody) {
                 return;
             }
             const Vec3f apart = positions[i] - positions[k];
             const float distance = apart.norm();
+            if (distance < parted * spacing || distance > apart_at_most * spacing) {
+                return;
+            }
             const float former = (liquid.former()[before] - liquid.former()[liquid.before()[k]]).norm();
             const float speed = (liquid.velocities()[i] - liquid.velocities()[k]).dot(apart) / distance;
-            if (distance >= parted * spacing && former < parted * spacing && speed >= parting_speed &&
+            if (former < parted * spacing && speed >= parting_speed &&
                 is_free(liquid, 0.5f * (positions[i] + positions[k]), free_about * spacing, i, k)) {
                 parting_.push_back({distance,
                                     {.particle = i, .place = positions[i]},

@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #include "client/view/liquid_tracks.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace eti::view {
 namespace {
@@ -15,6 +17,10 @@ constexpr float unmoved = 0.02f;
 }  // namespace
 
 void LiquidTracks::advance(std::span<const Vec3f> positions, float spacing, float dt) {
+    if (dt > 0.0f && std::ranges::equal(positions, positions_)) {
+        rest();
+        return;
+    }
     former_.swap(positions_);
     former_velocities_.swap(velocities_);
     positions_.assign(positions.begin(), positions.end());
@@ -53,6 +59,15 @@ void LiquidTracks::advance(std::span<const Vec3f> positions, float spacing, floa
         });
         velocities_[i] = count > 0.0f ? Vec3f(sum / count) : Vec3f::Zero();
     }
+}
+
+/// The same state again: everybody is who it was.
+void LiquidTracks::rest() {
+    former_ = positions_;
+    std::ranges::fill(velocities_, Vec3f(Vec3f::Zero()));
+    after_.resize(positions_.size());
+    std::iota(after_.begin(), after_.end(), std::uint32_t{0});
+    before_ = after_;
 }
 
 /// Those without a former particle find the nearest within `farthest` [m] of where it was expected; who comes

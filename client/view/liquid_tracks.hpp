@@ -34,6 +34,7 @@ class LiquidTracks {
 
   private:
     void match(float farthest);
+    void rest();
 
     std::vector<Vec3f> positions_, velocities_, former_, former_velocities_, expected_;
     std::vector<std::uint32_t> before_, after_;
