@@ -14,7 +14,15 @@
 namespace eti::render {
 
 /// Vertex attributes as the shaders number them.
-enum class Attribute : GLuint { position = 0, normal = 1, colour = 2, course = 3, relief = 4, rest = 5 };
+enum class Attribute : GLuint {
+    position = 0,
+    normal = 1,
+    colour = 2,
+    course = 3,
+    relief = 4,
+    rest = 5,
+    film = 6
+};
 
 /// Says where in the bound buffer the bound array finds an attribute, [bytes].
 void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,

@@ -8,7 +8,7 @@ namespace eti::render::source {
 
 /// Lights and what they give at `world`; colours are linear. Defines: ROOM_SHADOW, LAMP_SHADOW, TAPS.
 inline constexpr std::string_view lighting = R"(
-out vec4 pixel;
+layout(location = 0) out vec4 pixel;
 // A glint outshines no more than this, or it would leave jagged edges where samples are averaged.
 const vec3 brightest = vec3(8.0);
 uniform vec3 eye;

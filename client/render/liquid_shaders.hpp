@@ -6,22 +6,38 @@
 
 namespace eti::render::source {
 
-/// A particle as a point that covers its sphere.
+/// A particle as a point that covers its sphere. STRING: one of POINTS along a thread, which is thicker where
+/// it hangs on and sags a little, with a bead in its middle as viscoelastic threads have.
 inline constexpr std::string_view sphere_vertex = R"(
+#ifdef STRING
+layout(location = 0) in vec4 from;      // place [m], radius of the thread [m]
+layout(location = 1) in vec4 to;        // place [m], what the bead adds to the radius [m]
+#else
 layout(location = 0) in vec3 position;
+uniform float radius;       // [m]
+#endif
 uniform mat4 view;
 uniform mat4 projection;
 uniform vec4 clip_plane;
-uniform float radius;       // [m]
 uniform float height;       // of the picture, pixels
 out vec3 centre;
+flat out float size;        // radius [m]
 void main() {
+#ifdef STRING
+    float t = float(gl_VertexID) / float(POINTS - 1), aside = 2.0 * t - 1.0;
+    vec3 way = to.xyz - from.xyz;
+    vec3 position = from.xyz + t * way + vec3(0.0, 0.06 * length(way.xz) * (1.0 - aside * aside), 0.0);
+    float end = aside * aside * aside * aside;
+    size = from.w * (1.0 + 2.0 * end * end) + to.w * exp(-60.0 * aside * aside);
+#else
+    size = radius;
+#endif
     vec4 p = view * vec4(position, 1.0);
     centre = p.xyz;
     gl_Position = projection * p;
-    gl_PointSize = height * projection[1][1] * radius / gl_Position.w;
+    gl_PointSize = max(height * projection[1][1] * size / gl_Position.w, 1.0);
     // Nothing of it sticks out of the cut.
-    if (dot(clip_plane, vec4(position, 1.0)) < radius) {
+    if (dot(clip_plane, vec4(position, 1.0)) < size) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     }
 }
@@ -30,8 +46,8 @@ void main() {
 /// Distance [m] from the camera's plane to the sphere; with THICKNESS the way [mm] through it.
 inline constexpr std::string_view sphere_fragment = R"(
 in vec3 centre;
+flat in float size;
 uniform mat4 projection;
-uniform float radius;
 out float value;
 void main() {
     vec2 c = 2.0 * gl_PointCoord - 1.0;
@@ -39,7 +55,7 @@ void main() {
     if (squared > 1.0) {
         discard;
     }
-    float front = radius * sqrt(1.0 - squared);
+    float front = size * sqrt(1.0 - squared);
 #ifdef THICKNESS
     value = 2000.0 * front;
 #else
@@ -85,9 +101,10 @@ void main() {
 inline constexpr std::string_view liquid_surface_inputs = R"(
 in vec2 at;
 vec3 world;
+layout(location = 0, index = 1) out vec4 transmitted;   // of what was drawn before
 )";
 
-/// The surface over what was drawn before: alpha is what comes through from there.
+/// The surface over what was drawn before, of which each colour comes through by its own share.
 inline constexpr std::string_view liquid_surface_fragment = R"(
 uniform sampler2D depth;
 uniform sampler2D thickness;
@@ -96,15 +113,27 @@ uniform mat4 to_world;
 uniform vec2 next_pixel;
 uniform float sphere_pixels;    // across, of a sphere at one metre
 uniform float radius;           // [m]
+uniform vec3 extinction;        // [1/mm]
+uniform float deepest;          // [mm]
+uniform vec3 albedo;
 vec3 place(vec2 where) {
     float z = texture(depth, where).r;
     vec2 aside = vec2(projection[2][0], projection[2][1]);  // of a lens that is not centred
     return vec3((2.0 * where - 1.0 + aside) * z / vec2(projection[0][0], projection[1][1]), -z);
 }
-// Between both neighbours, but where one of them lies on another surface.
-vec3 slope(vec3 p, vec2 aside) {
-    vec3 after = place(at + aside) - p;
-    vec3 before = p - place(at - aside);
+// Between both neighbours, but where one of them lies on another surface. Threads are narrower than `aside`:
+// then between the next pixels, and level where there are none either.
+vec3 slope(vec3 p, vec2 aside, vec2 next) {
+    vec3 after = place(at + aside), before = place(at - aside);
+    if (after.z >= 0.0 && before.z >= 0.0) {
+        after = place(at + next);
+        before = place(at - next);
+        if (after.z >= 0.0 && before.z >= 0.0) {
+            return vec3(2.0 * next * -p.z / vec2(projection[0][0], projection[1][1]), 0.0);
+        }
+    }
+    after -= p;
+    before = p - before;
     if (abs(after.z - before.z) < radius) {
         return 0.5 * (after + before);
     }
@@ -118,7 +147,8 @@ void main() {
     gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * p.z + projection[3][2]) / p.z;
     // Over a third of a sphere's radius: what smoothing leaves from pixel to pixel does not show.
     vec2 aside = max(1.0, round(sphere_pixels / -p.z / 6.0)) * next_pixel;
-    vec3 n = mat3(to_world) * normalize(cross(slope(p, vec2(aside.x, 0.0)), slope(p, vec2(0.0, aside.y))));
+    vec3 n = mat3(to_world) * normalize(cross(slope(p, vec2(aside.x, 0.0), vec2(next_pixel.x, 0.0)),
+                                             slope(p, vec2(0.0, aside.y), vec2(0.0, next_pixel.y))));
     world = (to_world * vec4(p, 1.0)).xyz;
     vec3 v = normalize(eye - world);
     float through = texture(thickness, at).r;
@@ -126,9 +156,7 @@ void main() {
     float nv = clamp(dot(n, v), 0.0, 1.0);
     // Less at the rim than a smooth sphere's: what is mirrored there is the throat, not the room.
     float fresnel = 0.02 + 0.35 * pow(1.0 - nv, 5.0);
-    // Mucus and froth scatter a little: a sixth of the light within a millimetre.
-    float milky = 1.0 - exp(-0.18 * min(through, 5.0));
-    const vec3 albedo = vec3(0.62, 0.66, 0.64);
+    vec3 clear = exp(-extinction * min(through, deepest));
     vec3 scattered = 1.2 * albedo * ambient(n);
     vec3 mirrored = fresnel * 1.5 * ambient(reflect(-v, n));
     for (int i = 0; i < 2; ++i) {
@@ -139,7 +167,8 @@ void main() {
         float nh64 = pow(nh8, 8.0);
         mirrored += light.colour * (0.01 * nh8 * nh8 * nh8 + 0.25 * nh64 * nh64 * nh64 * nh64);
     }
-    pixel = vec4(edge * min(milky * scattered + mirrored, brightest), 1.0 - edge * (1.0 - (1.0 - milky) * (1.0 - fresnel)));
+    pixel = vec4(edge * min((1.0 - clear) * scattered + mirrored, brightest), 0.0);
+    transmitted = vec4(1.0 - edge * (1.0 - clear * (1.0 - fresnel)), 1.0);
 }
 )";
 

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "client/render/light_shaders.hpp"
 #include "client/render/liquid_shaders.hpp"
 #include "client/render/tone_shaders.hpp"
@@ -15,8 +17,6 @@
 namespace eti::render {
 namespace {
 
-// Of a sphere over the particles' spacing: neighbours then overlap into one surface.
-constexpr float sphere_size = 1.0f;
 // The liquid's own pictures have half of the view's pixels along each side, from this height on.
 constexpr int halved_from = 800;
 // Widths of the rounds of smoothing, over a sphere's: the second fills the steps that the first leaves.
@@ -68,6 +68,22 @@ std::array<int, 4> pixels_of(std::span<const Vec3f> positions, float radius,
             std::min(pixel(box.max().y(), height) + 1, height) - bottom};
 }
 
+// Of a thread. They overlap, or at least touch, up to its greatest length.
+constexpr int string_points = 160;
+
+struct PackedString {
+    Vec3f from;
+    float radius;
+    Vec3f to;
+    float bead;
+};
+static_assert(sizeof(PackedString) == 32);
+
+// Beads gather as a thread drains (Bhat et al. 2010, Nature Physics 6:625).
+float bead_of(const view::LiquidString& string) {
+    return 1.2f * string.radius() * std::min(string.age / 0.5f, 1.0f);
+}
+
 void bind(GLenum unit, const Texture& texture) {
     glActiveTexture(unit);
     glBindTexture(GL_TEXTURE_2D, texture.name());
@@ -87,9 +103,21 @@ LiquidSurface::Layers::Layers(int wide, int high) : width(wide), height(high) {
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffer.name());
 }
 
+LiquidSurface::Spheres::Spheres(const char* name, const ShaderProgram::Defines& defines)
+    : particles(name, defines, source::sphere_vertex, source::sphere_fragment),
+      strings(
+          name,
+          [&] {
+              ShaderProgram::Defines with = defines;
+              with.emplace_back("STRING");
+              with.push_back(fmt::format("POINTS {}", string_points));
+              return with;
+          }(),
+          source::sphere_vertex, source::sphere_fragment) {}
+
 LiquidSurface::LiquidSurface()
-    : spheres_("liquid's spheres", {}, source::sphere_vertex, source::sphere_fragment),
-      thickness_("liquid's thickness", {"THICKNESS"}, source::sphere_vertex, source::sphere_fragment),
+    : spheres_("liquid's spheres", {}),
+      thickness_("liquid's thickness", {"THICKNESS"}),
       smooth_("liquid's smoothing", {}, source::quad_vertex, source::smooth_fragment),
       surface_("liquid's surface", {}, source::quad_vertex,
                std::string(source::liquid_surface_inputs) + std::string(source::lighting) +
@@ -98,17 +126,52 @@ LiquidSurface::LiquidSurface()
     glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
     glEnableVertexAttribArray(0);
     glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+    glBindVertexArray(string_array_.name());
+    glBindBuffer(GL_ARRAY_BUFFER, strings_.name());
+    for (GLuint end = 0; end < 2; ++end) {
+        glEnableVertexAttribArray(end);
+        glVertexAttribPointer(end, 4, GL_FLOAT, GL_FALSE, sizeof(PackedString),
+                              reinterpret_cast<const void*>(static_cast<std::size_t>(16 * end)));
+        glVertexAttribDivisor(end, 1);
+    }
     glBindVertexArray(0);
 }
 
-void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing) {
+void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail,
+                           LiquidKind kind) {
+    look_ = look_of(kind);
     particles_.assign(positions.begin(), positions.end());
+    extent_ = particles_;
     radius_ = sphere_size * spacing;
-    if (!empty()) {
-        glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size_bytes()), positions.data(),
-                     GL_STREAM_DRAW);
+    string_count_ = 0;
+    box_.setEmpty();
+    foam_.upload(empty() ? std::span<const view::Bubble>() : detail.foam().bubbles());
+    if (empty()) {
+        return;
     }
+    glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size_bytes()), positions.data(),
+                 GL_STREAM_DRAW);
+    for (const Vec3f& p : particles_) {
+        box_.extend(p);
+    }
+    std::vector<PackedString> strings;
+    for (const view::LiquidString& string : detail.strings().strings()) {
+        strings.push_back({string.from.place, string.radius(), string.to.place, bead_of(string)});
+        extent_.push_back(string.from.place);
+        extent_.push_back(string.to.place);
+    }
+    string_count_ = static_cast<GLsizei>(strings.size());
+    if (!strings.empty()) {
+        glBindBuffer(GL_ARRAY_BUFFER, strings_.name());
+        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(strings.size() * sizeof(PackedString)),
+                     strings.data(), GL_STREAM_DRAW);
+    }
+}
+
+void LiquidSurface::draw_particles() const {
+    glBindVertexArray(array_.name());
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particles_.size()));
 }
 
 void LiquidSurface::draw_quad() const {
@@ -116,18 +179,25 @@ void LiquidSurface::draw_quad() const {
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
-void LiquidSurface::draw_spheres(ShaderProgram& program, const Camera& camera,
-                                 const Eigen::Matrix4f& projection, const Eigen::Vector4f& clip_plane) {
-    program.use();
-    program.set("view", camera.view());
-    program.set("projection", projection);
-    program.set("clip_plane", clip_plane);
-    program.set("radius", radius_);
-    program.set("height", static_cast<float>(layers_->height));
+void LiquidSurface::draw_spheres(Spheres& programs, const Camera& camera, const Eigen::Matrix4f& projection,
+                                 const Eigen::Vector4f& clip_plane) {
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    glBindVertexArray(array_.name());
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particles_.size()));
+    const auto use = [&](ShaderProgram& program) {
+        program.use();
+        program.set("view", camera.view());
+        program.set("projection", projection);
+        program.set("clip_plane", clip_plane);
+        program.set("height", static_cast<float>(layers_->height));
+    };
+    use(programs.particles);
+    programs.particles.set("radius", radius_);
+    draw_particles();
+    if (string_count_ > 0) {
+        use(programs.strings);
+        glBindVertexArray(string_array_.name());
+        glDrawArraysInstanced(GL_POINTS, 0, string_points, string_count_);
+    }
 }
 
 void LiquidSurface::smooth(float sphere_pixels_at_one_metre) {
@@ -163,8 +233,8 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     }
     const Eigen::Matrix4f projection =
         camera.projection(static_cast<float>(width) / static_cast<float>(height));
-    const auto [left, bottom, across, up] = pixels_of(particles_, radius_, projection * camera.view(),
-                                                      projection(1, 1), layer_width, layer_height);
+    const auto [left, bottom, across, up] =
+        pixels_of(extent_, radius_, projection * camera.view(), projection(1, 1), layer_width, layer_height);
     if (across <= 0 || up <= 0) {
         return;
     }
@@ -189,7 +259,7 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     glScissor(x + part * left, y + part * bottom, part * across, part * up);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_SRC_ALPHA);
+    glBlendFunc(GL_ONE, GL_SRC1_COLOR);
     surface_.use();
     lighting.apply(surface_, camera.eye);
     surface_.set("projection", projection);
@@ -198,6 +268,9 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
                                                1.0f / static_cast<float>(layer_height)));
     surface_.set("sphere_pixels", projection(1, 1) * radius_ * static_cast<float>(layer_height));
     surface_.set("radius", radius_);
+    surface_.set("extinction", look_.extinction);
+    surface_.set("deepest", look_.deepest);
+    surface_.set("albedo", look_.albedo);
     surface_.set("depth", 0);
     surface_.set("thickness", 1);
     bind(GL_TEXTURE1, layers_->thickness);
@@ -205,8 +278,9 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     draw_quad();
     glDisable(GL_BLEND);
     glDepthMask(GL_TRUE);
-    glEnable(GL_CULL_FACE);
     glScissor(x, y, width, height);
+    foam_.draw(camera, projection, lighting, clip_plane, 0.9f * radius_, height, look_.albedo);
+    glEnable(GL_CULL_FACE);
 }
 
 }  // namespace eti::render

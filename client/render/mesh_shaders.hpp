@@ -6,7 +6,8 @@
 
 namespace eti::render::source {
 
-/// All meshes. Defines: TUBE (course in place of colour), TISSUE (with relief and rest position), ROOM_SHADOW
+/// All meshes. Defines: TUBE (course in place of colour), TISSUE (with relief and rest position), FILM
+/// (of liquid, with TISSUE), ROOM_SHADOW
 /// and LAMP_SHADOW (also look into that light's shadow map), RETRACT (lips held aside, see LipRetraction).
 inline constexpr std::string_view mesh_vertex = R"(
 layout(location = 0) in vec3 position;
@@ -23,6 +24,10 @@ layout(location = 4) in vec4 relief;
 layout(location = 5) in vec3 rest;
 out vec4 relief_at;
 out vec3 rest_at;
+#endif
+#ifdef FILM
+layout(location = 6) in float film;
+out float film_at;
 #endif
 #ifdef BY_TISSUE
 layout(location = 4) in vec4 relief;
@@ -73,6 +78,9 @@ void main() {
 #ifdef TISSUE
     relief_at = relief;
     rest_at = rest;
+#endif
+#ifdef FILM
+    film_at = film;
 #endif
 #ifdef BY_TISSUE
     label_at = relief.z;

@@ -11,6 +11,7 @@
 #include "client/render/give_way_shader.hpp"
 #include "client/render/gpu_mesh.hpp"
 #include "client/render/skinning_shaders.hpp"
+#include "client/view/revision.hpp"
 
 namespace eti::render {
 namespace {
@@ -101,6 +102,8 @@ void PatientMesh::build(const view::SceneView& scene) {
         }
     }
     vertex_count_ = rest.size();
+    build_revision_ = view::next_revision();
+    filmed_ = false;
     glBindVertexArray(rest_array_.name());
     store(GL_ARRAY_BUFFER, rest_, rest, GL_STATIC_DRAW);
     for (GLuint i = 0; i < 2; ++i) {
@@ -140,6 +143,14 @@ void PatientMesh::set_look(std::size_t part, const SurfaceLook& look) {
     };
     replace(colours_, look.colours);
     replace(relief_, look.relief);
+}
+
+void PatientMesh::set_film(const Buffer& film) {
+    glBindVertexArray(array_.name());
+    glBindBuffer(GL_ARRAY_BUFFER, film.name());
+    attribute(Attribute::film, 1, GL_FLOAT, GL_FALSE, 4, 0);
+    glBindVertexArray(0);
+    filmed_ = true;
 }
 
 void PatientMesh::update(const view::SceneView& scene) {

@@ -46,6 +46,15 @@ class PatientMesh {
     [[nodiscard]] std::span<const Part> parts() const { return parts_; }
     [[nodiscard]] std::uint64_t frames_revision() const { return frames_revision_; }
 
+    /// Another whenever build() was called.
+    [[nodiscard]] std::uint64_t build_revision() const { return build_revision_; }
+    [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
+    [[nodiscard]] const Buffer& skinned() const { return skinned_; }
+    /// A float a vertex, the share of a whole film of liquid that it bears, for Attribute::film; until the
+    /// next build() there is none.
+    void set_film(const Buffer& film);
+    [[nodiscard]] bool filmed() const { return filmed_; }
+
     /// What of a part lies in view, nearest first.
     void draw(std::size_t part, const Eigen::Matrix4f& view_projection, const Vec3f& eye,
               const Eigen::Vector4f& plane);
@@ -67,6 +76,8 @@ class PatientMesh {
     Texture frames_texture_;
     std::vector<Part> parts_;
     std::size_t vertex_count_ = 0;
+    std::uint64_t build_revision_ = 0;
+    bool filmed_ = false;
     std::uint64_t frames_revision_ = 0;
     std::optional<RigidTransform> blade_;  // that tissue gave way to, as skinned last
     std::vector<GLsizei> counts_;

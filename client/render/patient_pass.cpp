@@ -6,6 +6,7 @@
 
 #include "client/render/light_shaders.hpp"
 #include "client/render/lip_retraction.hpp"
+#include "client/render/liquid_look.hpp"
 #include "client/render/mesh_shaders.hpp"
 #include "client/render/tissue_shaders.hpp"
 
@@ -17,7 +18,7 @@ PatientPass::PatientPass()
                   std::string(source::tissue_fragment)),
       flat_("flat tissue", std::string(source::mesh_vertex), std::string(source::flat_fragment)) {}
 
-ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows) {
+ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows, bool filmed) {
     ShaderProgram::Defines defines;
     if (!drawing.ids()) {
         defines.emplace_back("TISSUE");
@@ -39,11 +40,14 @@ ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& sh
     if (drawing.quality.fine) {
         defines.emplace_back("FINE");
     }
+    if (filmed) {
+        defines.emplace_back("FILM");
+    }
     return tissue_.with(defines);
 }
 
 void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const ShadowPass& shadows) {
-    ShaderProgram& skin = program(drawing, shadows);
+    ShaderProgram& skin = program(drawing, shadows, meshes.patient().filmed());
     skin.use();
     place(skin, drawing, Eigen::Matrix4f::Identity(), drawing.clip_plane);
     if (drawing.view.lips_aside) {
@@ -52,6 +56,7 @@ void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const Shadow
     if (!drawing.ids()) {
         drawing.lighting.apply(skin, drawing.camera.eye);
         shadows.apply(drawing, skin);
+        skin.set("film_stain", look_of(drawing.scene.liquid_kind()).stain);
     }
     if (drawing.view.cut) {
         glEnable(GL_CLIP_DISTANCE0);

@@ -16,7 +16,7 @@ class PatientPass {
     void draw(const Drawing& drawing, SceneMeshes& meshes, const ShadowPass& shadows);
 
   private:
-    [[nodiscard]] ShaderProgram& program(const Drawing& drawing, const ShadowPass& shadows);
+    [[nodiscard]] ShaderProgram& program(const Drawing& drawing, const ShadowPass& shadows, bool filmed);
 
     ShaderFamily tissue_, flat_;
 };

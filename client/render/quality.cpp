@@ -13,11 +13,13 @@ namespace {
 
 constexpr std::array ladder{
     Quality{.name = "low",
-            .help = "one sample a pixel, the room's shadow of 512 texels, no fine relief",
+            .help = "one sample a pixel, the room's shadow of 512 texels, no fine relief, a tube that does "
+                    "not bend light",
             .samples = 1,
             .lamp_shadow = false,
             .shadow_size = 512,
             .shadow_taps = 1,
+            .refraction = false,
             .fine = false},
     Quality{.name = "medium",
             .help = "two samples a pixel, shadows of 1024 texels, fine relief",
@@ -25,6 +27,7 @@ constexpr std::array ladder{
             .lamp_shadow = true,
             .shadow_size = 1024,
             .shadow_taps = 2,
+            .refraction = true,
             .fine = true},
     Quality{.name = "high",
             .help = "four samples a pixel, soft shadows of 2048 texels, fine relief",
@@ -32,6 +35,7 @@ constexpr std::array ladder{
             .lamp_shadow = true,
             .shadow_size = 2048,
             .shadow_taps = 4,
+            .refraction = true,
             .fine = true},
 };
 

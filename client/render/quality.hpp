@@ -15,6 +15,7 @@ struct Quality {
     bool lamp_shadow;  ///< of the laryngoscope's lamp; without, its light goes through tissue
     int shadow_size;   ///< texels along a shadow map's side
     int shadow_taps;   ///< looks into a shadow map along each side of a soft edge
+    bool refraction;   ///< the tube bends what lies behind it; without, it only covers it in part
     bool fine;         ///< pores, vessels and the coat's own relief, computed for each pixel
 };
 

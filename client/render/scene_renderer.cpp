@@ -70,8 +70,11 @@ SceneRenderer::SceneRenderer(const Quality& quality) : quality_(quality), shadow
 void SceneRenderer::sync(const view::SceneView& scene, Baking baking) {
     meshes_.sync(scene, baking);
     if (liquid_.revision != scene.liquid_revision()) {
-        liquid_.upload(scene.liquid(), scene.liquid_spacing());
+        liquid_.upload(scene.liquid(), scene.liquid_spacing(), scene.liquid_detail(), scene.liquid_kind());
         liquid_.revision = scene.liquid_revision();
+    }
+    if (meshes_.ready()) {
+        film_.update(scene.simulation_time_ns(), meshes_.patient(), liquid_);
     }
 }
 

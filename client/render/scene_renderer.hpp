@@ -12,6 +12,7 @@
 #include "client/render/shadow_pass.hpp"
 #include "client/render/tone_pass.hpp"
 #include "client/render/tools_pass.hpp"
+#include "client/render/wet_film.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
@@ -30,6 +31,7 @@ class SceneRenderer {
               const Viewport& area, const Vantage& from = {}, Shading shading = Shading::lit);
 
     [[nodiscard]] const SceneMeshes& meshes() const { return meshes_; }
+    [[nodiscard]] const WetFilm& film() const { return film_; }
 
   private:
     void run(Pass pass, const Drawing& drawing);
@@ -42,6 +44,7 @@ class SceneRenderer {
     ToolsPass tools_;
     LiquidSurface liquid_;
     GlottisPass glottis_;
+    WetFilm film_;
     TonePass tone_;
 };
 

@@ -8,10 +8,17 @@ namespace eti::render::source {
 
 /// Tissue: light that is wrapped round by channel stands for scattering beneath the surface (red travels
 /// farthest), under a clear wet coat (Trowbridge-Reitz; visibility after Kelemen & Szirmay-Kalos 2001).
-/// FINE: relief of the coat and small vessels, fixed to the rest shape.
+/// FINE: relief of the coat and small vessels, fixed to the rest shape. FILM: what liquid wetted is darker,
+/// or stained, under a smoother coat.
 inline constexpr std::string_view tissue_fragment = R"(
 in vec4 colour_at;
 in vec4 relief_at;   // share of the sky seen; share of mucosa
+#ifdef FILM
+in float film_at;    // share of a whole film
+uniform vec3 film_stain;
+#else
+const float film_at = 0.0;
+#endif
 #ifdef FINE
 in vec3 rest_at;
 float lattice(vec3 p) {   // Hoskins' hash without sine
@@ -48,12 +55,16 @@ void main() {
     n = normalize(mix(face, n, smoothstep(-0.1, 0.25, dot(n, face))));
     float wet = colour_at.a, mucosa = relief_at.y;
     vec3 albedo = colour_at.rgb;
+#ifdef FILM
+    wet = max(wet, film_at);
+    albedo *= mix(vec3(1.0), film_stain, film_at);
+#endif
     vec3 coat = n;
 #ifdef FINE
     // Swellings of 1.2 mm and pores of 0.4 mm; vessels of a tenth of a millimetre's breadth.
     vec4 swell = noise(rest_at * 850.0), pore = noise(rest_at * 2600.0);
     vec3 slope = 0.10 * swell.yzw + 0.07 * pore.yzw;
-    coat = normalize(n - mix(0.6, 1.0, wet) * (slope - dot(slope, n) * n));
+    coat = normalize(n - mix(0.6, 1.0, wet) * (1.0 - 0.6 * film_at) * (slope - dot(slope, n) * n));
     float ridge = 1.0 - abs(2.0 * noise(rest_at * 260.0 + 0.6 * swell.x).x - 1.0);
     float vessel = smoothstep(0.93, 0.995, ridge) * smoothstep(0.35, 0.7, noise(rest_at * 90.0 + 5.0).x);
     albedo *= mix(vec3(1.0), vec3(0.80, 0.42, 0.42), 0.55 * mucosa * vessel);
@@ -73,7 +84,7 @@ void main() {
         float nh = clamp(dot(coat, h), 0.0, 1.0), lh = clamp(dot(light.direction, h), 0.0, 1.0);
         float grazing = 1.0 - lh;
         float fresnel = 0.028 + 0.972 * grazing * grazing * grazing * grazing * grazing;
-        float lobes = wet * distribution(nh, 0.11) + 0.35 * distribution(nh, 0.38);
+        float lobes = wet * (1.0 + 0.5 * film_at) * distribution(nh, mix(0.11, 0.07, film_at)) + 0.35 * distribution(nh, 0.38);
         float shine = fresnel * lobes / (4.0 * max(lh * lh, 0.1)) * clamp(dot(coat, light.direction), 0.0, 1.0);
         sum += light.colour * (albedo * diffuse + shine * step(0.0, nl));
     }

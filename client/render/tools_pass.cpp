@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "client/render/tools_pass.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "client/render/light_shaders.hpp"
@@ -12,6 +13,7 @@ namespace eti::render {
 namespace {
 
 constexpr float hidden_opacity = 0.22f;
+constexpr int behind_unit = 5;                          // shadow maps have those before
 const Eigen::Vector4f glowing(2.6f, 2.4f, 2.1f, 1.0f);  // linear light of the lamp's glass
 
 std::string lit(std::string_view body) {
@@ -89,36 +91,93 @@ void ToolsPass::draw_tube(const Drawing& drawing, const SceneMeshes& meshes, con
     if (!meshes.tube()) {
         return;
     }
-    ShaderProgram& program = drawing.ids() ? flat_.with({"TUBE"}) : [&]() -> ShaderProgram& {
-        ShaderProgram::Defines defines = shadows.defines(drawing);
-        defines.emplace_back("TUBE");
-        return plastic_.with(defines);
-    }();
-    program.use();
-    place(program, drawing, Eigen::Matrix4f::Identity(), no_clipping);
     if (drawing.ids()) {
+        ShaderProgram& program = flat_.with({"TUBE"});
+        program.use();
+        place(program, drawing, Eigen::Matrix4f::Identity(), no_clipping);
         program.set("flat_colour", flat(tube_colour));
         meshes.tube()->draw();
         return;
     }
-    program.set("opacity", opacity);
-    program.set("tube_length", drawing.scene.tube()->tube().length);
-    drawing.lighting.apply(program, drawing.camera.eye);
-    shadows.apply(drawing, program);
+    const auto use = [&](std::initializer_list<const char*> more) -> ShaderProgram& {
+        ShaderProgram::Defines defines = shadows.defines(drawing);
+        defines.insert(defines.end(), more.begin(), more.end());
+        ShaderProgram& program = plastic_.with(defines);
+        program.use();
+        place(program, drawing, Eigen::Matrix4f::Identity(), no_clipping);
+        program.set("opacity", opacity);
+        program.set("tube_length", drawing.scene.tube()->tube().length);
+        drawing.lighting.apply(program, drawing.camera.eye);
+        shadows.apply(drawing, program);
+        return program;
+    };
+    const bool whole = opacity == 1.0f, refracts = whole && drawing.quality.refraction;
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    if (opacity == 1.0f) {
+    if (whole) {
         // Far wall first, so that it shows through the near one.
+        if (refracts) {
+            use({"TUBE", "FAR"});
+        } else {
+            use({"TUBE"});
+        }
         glDepthMask(GL_FALSE);
         glCullFace(GL_FRONT);
         meshes.tube()->draw();
         glCullFace(GL_BACK);
         glDepthMask(GL_TRUE);
-        meshes.tube()->draw();
-        glDisable(GL_BLEND);
-    } else {
-        meshes.tube()->draw();
     }
+    if (refracts) {
+        glDisable(GL_BLEND);
+        behind_.copy(drawing.viewport);
+        set_refraction(drawing, use({"TUBE", "REFRACT"}));
+    } else {
+        use({"TUBE"});
+    }
+    meshes.tube()->draw();
+    if (whole) {
+        glDisable(GL_BLEND);
+    }
+}
+
+/// Copies what the bound framebuffer shows, its samples averaged.
+void ToolsPass::Behind::copy(const Viewport& area) {
+    GLint bound = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+    const int right = area.x + area.width, top = area.y + area.height;
+    if (right > width_ || top > height_) {
+        width_ = std::max(width_, right);
+        height_ = std::max(height_, top);
+        glActiveTexture(GL_TEXTURE0);
+        glBindTexture(GL_TEXTURE_2D, texture.name());
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width_, height_, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
+        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+            glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+        }
+        glBindFramebuffer(GL_FRAMEBUFFER, target_.name());
+        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(bound));
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target_.name());
+    glBlitFramebuffer(area.x, area.y, right, top, area.x, area.y, right, top, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
+}
+
+void ToolsPass::set_refraction(const Drawing& drawing, ShaderProgram& program) {
+    const Viewport& area = drawing.viewport;
+    const Tube& tube = drawing.scene.tube()->tube();
+    const float pixels =
+        0.5f * static_cast<float>(area.height) * drawing.camera.projection(area.aspect())(1, 1);
+    program.set("view", drawing.camera.view());
+    program.set("wall", Vec3f(tube.outer_radius(), tube.inner_radius() / tube.outer_radius(), pixels));
+    program.set("behind_area", Eigen::Vector4f(static_cast<float>(area.x), static_cast<float>(area.y),
+                                               static_cast<float>(area.x + area.width - 1),
+                                               static_cast<float>(area.y + area.height - 1)));
+    program.set("behind", behind_unit);
+    glActiveTexture(GL_TEXTURE0 + behind_unit);
+    glBindTexture(GL_TEXTURE_2D, behind_.texture.name());
+    glActiveTexture(GL_TEXTURE0);
 }
 
 }  // namespace eti::render

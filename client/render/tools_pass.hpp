@@ -25,6 +25,19 @@ class ToolsPass {
     void draw_tube(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows,
                    float opacity);
 
+    /// The picture as it was before the tube.
+    class Behind {
+      public:
+        void copy(const Viewport& area);
+        Texture texture;
+
+      private:
+        Framebuffer target_;
+        int width_ = 0, height_ = 0;
+    };
+    void set_refraction(const Drawing& drawing, ShaderProgram& program);
+
+    Behind behind_;
     ShaderFamily metal_, plastic_, cloth_, flat_;
 };
 

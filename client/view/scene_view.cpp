@@ -79,6 +79,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
         spdlog::warn("{}", keys->unlike());
     }
     keys_ = std::move(keys);
+    liquid_detail_.set_kind(properties_of(keys_->liquid()));
     description_ = message;
     tube_.emplace(keys_->tube());
     tube_moved_ = !tube_nodes_.empty();
@@ -177,6 +178,7 @@ void SceneView::note_time(std::uint64_t time_ns) {
         tube_time_ns_ = 0;
         liquid_time_ns_ = 0;
         liquid_chunks_.clear();
+        liquid_detail_.clear();
         attempt_report_.reset();
         run_report_.reset();
         simulation_time_ns_ = time_ns;
@@ -255,6 +257,9 @@ bool SceneView::apply(const msg::FluidState& message) {
     }
     const std::uint64_t time = message.header().simulation_time_ns();
     note_time(time);
+    if (time > liquid_time_ns_) {
+        advance_liquid();
+    }
     if (time >= liquid_time_ns_) {
         liquid_time_ns_ = time;
         liquid_chunks_.resize(message.chunks());
@@ -268,6 +273,30 @@ bool SceneView::apply(const msg::FluidState& message) {
         liquid_moved_ = true;
     }
     return true;
+}
+
+/// The state that was arriving is as whole as it gets.
+void SceneView::advance_liquid() {
+    if (liquid_time_ns_ == 0) {
+        return;
+    }
+    whole_.clear();
+    for (const LiquidChunk& chunk : liquid_chunks_) {
+        whole_.insert(whole_.end(), chunk.positions.begin(), chunk.positions.end());
+    }
+    std::vector<Capsule> tools;
+    if (keys_ && !whole_.empty()) {
+        if (laryngoscope_pose_) {
+            for (const Capsule& capsule : keys_->laryngoscope().capsules) {
+                tools.push_back(
+                    {*laryngoscope_pose_ * capsule.a, *laryngoscope_pose_ * capsule.b, capsule.radius});
+            }
+        }
+        for (std::size_t k = 0; k + 1 < tube_nodes_.size(); ++k) {
+            tools.push_back({tube_nodes_[k], tube_nodes_[k + 1], keys_->tube().outer_radius()});
+        }
+    }
+    liquid_detail_.advance(liquid_time_ns_, whole_, liquid_spacing_, tools);
 }
 
 bool SceneView::apply(const msg::ProxyState& message) {

@@ -11,6 +11,7 @@
 
 #include "client/view/attempt_report.hpp"
 #include "client/view/drop_log.hpp"
+#include "client/view/liquid_detail.hpp"
 #include "client/view/scene_object.hpp"
 #include "client/view/skinned_surface.hpp"
 #include "client/view/tube_sweep.hpp"
@@ -57,6 +58,9 @@ class SceneView {
     /// Liquid particles [m] as of the last update(), none while there are no secretions.
     [[nodiscard]] std::span<const Vec3f> liquid() const { return liquid_; }
     [[nodiscard]] float liquid_spacing() const { return liquid_spacing_; }  ///< [m], of particles at rest
+    /// Foam and threads of the liquid, as of the last state that arrived whole.
+    [[nodiscard]] const LiquidDetail& liquid_detail() const { return liquid_detail_; }
+    [[nodiscard]] LiquidKind liquid_kind() const { return keys_ ? keys_->liquid() : LiquidKind::saliva; }
     /// Another whenever liquid() is.
     [[nodiscard]] std::uint64_t liquid_revision() const { return liquid_revision_; }
     /// Newest landmarks; those of the rest posture until live ones come.
@@ -109,6 +113,7 @@ class SceneView {
     void keep(const std::string& name, ToolMesh&& object);
     void clear_scene();
     void note_time(std::uint64_t time_ns);
+    void advance_liquid();
 
     std::optional<bus::SessionKeys> keys_;
     std::optional<msg::SessionDescription> description_;
@@ -139,11 +144,12 @@ class SceneView {
     bool tube_moved_ = false;
     std::vector<LiquidChunk> liquid_chunks_;
     std::uint64_t liquid_time_ns_ = 0;
-    std::vector<Vec3f> arriving_;
+    std::vector<Vec3f> arriving_, whole_;
     std::vector<Vec3f> liquid_;
     float liquid_spacing_ = 0.0f;
     std::uint64_t liquid_revision_ = 0;
     bool liquid_moved_ = false;
+    LiquidDetail liquid_detail_;
     Landmarks landmarks_ = unseen_landmarks();
     Landmarks rest_landmarks_ = unseen_landmarks();
     bool live_landmarks_ = false;

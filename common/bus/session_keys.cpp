@@ -211,6 +211,7 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
     keys.tube_.length = m.tube_length();
     keys.tube_.grip_from_tip = m.tube_grip_from_tip();
     keys.tube_.curve_radius = m.tube_curve_radius();
+    keys.liquid_ = liquid_kind_named(m.liquid().c_str());
     keys.unlike_ = places.text(m.version().to_string());
     return keys;
 }

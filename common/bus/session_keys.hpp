@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/model/landmark.hpp"
+#include "common/model/liquid_kind.hpp"
 #include "common/model/live.hpp"
 #include "common/model/parameters.hpp"
 #include "common/model/tools.hpp"
@@ -47,6 +48,7 @@ class SessionKeys {
     [[nodiscard]] const Landmarks& rest_landmarks() const { return rest_; }
     [[nodiscard]] const Laryngoscope& laryngoscope() const { return scope_; }
     [[nodiscard]] const Tube& tube() const { return tube_; }
+    [[nodiscard]] LiquidKind liquid() const { return liquid_; }
     [[nodiscard]] double patient_weight() const { return weight_; }  ///< [kg]
 
     /// One line that names the keys that only one side knows, and both versions; empty where they agree.
@@ -59,6 +61,7 @@ class SessionKeys {
     Landmarks rest_{};
     Laryngoscope scope_;
     Tube tube_;
+    LiquidKind liquid_ = LiquidKind::saliva;
     double weight_ = 0.0;
     std::string unlike_;
 };

@@ -174,6 +174,11 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     const std::size_t secretion = root.choice("saliva", 0, secretions);
     s.saliva = secretion != 0;
     s.saliva_standby = secretion == 2;
+    s.liquid = static_cast<LiquidKind>(root.choice("liquid", 0, liquid_kind_names));
+    if (!s.saliva && s.liquid != LiquidKind::saliva) {
+        root.refuse("liquid", std::string(name_of(s.liquid)),
+                    "saliva, or none: without 'saliva: on' or 'saliva: standby' there is no liquid");
+    }
     s.live.secretion = s.saliva && !s.saliva_standby ? 1.0f : 0.0f;
     s.live.head_scale = s.patient.shape.head_scale;
     s.live.tongue_scale = s.patient.shape.tongue_scale;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/model/liquid_kind.hpp"
 #include "common/model/live.hpp"
 #include "common/model/newborn_shape.hpp"
 #include "common/model/tissue.hpp"
@@ -40,12 +41,12 @@ struct Scenario {
         bool sleep = true;          ///< whether tissue at rest is left alone until something moves it
     } physics;
 
-    bool saliva = false;          ///< whether there may be secretions
-    bool saliva_standby = false;  ///< with saliva: none before someone switches them on
-    float time_limit = 30.0f;     ///< [s], per attempt
-    bool vital_signs = false;     ///< whether saturation and heart rate are simulated
-    float inspired_oxygen =
-        0.3f;  ///< share, of the gas that the newborn is ventilated with beside the attempts
+    bool saliva = false;                     ///< whether there may be secretions
+    bool saliva_standby = false;             ///< with saliva: none before someone switches them on
+    LiquidKind liquid = LiquidKind::saliva;  ///< what the secretions are
+    float time_limit = 30.0f;                ///< [s], per attempt
+    bool vital_signs = false;                ///< whether saturation and heart rate are simulated
+    float inspired_oxygen = 0.3f;  ///< share, of what the newborn is ventilated with beside the attempts
     bool freeze_on_silence =
         false;  ///< time stands still while a device that was there is silent; else it goes on
     std::uint64_t seed = 1;

@@ -65,6 +65,7 @@ msg::SessionDescription description_message(const std::string& session, const Sc
     message.patient_weight_kg(patient.weight);
     bus::put_keys(start, message);
     bus::put_tools(scope, scenario.tube, message);
+    message.liquid(std::string(name_of(scenario.liquid)));
     for (std::size_t i = 0; i < landmark_count; ++i) {
         msg::LandmarkKey& key = message.landmarks().emplace_back();
         key.name(std::string(landmark_names[i]));

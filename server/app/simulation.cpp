@@ -50,6 +50,7 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
             .self_contact = scenario.physics.self_contact,
             .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,
+            .liquid = scenario.liquid,
             .dry_start = scenario.saliva_standby,
             .seed = scenario.seed};
 }

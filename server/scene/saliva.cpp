@@ -58,9 +58,9 @@ float spacing_in(const anatomy::Patient& patient) {
     return std::max(size_of(patient) * spacing, least_spacing);
 }
 
-pbd::FluidSettings fluid_settings(const anatomy::Patient& patient) {
+pbd::FluidSettings fluid_settings(const anatomy::Patient& patient, LiquidKind kind) {
     const float size = size_of(patient);
-    pbd::FluidSettings s = saliva_settings(spacing_in(patient), substep);
+    pbd::FluidSettings s = saliva_settings(spacing_in(patient), substep, kind);
     const auto [lower, upper] = head_box(patient, size * beyond_head);
     s.lower = lower;
     s.upper = upper;
@@ -76,15 +76,17 @@ pbd::MovingCapsule part_of(const pbd::MovingCapsule& whole, float begin, float e
 
 }  // namespace
 
-pbd::FluidSettings saliva_settings(float spacing, float dt) {
+pbd::FluidSettings saliva_settings(float spacing, float dt, LiquidKind kind) {
+    const LiquidProperties& liquid = properties_of(kind);
     pbd::FluidSettings s;
     s.spacing = spacing;
-    s.viscosity = 5e-6f;  // unstimulated saliva is some five times as viscous as water
-    // Slow saliva is thicker by an order or two, and what clings to the mucosa hardly flows.
-    s.wall_viscosity = 1e-4f;
+    s.rest_density = liquid.density;
+    s.viscosity = liquid.viscosity;
+    s.wall_viscosity = liquid.wall_viscosity;
+    s.surface_tension = liquid.surface_tension;
     s.max_speed = max_speed;
-    // A sixteenth of what the substep bears on paper (see FluidSettings), where that is less than saliva's
-    // own: with more, what lies in clefts is pressed together, and does not come to rest.
+    // A sixteenth of what the substep bears on paper (see FluidSettings), where that is less than the
+    // liquid's own: with more, what lies in clefts is pressed together, and does not come to rest.
     const float stable =
         s.rest_density * spacing * spacing * spacing / (2.0f * std::numbers::pi_v<float> * dt * dt);
     s.surface_tension = std::min(s.surface_tension, 0.0625f * stable);
@@ -92,13 +94,13 @@ pbd::FluidSettings saliva_settings(float spacing, float dt) {
 }
 
 Saliva::Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius,
-               std::uint64_t seed)
+               std::uint64_t seed, LiquidKind kind)
     : patient_(patient),
       scope_(scope),
       tube_radius_(tube_radius),
       size_(size_of(patient)),
       seed_(seed),
-      fluid_(fluid_settings(patient), seed),
+      fluid_(fluid_settings(patient, kind), seed),
       wall_(2.0f * fluid_.settings().spacing, way) {
     capsules_.reserve(64);
     now_.reserve(64);

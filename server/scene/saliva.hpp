@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/model/landmark.hpp"
+#include "common/model/liquid_kind.hpp"
 #include "common/model/tools.hpp"
 #include "server/parallel/beside.hpp"
 #include "server/patient/model/patient.hpp"
@@ -32,15 +33,17 @@ struct SalivaSurroundings {
     float secretion = 1.0f;                     ///< of what the glands usually give
 };
 
-/// Saliva of particles `spacing` [m] apart for substeps of `dt` [s], with as much surface tension as these
-/// bear; the box that it may be in is the caller's.
-[[nodiscard]] pbd::FluidSettings saliva_settings(float spacing, float dt);
+/// Saliva, or what lies there in its place, of particles `spacing` [m] apart for substeps of `dt` [s], with
+/// as much surface tension as these bear; the box that it may be in is the caller's.
+[[nodiscard]] pbd::FluidSettings saliva_settings(float spacing, float dt,
+                                                 LiquidKind kind = LiquidKind::saliva);
 
 /// Secretions in mouth and throat: a pool behind the tongue and a film on it at the start, then what the
-/// glands give. Liquid follows tissue and tools and does not push back.
+/// glands give; or blood in the same places. Liquid follows tissue and tools and does not push back.
 class Saliva {
   public:
-    Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius, std::uint64_t seed);
+    Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius, std::uint64_t seed,
+           LiquidKind kind = LiquidKind::saliva);
 
     /// The liquid as at the start of a session, in the posture of `at`: none if `dry`, else the pool and the
     /// film, laid out as on a level table.

@@ -62,7 +62,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
         tissue_.body().further.emplace_back(std::move(contact));
     }
     if (settings.saliva) {
-        saliva_.emplace(patient, scope, 0.5f * tube.outer_diameter, settings.seed);
+        saliva_.emplace(patient, scope, 0.5f * tube.outer_diameter, settings.seed, settings.liquid);
     }
     const pbd::Particles& particles = tissue_.body().particles;
     for (std::uint32_t i = 0; i < particles.size(); ++i) {

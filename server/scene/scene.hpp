@@ -44,8 +44,9 @@ struct Settings {
     bool self_contact = false;  ///< tissue also meets tissue
     bool sleep = true;          ///< tissue at rest is not solved
     bool saliva = false;        ///< secretions in mouth and throat; without them they cost nothing
-    bool dry_start = false;     ///< with saliva: none before glands are told to give some
-    std::uint64_t seed = 1;     ///< of what the glands give
+    LiquidKind liquid = LiquidKind::saliva;  ///< what the secretions are
+    bool dry_start = false;                  ///< with saliva: none before glands are told to give some
+    std::uint64_t seed = 1;                  ///< of what the glands give
 };
 
 /// Patient, laryngoscope, tube and saliva in one simulation: particles, rod and liquid from the particle

@@ -215,6 +215,203 @@ TEST_F(SceneRendererTest, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
               picture(named("section"), wet, Shading::object_id).rgba);
 }
 
+// Two drops that clash before the mouth and part again: foam and threads are seen, about the liquid alone,
+// and they are gone once nothing has moved for longer than a bubble lives.
+TEST_F(SceneRendererTest, FoamAndThreadsAreSeenWhereLiquidIs) {
+    const View& view = named("overview");
+    const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    view::SceneView wet = scene_;
+    std::uint64_t time_ns = wet.simulation_time_ns();
+    const auto state = [&](float gap) {
+        std::vector<Vec3f> drops;
+        for (int k = 0; k < 2 * 5 * 5 * 5; ++k) {
+            const Vec3f side(k < 125 ? -gap - 5e-3f : gap, 0.0f, 0.0f);
+            drops.push_back(mouth + side +
+                            1e-3f * Eigen::Vector3i(k % 5, k / 5 % 5, k / 25 % 5).cast<float>());
+        }
+        time_ns += 11'111'111;
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drops.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drops}, chunk,
+                                 message);
+            message.header().simulation_time_ns(time_ns);
+            ASSERT_TRUE(wet.apply(message));
+        }
+    };
+    for (int s = 0; s <= 16; ++s) {
+        state(4e-3f - 0.25e-3f * static_cast<float>(s));
+    }
+    for (int s = 1; s <= 12; ++s) {
+        state(0.25e-3f * static_cast<float>(s));
+    }
+    state(3e-3f);
+    wet.update();
+    ASSERT_GT(wet.liquid_detail().foam().bubbles().size(), 20u);
+    ASSERT_GT(wet.liquid_detail().strings().strings().size(), 2u);
+    const render::Image frothy = picture(view, wet, Shading::lit);
+    // The same places without a history.
+    const std::vector<Vec3f> places(wet.liquid().begin(), wet.liquid().end());
+    view::SceneView still = scene_;
+    msg::FluidState message;
+    for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(places.size()); ++chunk) {
+        bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, places}, chunk, message);
+        ASSERT_TRUE(still.apply(message));
+    }
+    still.update();
+    const render::Image plain = picture(view, still, Shading::lit);
+    const Eigen::Matrix4f projection =
+        view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
+    const Eigen::Vector4f clip = projection * mouth.homogeneous();
+    const Eigen::Vector2f centre(0.5f * width * (1.0f + clip.x() / clip.w()),
+                                 0.5f * height * (1.0f - clip.y() / clip.w()));
+    const float reach = 16e-3f * 0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w();
+    int changed = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (std::memcmp(frothy.pixel(x, y), plain.pixel(x, y), 3) != 0) {
+                ++changed;
+                EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
+                          reach)
+                    << x << ", " << y;
+            }
+        }
+    }
+    EXPECT_GT(changed, 20);
+    for (int s = 0; s < 90 * 10; ++s) {
+        state(3e-3f);
+    }
+    wet.update();
+    EXPECT_TRUE(wet.liquid_detail().foam().bubbles().empty());
+    EXPECT_TRUE(wet.liquid_detail().strings().strings().empty());
+    EXPECT_EQ(picture(view, wet, Shading::lit).rgba, plain.rgba);
+}
+
+// Beer-Lambert: blood lets red through, and of green and blue next to nothing; saliva all alike.
+TEST_F(SceneRendererTest, BloodIsDarkRed) {
+    const View& view = named("overview");
+    const Vec3f corner = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    std::vector<Vec3f> drop;
+    for (int k = 0; k < 7 * 7 * 7; ++k) {
+        drop.push_back(corner + 1e-3f * Eigen::Vector3i(k % 7, k / 7 % 7, k / 49).cast<float>());
+    }
+    const auto middle = [&](const char* liquid) {
+        msg::SessionDescription description = source_.description;
+        description.liquid(std::string(liquid));
+        view::SceneView scene = scene_;
+        scene.apply(description);
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drop.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, chunk,
+                                 message);
+            EXPECT_TRUE(scene.apply(message));
+        }
+        scene.update();
+        const render::Image image = picture(view, scene, Shading::lit);
+        const render::Camera camera = view.camera(scene, {});
+        const Eigen::Vector4f clip = camera.projection(static_cast<float>(width) / height) * camera.view() *
+                                     (corner + Vec3f::Constant(3e-3f)).homogeneous();
+        const std::uint8_t* p = image.pixel(static_cast<int>(0.5f * width * (1.0f + clip.x() / clip.w())),
+                                            static_cast<int>(0.5f * height * (1.0f - clip.y() / clip.w())));
+        return Colour{p[0], p[1], p[2]};
+    };
+    const Colour saliva = middle("saliva"), blood = middle("blood");
+    EXPECT_GT(blood[0], 2 * blood[1]);
+    EXPECT_GT(blood[0], 2 * blood[2]);
+    EXPECT_GT(blood[0], 40) << "red, not black";
+    EXPECT_LT(blood[0], saliva[0]);
+    EXPECT_LT(saliva[0], 1.5 * saliva[1]) << "of no colour of its own";
+}
+
+// What liquid lay on stays wet where it was, dries by e in 25 s, and is nobody's where none was.
+TEST_F(SceneRendererTest, LiquidLeavesAFilm) {
+    const View& view = named("overview");
+    const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening);
+    const auto state = [&](view::SceneView& scene, double seconds, bool any) {
+        std::vector<Vec3f> pool;
+        for (int k = 0; any && k < 60 * 60; ++k) {
+            pool.push_back(mouth + 1e-3f * Vec3f(static_cast<float>(k % 60 - 30), 0.0f,
+                                                 static_cast<float>(k / 60 - 30)));
+        }
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(pool.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), 1e-3f, pool}, chunk,
+                                 message);
+            message.header().simulation_time_ns(static_cast<std::uint64_t>(1e9 * seconds));
+            ASSERT_TRUE(scene.apply(message));
+        }
+        scene.update();
+        renderer_.sync(scene);
+    };
+    const render::Image dry = picture(view, scene_, Shading::lit);
+    EXPECT_FALSE(renderer_.meshes().patient().filmed()) << "what was never wet costs nothing";
+    view::SceneView wet = scene_;
+    state(wet, 1.0, true);
+    const std::vector<float> at_first = renderer_.film().values();
+    const std::vector<view::LitVertex> vertices = renderer_.meshes().patient().vertices();
+    ASSERT_EQ(at_first.size(), vertices.size());
+    int beneath = 0;
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+        const Vec3f apart = vertices[v].position - mouth;
+        if (apart.cwiseAbs().maxCoeff() < 28e-3f && std::abs(apart.y()) < 0.4e-3f) {
+            EXPECT_GT(at_first[v], 0.9f);
+            ++beneath;
+        } else if (std::abs(apart.y()) > 3e-3f || apart.norm() > 50e-3f) {
+            EXPECT_EQ(at_first[v], 0.0f);
+        }
+    }
+    EXPECT_GT(beneath, 10);
+    state(wet, 11.0, false);
+    const std::vector<float> later = renderer_.film().values();
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+        EXPECT_NEAR(later[v], at_first[v] * std::exp(-10.0f / 25.0f), 1e-4f);
+    }
+    const render::Image filmed = picture(view, wet, Shading::lit);
+    EXPECT_NE(filmed.rgba, dry.rgba);
+    // What is measured on flat colours does not see it.
+    EXPECT_EQ(picture(view, wet, Shading::object_id).rgba, picture(view, scene_, Shading::object_id).rgba);
+}
+
+// Through the wall that bends light one sees what lies behind better than through one that covers it; towards
+// the rim it is displaced.
+TEST_F(SceneRendererTest, OneLooksThroughTheTube) {
+    const View& view = named("overview");
+    view::SceneView bare;
+    bare.apply(source_.description);
+    for (const msg::SceneDescription& object : source_.objects) {
+        bare.apply(object);
+    }
+    bare.apply(synthetic::proxy(source_, 1'000'000));
+    bare.update();
+    const auto difference = [&](std::string_view quality) {
+        render::SceneRenderer renderer(*render::quality_named(quality));
+        const auto drawn = [&](const view::SceneView& scene, Shading shading) {
+            renderer.sync(scene);
+            renderer.draw(view, scene, target_, {0, 0, width, height}, {}, shading);
+            return target_.read();
+        };
+        const render::Image ids = drawn(scene_, Shading::object_id);
+        const render::Image with = drawn(scene_, Shading::lit), without = drawn(bare, Shading::lit);
+        double sum = 0.0;
+        int pixels = 0;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                const std::uint8_t* id = ids.pixel(x, y);
+                if (Colour{id[0], id[1], id[2]} == render::tube_colour) {
+                    for (int c = 0; c < 3; ++c) {
+                        sum += std::abs(with.pixel(x, y)[c] - without.pixel(x, y)[c]);
+                    }
+                    ++pixels;
+                }
+            }
+        }
+        EXPECT_GT(pixels, 100);
+        return sum / pixels;
+    };
+    const double covered = difference("low"), clear = difference("medium");
+    EXPECT_LT(clear, 0.8 * covered);
+    EXPECT_GT(clear, 5.0) << "it is not invisible";
+}
+
 // As a client does that keeps the scene of the best view: both go on from the same shape, one update each.
 TEST_F(SceneRendererTest, ACopyThatWentItsOwnWayIsDrawnAsItIs) {
     const View& section = named("section");

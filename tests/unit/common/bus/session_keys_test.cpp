@@ -83,6 +83,15 @@ TEST(SessionKeys, ToolsAndWeightAreThoseOfTheServer) {
 }
 
 // A server of another version, that has its keys in another order, one more, and one less.
+TEST(SessionKeys, LiquidIsThatOfTheServer) {
+    msg::SessionDescription message = test::session_description();
+    EXPECT_EQ(believed(message).liquid(), LiquidKind::saliva);
+    for (const LiquidKind kind : {LiquidKind::saliva, LiquidKind::blood}) {
+        message.liquid(std::string(name_of(kind)));
+        EXPECT_EQ(believed(message).liquid(), kind);
+    }
+}
+
 TEST(SessionKeys, APeerOfAnotherVersionWorksOnTheKeysThatBothKnow) {
     msg::SessionDescription theirs = test::session_description();
     theirs.version("9.8.7");

@@ -95,6 +95,8 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     EXPECT_FALSE(read("saliva: on\n").saliva_standby);
     EXPECT_TRUE(read("saliva: standby\n").saliva);
     EXPECT_TRUE(read("saliva: standby\n").saliva_standby);
+    EXPECT_EQ(read("saliva: on\n").liquid, LiquidKind::saliva);
+    EXPECT_EQ(read("saliva: on\nliquid: blood\n").liquid, LiquidKind::blood);
     EXPECT_FLOAT_EQ(read("patient: {table_angle_deg: -15}\n").live.table_angle, -15 * degree);
 }
 
@@ -111,6 +113,8 @@ TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(refused("patient: {weight_kg: }\n", {"weight_kg", "nothing"}));
     EXPECT_TRUE(refused("patient: {weight_kg: 3, weight_kg: 4}\n", {"weight_kg", "twice"}));
     EXPECT_TRUE(refused("saliva: maybe\n", {"saliva", "'maybe'", "off, on, standby"}));
+    EXPECT_TRUE(refused("saliva: on\nliquid: milk\n", {"baby.yaml:2", "liquid", "'milk'", "saliva, blood"}));
+    EXPECT_TRUE(refused("liquid: blood\n", {"liquid", "found blood", "without 'saliva: on'"}));
     EXPECT_TRUE(refused("seed: -1\n", {"seed", "'-1'", "whole number"}));
     EXPECT_TRUE(refused("seed: 1.5\n", {"seed", "'1.5'"}));
     EXPECT_TRUE(refused("physics: {substeps: 0}\n", {"substeps", "1 to 64"}));
@@ -180,6 +184,16 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
     EXPECT_LT(premature.live.jaw_opening, term.live.jaw_opening);
     EXPECT_LT(premature.patient.shape.weight, term.patient.shape.weight);
     EXPECT_TRUE(premature.saliva);
+    // Beside them, one that differs in its liquid alone.
+    const Scenario bleeding = load("premature_bleeding");
+    EXPECT_EQ(bleeding.liquid, LiquidKind::blood);
+    EXPECT_TRUE(bleeding.saliva);
+    EXPECT_EQ(bleeding.patient.shape.weight, premature.patient.shape.weight);
+    EXPECT_EQ(bleeding.patient.shape.tongue_scale, premature.patient.shape.tongue_scale);
+    EXPECT_EQ(bleeding.live.jaw_opening, premature.live.jaw_opening);
+    EXPECT_EQ(bleeding.live.head_elevation, premature.live.head_elevation);
+    EXPECT_EQ(bleeding.tube.youngs_modulus, premature.tube.youngs_modulus);
+    EXPECT_EQ(bleeding.seed, premature.seed);
     // The enhanced conditions differ in what is shown and in nothing else.
     for (const auto& [plain, name] :
          {std::pair{term, "term_enhanced"}, std::pair{premature, "premature_enhanced"}}) {

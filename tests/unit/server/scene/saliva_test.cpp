@@ -28,11 +28,11 @@ const anatomy::Patient& premature() {
 /// Tissue at rest in one posture, tools far away, and saliva.
 class Mouth {
   public:
-    explicit Mouth(const anatomy::Posture& posture)
+    explicit Mouth(const anatomy::Posture& posture, LiquidKind kind = LiquidKind::saliva)
         : bones(anatomy::pose_bones(premature().skeleton, posture)),
           tissue(premature(), TissueMethod::clusters, step_duration / 8),
           shell(premature()),
-          saliva(premature(), make_laryngoscope(Blade::miller_0), 1.8e-3f, 1) {
+          saliva(premature(), make_laryngoscope(Blade::miller_0), 1.8e-3f, 1, kind) {
         tissue.pose(bones);
         tissue.reset();
         shell.pose_now(bones);
@@ -196,6 +196,28 @@ TEST(Saliva, GlandsGiveWhatTheyAreSetTo) {
     EXPECT_NEAR(static_cast<double>(mouth.liquid().size() - before), particles, 4.5);
 }
 
+// Thinner, and less held where it clings: what lies on the tongue at the start runs down faster.
+TEST(Saliva, BloodInItsPlaceRunsFaster) {
+    const auto speed = [](LiquidKind kind) {
+        Mouth mouth({26.0f * degree, 24.0f * degree}, kind);
+        double sum = 0.0;
+        for (int k = 0; k < steps_per_second; ++k) {
+            mouth.step(1);
+            for (const Vec3f& v : mouth.saliva.fluid().velocities()) {
+                sum += static_cast<double>(v.norm());
+            }
+        }
+        return sum;
+    };
+    EXPECT_GT(speed(LiquidKind::blood), 1.1 * speed(LiquidKind::saliva));
+    const pbd::FluidSettings blood = saliva_settings(0.85e-3f, step_duration / 4, LiquidKind::blood);
+    const LiquidProperties& known = properties_of(LiquidKind::blood);
+    EXPECT_EQ(blood.rest_density, known.density);
+    EXPECT_EQ(blood.viscosity, known.viscosity);
+    EXPECT_EQ(blood.wall_viscosity, known.wall_viscosity);
+    EXPECT_LE(blood.surface_tension, known.surface_tension);
+}
+
 class SalivaInScene : public ::testing::Test {
   protected:
     SalivaInScene() {
@@ -252,6 +274,18 @@ TEST_F(SalivaInScene, ResetBringsThePoolBack) {
 
 TEST_F(SalivaInScene, TheStateHashTellsOfIt) {
     EXPECT_NE(make(true).state_hash(), make(false).state_hash());
+}
+
+TEST_F(SalivaInScene, BloodIsAnotherState) {
+    const auto hash = [&](LiquidKind kind) {
+        Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, away_,
+                    {.rigid = {}, .saliva = true, .liquid = kind});
+        for (int k = 0; k < 5; ++k) {
+            scene.step(away_);
+        }
+        return scene.state_hash();
+    };
+    EXPECT_NE(hash(LiquidKind::blood), hash(LiquidKind::saliva));
 }
 
 TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/foam_drawing.hpp"
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "client/render/foam_shaders.hpp"
+#include "client/render/light_shaders.hpp"
+
+namespace eti::render {
+namespace {
+
+// Half floats about one of them: 0.03 mm apart within 6 cm.
+using Packed = std::array<Eigen::half, 4>;
+static_assert(sizeof(Packed) == 8);
+
+// Many films scatter so much more than the liquid alone.
+constexpr float brighter = 1.3f;
+
+}  // namespace
+
+FoamDrawing::FoamDrawing()
+    : program_("foam", {}, source::foam_vertex,
+               std::string(source::foam_inputs) + std::string(source::lighting) +
+                   std::string(source::foam_fragment)) {
+    glBindVertexArray(array_.name());
+    glBindBuffer(GL_ARRAY_BUFFER, bubbles_.name());
+    glEnableVertexAttribArray(0);
+    glVertexAttribPointer(0, 4, GL_HALF_FLOAT, GL_FALSE, sizeof(Packed), nullptr);
+    glBindVertexArray(0);
+}
+
+void FoamDrawing::upload(std::span<const view::Bubble> bubbles) {
+    count_ = static_cast<GLsizei>(bubbles.size());
+    if (bubbles.empty()) {
+        return;
+    }
+    origin_ = bubbles.front().position;
+    std::vector<Packed> packed;
+    packed.reserve(bubbles.size());
+    for (const view::Bubble& bubble : bubbles) {
+        const Vec3f p = bubble.position - origin_;
+        packed.push_back(
+            {Eigen::half(p.x()), Eigen::half(p.y()), Eigen::half(p.z()), Eigen::half(bubble.radius_now())});
+    }
+    glBindBuffer(GL_ARRAY_BUFFER, bubbles_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(packed.size() * sizeof(Packed)), packed.data(),
+                 GL_STREAM_DRAW);
+}
+
+void FoamDrawing::draw(const Camera& camera, const Eigen::Matrix4f& projection, const Lighting& lighting,
+                       const Eigen::Vector4f& clip_plane, float lift, int height, const Vec3f& liquid) {
+    if (count_ == 0) {
+        return;
+    }
+    program_.use();
+    lighting.apply(program_, camera.eye);
+    program_.set("origin", origin_);
+    program_.set("view", camera.view());
+    program_.set("projection", projection);
+    program_.set("to_world", Eigen::Matrix4f(camera.view().inverse()));
+    program_.set("clip_plane", clip_plane);
+    program_.set("lift", lift);
+    program_.set("height", static_cast<float>(height));
+    program_.set("tint", Vec3f(brighter * liquid));
+    glEnable(GL_PROGRAM_POINT_SIZE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    glBindVertexArray(array_.name());
+    glDrawArrays(GL_POINTS, 0, count_);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+    glDisable(GL_PROGRAM_POINT_SIZE);
+}
+
+}  // namespace eti::render

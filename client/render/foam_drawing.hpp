@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <span>
+
+#include "client/render/camera.hpp"
+#include "client/render/gl_object.hpp"
+#include "client/render/lighting.hpp"
+#include "client/render/shader_program.hpp"
+#include "client/view/liquid_foam.hpp"
+
+namespace eti::render {
+
+/// Draws foam on a liquid, a shaded point a bubble.
+class FoamDrawing {
+  public:
+    FoamDrawing();
+
+    /// Eight bytes a bubble.
+    void upload(std::span<const view::Bubble> bubbles);
+
+    /// Over the bound framebuffer, after the liquid; its viewport is `height` pixels high. `lift` [m] from
+    /// the particles to the surface that is seen; `liquid` is what that scatters back, and shells have its
+    /// colour.
+    void draw(const Camera& camera, const Eigen::Matrix4f& projection, const Lighting& lighting,
+              const Eigen::Vector4f& clip_plane, float lift, int height, const Vec3f& liquid);
+
+  private:
+    ShaderProgram program_;
+    VertexArray array_;
+    Buffer bubbles_;
+    GLsizei count_ = 0;
+    Vec3f origin_ = Vec3f::Zero();
+};
+
+}  // namespace eti::render
