@@ -14,7 +14,7 @@ namespace eti::client {
 /// pictures would lie at no distance that eyes can settle on.
 class EyeCompositor {
   public:
-    static constexpr int sheet_width = 640, sheet_height = 400;
+    static constexpr int sheet_width = 768, sheet_height = 448;
 
     EyeCompositor(int eye_width, int eye_height, const render::Quality& quality);
 

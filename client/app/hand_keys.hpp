@@ -24,7 +24,7 @@ class HandKeys {
     std::set<char32_t> held_;
 };
 
-/// What is asked for with what, for help on the sheet.
+/// Input and what it asks for, for help on the sheet and on the command line.
 [[nodiscard]] std::span<const std::pair<std::string_view, std::string_view>> hands_help();
 
 }  // namespace eti::client

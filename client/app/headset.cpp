@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
@@ -29,17 +30,18 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int headset_nice = 5;
 constexpr double lost_after_s = 1.0;
-constexpr auto between_looks = 500ms;  // for a headset
+constexpr std::uint64_t frames_with_help = 900;  // 10 s: what the hands do
+constexpr auto between_looks = 500ms;            // for a headset
 constexpr auto between_calls =
     2000ms;  // for a runtime that went; OpenXR's loader says each time that it failed
 constexpr auto while_nobody_looks = 20ms;  // between events of a runtime that wants no frames
 constexpr auto longest_farewell = 2s;      // a runtime that does not let go is left
 
-// Beyond the patient at arm's length and a little more, tilted towards the eyes: between 0.7 and 1.5 m they
-// neither cross nor tire.
+// Beyond the patient, where eyes neither cross nor tire: between 0.7 and 1.5 m. Its small letters are 14 mm
+// high there, the least that reads well at a metre.
 const hmd::Panel sheet{
-    RigidTransform::from(Quatf(Eigen::AngleAxisf(-0.2f, Vec3f::UnitX())), {0.0f, 0.08f, -1.0f}), 0.64f,
-    0.40f};
+    RigidTransform::from(Quatf(Eigen::AngleAxisf(0.1f, Vec3f::UnitX())), {0.0f, 0.10f, -1.0f}), 0.80f,
+    0.80f * EyeCompositor::sheet_height / EyeCompositor::sheet_width};
 
 // A window where there is a display, so that others see what the trainee sees and keys work, too; else no
 // screen.
@@ -235,6 +237,11 @@ class HeadsetClient {
         }
         if (eyes) {
             hud::Readout readout = hud::readout_of(scene_, server_lost());
+            if (frames_ < frames_with_help && !options_.observe) {
+                for (const auto& [input, meaning] : hands_help()) {
+                    readout.keys.emplace_back(std::string(input) + ':', meaning);
+                }
+            }
             controls_->put_into(readout, now);
             measure(eyes_time_, [&] { pictures_->draw_eyes(scene_, vantage_, scene_.shaped()); });
             measure(sheet_time_, [&] { pictures_->draw_sheet(readout); });

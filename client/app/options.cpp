@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "client/app/controls.hpp"
+#include "client/app/hand_keys.hpp"
 #include "common/bus/command_line.hpp"
 #include "common/math/units.hpp"
 
@@ -99,6 +100,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string keys = "Keys in the window:";
     for (const auto& [key, help] : keys_help(true)) {
         keys += fmt::format("\n  {:<6} {}", key, help);
+    }
+    keys += "\nHand controllers, with --view hmd:";
+    for (const auto& [input, help] : hands_help()) {
+        keys += fmt::format("\n  {:<11} {}", input, help);
     }
     app.footer(keys + "\nWith --observe no commands are given.");
     app.set_version_flag("--version", ETI_VERSION);

@@ -401,8 +401,9 @@ XrResult XRAPI_CALL end_frame(XrSession, const XrFrameEndInfo* info) {
                 course().fault("the sheet's picture is none, or lies outside its chain");
             } else if (kept) {
                 keep(sheet.subImage, "sheet");
-                course().noted()["sheet"] = {sheet.pose.position.x, sheet.pose.position.y,
-                                             sheet.pose.position.z};
+                const auto& [turn, place] = sheet.pose;
+                course().noted()["sheet"] = {{"position", {place.x, place.y, place.z}},
+                                             {"orientation", {turn.w, turn.x, turn.y, turn.z}}};
             }
         } else {
             course().fault("a layer of an unknown kind");

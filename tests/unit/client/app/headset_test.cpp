@@ -372,9 +372,13 @@ TEST_F(WindowlessHeadsetTest, DrawsWithoutADisplay) {
     expect_no_fault();
     EXPECT_GE(report_["shown"], 20);
     // The sheet hangs where eyes rest easily: between 0.7 and 1.5 m.
-    const auto sheet = report_["sheet"].get<std::array<float, 3>>();
-    EXPECT_GT(std::hypot(sheet[0], sheet[1], sheet[2]), 0.7f);
-    EXPECT_LT(std::hypot(sheet[0], sheet[1], sheet[2]), 1.5f);
+    const auto place = report_["sheet"]["position"].get<std::array<float, 3>>();
+    const auto turn = report_["sheet"]["orientation"].get<std::array<float, 4>>();
+    const Vec3f sheet(place[0], place[1], place[2]);
+    EXPECT_GT(sheet.norm(), 0.7f);
+    EXPECT_LT(sheet.norm(), 1.5f);
+    const Vec3f front = Eigen::Quaternionf(turn[0], turn[1], turn[2], turn[3]) * Vec3f::UnitZ();
+    EXPECT_GT(front.dot(-sheet.normalized()), 0.999f) << "its front faces the eyes";
 }
 
 TEST_F(WindowlessHeadsetTest, SaysWhatToInstallWithoutARuntime) {
