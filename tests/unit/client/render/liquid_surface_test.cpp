@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/liquid_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "common/bus/fluid_state.hpp"
+#include "scene_picture.hpp"
+
+namespace eti {
+namespace {
+
+using render::Shading;
+using render::View;
+using test::Colour;
+using test::height;
+using test::named;
+using test::width;
+using LiquidPicture = test::ScenePicture;
+
+TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
+    // A drop of 5 mm before the mouth, on the half that the section keeps.
+    view::SceneView wet = scene_;
+    const Vec3f before_mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    std::vector<Vec3f> drop;
+    for (int k = 0; k < 5 * 5 * 5; ++k) {
+        drop.push_back(before_mouth + 1e-3f * Eigen::Vector3i(k % 5, k / 5 % 5, k / 25).cast<float>());
+    }
+    msg::FluidState message;
+    bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, 0, message);
+    ASSERT_TRUE(wet.apply(message));
+    wet.update();
+    for (const View& view : render::views()) {
+        if (view.cameras(wet, {}).size() > 1 || view.lens) {
+            continue;  // two half pictures, each drawn as that of one camera; and the drop lies behind the
+                       // lens
+        }
+        const render::Image dry_picture = picture(view, scene_, Shading::lit);
+        const render::Image wet_picture = picture(view, wet, Shading::lit);
+        const Eigen::Matrix4f projection =
+            view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
+        const Eigen::Vector4f clip = projection * (drop.front() + Vec3f::Constant(2e-3f)).homogeneous();
+        const Eigen::Vector2f centre = Eigen::Vector2f(0.5f * width * (1.0f + clip.x() / clip.w()),
+                                                       0.5f * height * (1.0f - clip.y() / clip.w()));
+        const float pixels_per_metre = 0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w();
+        // Half the drop's diagonal and a sphere beyond it.
+        const float reach = 7e-3f * pixels_per_metre + 2.0f;
+        int changed = 0;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                if (std::memcmp(dry_picture.pixel(x, y), wet_picture.pixel(x, y), 3) != 0) {
+                    ++changed;
+                    EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
+                              reach)
+                        << view.name << " at " << x << ", " << y;
+                }
+            }
+        }
+        // Of the square of the drop's outer particles at least a quarter: the rest may be hidden.
+        EXPECT_GT(static_cast<float>(changed), 0.25f * std::pow(4e-3f * pixels_per_metre, 2.0f)) << view.name;
+    }
+    // What is measured on flat colours does not see it.
+    EXPECT_EQ(picture(named("section"), scene_, Shading::object_id).rgba,
+              picture(named("section"), wet, Shading::object_id).rgba);
+}
+
+// Two drops that clash before the mouth and part again: foam and threads are seen, about the liquid alone,
+// and they are gone once nothing has moved for longer than a bubble lives.
+TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {
+    const View& view = named("overview");
+    const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    view::SceneView wet = scene_;
+    std::uint64_t time_ns = wet.simulation_time_ns();
+    const auto state = [&](float gap) {
+        std::vector<Vec3f> drops;
+        for (int k = 0; k < 2 * 5 * 5 * 5; ++k) {
+            const Vec3f side(k < 125 ? -gap - 5e-3f : gap, 0.0f, 0.0f);
+            drops.push_back(mouth + side +
+                            1e-3f * Eigen::Vector3i(k % 5, k / 5 % 5, k / 25 % 5).cast<float>());
+        }
+        time_ns += 11'111'111;
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drops.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drops}, chunk,
+                                 message);
+            message.header().simulation_time_ns(time_ns);
+            ASSERT_TRUE(wet.apply(message));
+        }
+    };
+    for (int s = 0; s <= 16; ++s) {
+        state(4e-3f - 0.25e-3f * static_cast<float>(s));
+    }
+    for (int s = 1; s <= 12; ++s) {
+        state(0.25e-3f * static_cast<float>(s));
+    }
+    state(3e-3f);
+    wet.update();
+    ASSERT_GT(wet.liquid_detail().foam().bubbles().size(), 20u);
+    ASSERT_GT(wet.liquid_detail().strings().strings().size(), 2u);
+    const render::Image frothy = picture(view, wet, Shading::lit);
+    // The same places without a history.
+    const std::vector<Vec3f> places(wet.liquid().begin(), wet.liquid().end());
+    view::SceneView still = scene_;
+    msg::FluidState message;
+    for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(places.size()); ++chunk) {
+        bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, places}, chunk, message);
+        ASSERT_TRUE(still.apply(message));
+    }
+    still.update();
+    const render::Image plain = picture(view, still, Shading::lit);
+    const Eigen::Matrix4f projection =
+        view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
+    const Eigen::Vector4f clip = projection * mouth.homogeneous();
+    const Eigen::Vector2f centre(0.5f * width * (1.0f + clip.x() / clip.w()),
+                                 0.5f * height * (1.0f - clip.y() / clip.w()));
+    const float reach = 16e-3f * 0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w();
+    int changed = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (std::memcmp(frothy.pixel(x, y), plain.pixel(x, y), 3) != 0) {
+                ++changed;
+                EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
+                          reach)
+                    << x << ", " << y;
+            }
+        }
+    }
+    EXPECT_GT(changed, 20);
+    for (int s = 0; s < 90 * 10; ++s) {
+        state(3e-3f);
+    }
+    wet.update();
+    EXPECT_TRUE(wet.liquid_detail().foam().bubbles().empty());
+    EXPECT_TRUE(wet.liquid_detail().strings().strings().empty());
+    EXPECT_EQ(picture(view, wet, Shading::lit).rgba, plain.rgba);
+}
+
+// Beer-Lambert: blood lets red through, and of green and blue next to nothing; saliva all alike.
+TEST_F(LiquidPicture, BloodIsDarkRed) {
+    const View& view = named("overview");
+    const Vec3f corner = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    std::vector<Vec3f> drop;
+    for (int k = 0; k < 7 * 7 * 7; ++k) {
+        drop.push_back(corner + 1e-3f * Eigen::Vector3i(k % 7, k / 7 % 7, k / 49).cast<float>());
+    }
+    const auto middle = [&](const char* liquid) {
+        msg::SessionDescription description = source_.description;
+        description.liquid(std::string(liquid));
+        view::SceneView scene = scene_;
+        scene.apply(description);
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drop.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, chunk,
+                                 message);
+            EXPECT_TRUE(scene.apply(message));
+        }
+        scene.update();
+        const render::Image image = picture(view, scene, Shading::lit);
+        const render::Camera camera = view.camera(scene, {});
+        const Eigen::Vector4f clip = camera.projection(static_cast<float>(width) / height) * camera.view() *
+                                     (corner + Vec3f::Constant(3e-3f)).homogeneous();
+        const std::uint8_t* p = image.pixel(static_cast<int>(0.5f * width * (1.0f + clip.x() / clip.w())),
+                                            static_cast<int>(0.5f * height * (1.0f - clip.y() / clip.w())));
+        return Colour{p[0], p[1], p[2]};
+    };
+    const Colour saliva = middle("saliva"), blood = middle("blood");
+    EXPECT_GT(blood[0], 2 * blood[1]);
+    EXPECT_GT(blood[0], 2 * blood[2]);
+    EXPECT_GT(blood[0], 40) << "red, not black";
+    EXPECT_LT(blood[0], saliva[0]);
+    EXPECT_LT(saliva[0], 1.5 * saliva[1]) << "of no colour of its own";
+}
+
+// What liquid lay on stays wet where it was, dries by e in 25 s, and is nobody's where none was.
+TEST_F(LiquidPicture, LiquidLeavesAFilm) {
+    const View& view = named("overview");
+    const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening);
+    const auto state = [&](view::SceneView& scene, double seconds, bool any) {
+        std::vector<Vec3f> pool;
+        for (int k = 0; any && k < 60 * 60; ++k) {
+            pool.push_back(mouth + 1e-3f * Vec3f(static_cast<float>(k % 60 - 30), 0.0f,
+                                                 static_cast<float>(k / 60 - 30)));
+        }
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(pool.size()); ++chunk) {
+            bus::put_fluid_chunk({Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), 1e-3f, pool}, chunk,
+                                 message);
+            message.header().simulation_time_ns(static_cast<std::uint64_t>(1e9 * seconds));
+            ASSERT_TRUE(scene.apply(message));
+        }
+        scene.update();
+        renderer_.sync(scene);
+    };
+    const render::Image dry = picture(view, scene_, Shading::lit);
+    EXPECT_FALSE(renderer_.meshes().patient().filmed()) << "what was never wet costs nothing";
+    view::SceneView wet = scene_;
+    state(wet, 1.0, true);
+    const std::vector<float> at_first = renderer_.film().values();
+    const std::vector<view::LitVertex> vertices = renderer_.meshes().patient().vertices();
+    ASSERT_EQ(at_first.size(), vertices.size());
+    int beneath = 0;
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+        const Vec3f apart = vertices[v].position - mouth;
+        if (apart.cwiseAbs().maxCoeff() < 28e-3f && std::abs(apart.y()) < 0.4e-3f) {
+            EXPECT_GT(at_first[v], 0.9f);
+            ++beneath;
+        } else if (std::abs(apart.y()) > 3e-3f || apart.norm() > 50e-3f) {
+            EXPECT_EQ(at_first[v], 0.0f);
+        }
+    }
+    EXPECT_GT(beneath, 10);
+    state(wet, 11.0, false);
+    const std::vector<float> later = renderer_.film().values();
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+        EXPECT_NEAR(later[v], at_first[v] * std::exp(-10.0f / 25.0f), 1e-4f);
+    }
+    const render::Image filmed = picture(view, wet, Shading::lit);
+    EXPECT_NE(filmed.rgba, dry.rgba);
+    // What is measured on flat colours does not see it.
+    EXPECT_EQ(picture(view, wet, Shading::object_id).rgba, picture(view, scene_, Shading::object_id).rgba);
+}
+
+}  // namespace
+}  // namespace eti
