@@ -274,7 +274,8 @@ void ClusterChain::invert(float dt) {
 void ClusterChain::answer() {
     held_.noalias() = inverse_ * apart_;
     for (Cluster& cluster : clusters_) {
-        cluster.shift = cluster.turn = Vec3f::Zero();  // for now force and moment, over the squared substep
+        cluster.shift = cluster.turn =
+            Vec3f::Zero();  // sums of forces and moments first, over the squared substep
     }
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         const auto at = static_cast<Eigen::Index>(6 * j);

@@ -26,7 +26,7 @@ constexpr float shortest = 2e-4f;  // [m]
 
 // Folds that hang on the epiglottis go with it at one end and with larynx or throat at the other, and weights
 // of nine frames and more are cut to eight there.
-constexpr float most_at_folds = 3.3f;
+constexpr float most_at_folds = 3.1f;
 
 struct Stretch {
     float most = 0.0f;  // as a share of what is bearable there
