@@ -7,6 +7,7 @@
 
 #include "client/view/sky_visibility.hpp"
 #include "common/math/random.hpp"
+#include "common/math/smoothstep.hpp"
 
 namespace eti::render {
 namespace {
@@ -20,6 +21,9 @@ constexpr float skin_wetness = 0.10f;
 // lie the lips.
 constexpr float lining_sky = 0.10f;
 constexpr float skin_sky = 0.30f;
+
+// Edges of the mesh over which the lips' red fades into skin: about 1 mm.
+constexpr int vermilion_border = 3;
 
 float wetness(Tissue tissue) {
     switch (tissue) {
@@ -47,11 +51,6 @@ std::uint8_t byte_of(float share) {
 // another surface.
 float organ_sky(Tissue tissue) {
     return tissue == Tissue::tongue ? 0.50f : 0.08f;
-}
-
-float smooth_step(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
 }
 
 float lattice(int x, int y, int z) {
@@ -97,8 +96,9 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, 
     }
 }
 
-// How much a point of the face belongs to the lips' red: 1 within 2 mm of a lip's edge, which runs to
-// either side over a half mouth of 16 mm and falls back by 8 mm there.
+// Of a patient whose surface has no label of lips, how much a point of the face belongs to their red: 1
+// within 2 mm of a lip's edge, which runs to either side over a half mouth of 16 mm and falls back by 8 mm
+// there.
 float vermilion(const Vec3f& p, const Landmarks& rest) {
     constexpr float half_width = 0.016f, setback = 0.008f;
     const float side = p.x() / half_width;
@@ -107,7 +107,7 @@ float vermilion(const Vec3f& p, const Landmarks& rest) {
         const Vec3f edge = at(rest, lip) + Vec3f(p.x(), setback * side * side, 0.0f);
         nearest = std::min(nearest, (p - edge).norm());
     }
-    return (1.0f - smooth_step(2.0e-3f, 4.5e-3f, nearest)) * (1.0f - smooth_step(0.8f, 1.2f, std::abs(side)));
+    return (1.0f - smoothstep(2.0e-3f, 4.5e-3f, nearest)) * (1.0f - smoothstep(0.8f, 1.2f, std::abs(side)));
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ Vec3f cut_colour(Tissue tissue) {
 SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
-    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f), lips(count, 0.0f);
     std::vector<Tissue> label(count, Tissue::soft);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
@@ -176,16 +176,25 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
             corners[v] += 1.0f;
+            lips[v] += tissue == Tissue::lip ? 1.0f : 0.0f;
             // Along a border the special one has the vertex.
             label[v] = label[v] == Tissue::soft ? tissue : label[v];
         }
     }
     const bool has_soft = std::find(surface.triangle_tissue.begin(), surface.triangle_tissue.end(),
                                     Tissue::soft) != surface.triangle_tissue.end();
+    const bool has_lips = std::find(surface.triangle_tissue.begin(), surface.triangle_tissue.end(),
+                                    Tissue::lip) != surface.triangle_tissue.end();
     std::vector<float> sky(count, organ_sky(surface.tissue));
     if (has_soft) {
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
+    }
+    if (has_lips) {
+        for (std::size_t v = 0; v < count; ++v) {
+            lips[v] /= std::max(corners[v], 1.0f);
+        }
+        diffuse(surface.mesh.triangles, lips, vermilion_border);
     }
     std::vector<VertexColour> result(count);
     std::vector<VertexRelief> relief(count);
@@ -196,8 +205,8 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
         float w = wet[v] / shares;
         float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
         if (softness[v] > 0.0f) {
-            const float skin = smooth_step(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
-            const float lip = skin * vermilion(p, rest);
+            const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
+            const float lip = skin * (has_lips ? lips[v] : vermilion(p, rest));
             c += skin * (skin_colour - c);
             c += 0.75f * lip * (lip_colour - c);
             w += skin * (skin_wetness - w) + 0.3f * lip;

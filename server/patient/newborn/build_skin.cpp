@@ -8,6 +8,7 @@
 #include "common/mesh/normals.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/level_skin.hpp"
 #include "server/patient/newborn/mend_skin.hpp"
 #include "server/patient/newborn/skinner.hpp"
 
@@ -150,6 +151,9 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
             for (std::size_t i = 0; i < vertices.size(); ++i) {
                 hang(carried[i], *plate, share[i]);
             }
+        }
+        if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
+            level_skin(anatomy, patient, surface.mesh, carried);
         }
         surface.skin.resize(vertices.size());
         std::ranges::transform(carried, surface.skin.begin(), heaviest);
