@@ -4,18 +4,21 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
+#include <utility>
 
 #include "server/patient/model/stiffness.hpp"
 #include "server/patient/model/tetrahedra_of.hpp"
 #include "server/pbd/cluster_calibration.hpp"
+#include "server/pbd/cluster_chain.hpp"
 #include "server/pbd/surface_edges.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-/// [Pa], for the modulus `wanted`. Clusters joined to each other yield more than each of them; the epiglottis
-/// is one alone.
+/// [Pa], for the modulus `wanted`. Clusters that overlap yield more than each of them; those of the
+/// epiglottis do not, and are as good as rigid: it bends between them.
 float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
     if (patient.clusters.tissue[cluster] == Tissue::epiglottis) {
         return wanted;
@@ -30,6 +33,28 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
                                     .load = pbd::ClusterLoad::tongue},
                                    wanted)
         .put_in;
+}
+
+/// The epiglottis, bending from its stalk to its tip; none where it is a single cluster.
+std::optional<pbd::ClusterChain> epiglottis_of(const anatomy::Patient& patient,
+                                               const pbd::ShapeMatching::Description& shapes,
+                                               const pbd::Particles& particles) {
+    pbd::ClusterChain::Description plate;
+    for (std::uint32_t c = 0; c < patient.clusters.size(); ++c) {
+        if (patient.clusters.tissue[c] == Tissue::epiglottis) {
+            const auto members = patient.clusters.members(c);
+            plate.clusters.emplace_back(members.begin(), members.end());
+            plate.youngs_modulus = patient.clusters.youngs_modulus[c];
+        }
+    }
+    if (plate.clusters.size() < 2) {
+        return std::nullopt;
+    }
+    plate.fitting_mass = shapes.fitting_mass;
+    plate.volume = shapes.particle_volume;
+    pbd::ClusterChain chain;
+    chain.configure(plate, particles);
+    return chain;
 }
 
 }  // namespace
@@ -94,6 +119,9 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
     }
     fitted_.configure(description(fitted_clusters_, substep), p);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
+    if (auto epiglottis = epiglottis_of(patient, held, p)) {
+        body_.further.emplace_back(std::move(*epiglottis));
+    }
 
     const anatomy::ClusterSet& clusters = patient.clusters;
     const std::vector<anatomy::BoneWeights> of_frame = anatomy::frame_bones(patient);

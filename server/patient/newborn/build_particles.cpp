@@ -64,6 +64,28 @@ Voxel classify(const Anatomy& anatomy, const Fields& f, const Vec3f& point, floa
     return voxel;
 }
 
+/// Cuts places [m] along a unit vector into strips of the same length, from the first to the last: as many as
+/// are wished for, fewer where one would be shorter than `shortest` [m]. Returns each one's places,
+/// ascending.
+std::vector<std::vector<std::uint32_t>> strips(const std::vector<Vec3f>& places, const Vec3f& along,
+                                               float shortest, std::size_t wished) {
+    if (places.empty()) {
+        return {};
+    }
+    const auto by_place = [&](const Vec3f& p) { return p.dot(along); };
+    const auto [first, last] = std::ranges::minmax_element(places, {}, by_place);
+    const float begin = by_place(*first);
+    const float length = std::max(by_place(*last) - begin, 1e-9f);
+    const auto fit = static_cast<std::size_t>(length / shortest);
+    std::vector<std::vector<std::uint32_t>> out(std::clamp(fit, std::size_t{1}, wished));
+    for (std::uint32_t i = 0; i < places.size(); ++i) {
+        const float share = (by_place(places[i]) - begin) / length;
+        const auto strip = static_cast<std::size_t>(share * static_cast<float>(out.size()));
+        out[std::min(strip, out.size() - 1)].push_back(i);
+    }
+    return out;
+}
+
 }  // namespace
 
 void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
@@ -119,19 +141,30 @@ void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patie
         clusters.first.push_back(static_cast<std::uint32_t>(clusters.member.size()));
         clusters.tissue.push_back(tissue);
     };
-    // The epiglottis is one cluster over exactly its particles (Xiao et al. 2020, sec. 4.2). Its stalk,
-    // where it is rooted in the larynx, also counts in the body's clusters: that is its hinge.
-    const Vec3f stalk = anatomy.landmarks()[static_cast<std::size_t>(Landmark::epiglottis_base)];
+    // The epiglottis has clusters of its own over exactly its particles (Xiao et al. 2020, sec. 4.2), one
+    // after the other from its stalk to its tip: so it bends. Its stalk, where it is rooted in the larynx,
+    // also counts in the body's clusters: that is its hinge.
+    const auto points = anatomy.landmarks();
+    const Vec3f stalk = at(points, Landmark::epiglottis_base);
+    const Vec3f along = (at(points, Landmark::epiglottis_tip) - stalk).normalized();
     const auto is_stalk = [&](std::uint32_t i) {
         return set.tissue[i] == Tissue::epiglottis && (set.rest[i] - stalk).norm() < 3.0e-3f * size;
     };
     std::vector<std::uint32_t> epiglottis;
+    std::vector<Vec3f> plate;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
         if (set.tissue[i] == Tissue::epiglottis) {
             epiglottis.push_back(i);
+            plate.push_back(set.rest[i]);
         }
     }
-    add(epiglottis, Tissue::epiglottis);
+    // Fewer than two layers of particles have nothing to turn by.
+    constexpr std::size_t bends_at = 4;
+    for (std::vector<std::uint32_t>& strip :
+         strips(plate, along, 2.0f * settings.fine_spacing * size, bends_at + 1)) {
+        std::ranges::transform(strip, strip.begin(), [&](std::uint32_t k) { return epiglottis[k]; });
+        add(strip, Tissue::epiglottis);
+    }
 
     const auto gather = [&](std::uint32_t centre, float radius) {
         const int family = family_of(set.tissue[centre]);

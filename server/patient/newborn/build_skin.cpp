@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "common/mesh/normals.hpp"
 #include "server/parallel/loops.hpp"
@@ -75,22 +74,14 @@ void let_head_grow(const Anatomy& anatomy, Patient& patient) {
     }
 }
 
-std::optional<std::size_t> frame_of_epiglottis(const Patient& patient) {
-    const std::vector<Tissue>& tissue = patient.clusters.tissue;
-    const auto plate = std::ranges::find(tissue, Tissue::epiglottis);
-    return plate == tissue.end()
-               ? std::nullopt
-               : std::optional(bone_count + static_cast<std::size_t>(plate - tissue.begin()));
-}
-
-/// Lets a fold that runs from the epiglottis to larynx, tongue or wall of the throat go along with it: else
-/// it tears from it where it is lifted.
-void hang(Shares& shares, std::size_t plate, float share) {
-    if (share > 0.0f) {
-        for (Share& other : shares) {
-            other.weight *= 1.0f - share;
-        }
-        add_share(shares, plate, share);
+/// Lets a fold that runs from the epiglottis to larynx, tongue or wall of the throat go along with what of
+/// the plate is nearest: else it tears from it where it is lifted.
+void hang(Shares& shares, const Shares& plate, float share) {
+    for (Share& other : shares) {
+        other.weight *= 1.0f - share;
+    }
+    for (const auto& [frame, weight] : plate) {
+        add_share(shares, frame, share * weight);
     }
 }
 
@@ -133,7 +124,6 @@ void build_frames(Patient& patient) {
 
 void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
     const Skinner skinner(anatomy, settings, patient);
-    const std::optional<std::size_t> plate = frame_of_epiglottis(patient);
     for (Surface& surface : patient.surfaces) {
         const std::vector<Vec3f>& vertices = surface.mesh.vertices;
         const std::vector<Vec3f> normals = vertex_normals(surface.mesh);
@@ -146,10 +136,12 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
             mend_skin(patient, surface.mesh, carried);
         }
-        if (plate && surface.tissue == Tissue::soft) {
+        if (surface.tissue == Tissue::soft) {
             const std::vector<float> share = hanging(anatomy, surface.mesh);
             for (std::size_t i = 0; i < vertices.size(); ++i) {
-                hang(carried[i], *plate, share[i]);
+                if (share[i] > 0.0f) {
+                    hang(carried[i], skinner(vertices[i], Tissue::epiglottis), share[i]);
+                }
             }
         }
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {

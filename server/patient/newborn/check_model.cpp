@@ -139,14 +139,13 @@ std::vector<Invariant> epiglottis_owns_itself(const Patient& patient) {
         }
     }
     std::vector<Invariant> found;
-    bool exact = its.size() == 1;
-    if (exact) {
-        const auto members = clusters.members(its.front());
-        std::vector<std::uint32_t> sorted(members.begin(), members.end());
-        std::ranges::sort(sorted);
-        exact = sorted == own;
+    std::vector<std::uint32_t> members;
+    for (const std::size_t c : its) {
+        members.insert(members.end(), clusters.members(c).begin(), clusters.members(c).end());
     }
-    found.push_back({"the epiglottis is one cluster over exactly its particles", exact && own.size() >= 4,
+    std::ranges::sort(members);
+    found.push_back({"the epiglottis is clusters over exactly its particles, each in one",
+                     members == own && own.size() >= 4,
                      fmt::format("{} particles, {} clusters", own.size(), its.size())});
     found.push_back(foreign.report("other clusters hold only its stalk", hinge, "memberships"));
     found.back().holds = found.back().holds && hinge > 0;
@@ -167,7 +166,7 @@ std::vector<Invariant> epiglottis_owns_itself(const Patient& patient) {
                 }
                 const std::size_t frame = surface.skin[i].frame[k];
                 const bool by_its_cluster =
-                    frame >= bone_count && !its.empty() && frame - bone_count == its[0];
+                    frame >= bone_count && std::ranges::binary_search(its, frame - bone_count);
                 vertices += is_epiglottis && k == 0 ? 1 : 0;
                 if (is_epiglottis ? !by_its_cluster
                                   : by_its_cluster && !near_plate(surface.mesh.vertices[i])) {
@@ -176,7 +175,7 @@ std::vector<Invariant> epiglottis_owns_itself(const Patient& patient) {
             }
         }
     }
-    found.push_back(skin.report("its skin goes with its cluster alone, and no skin far from it does",
+    found.push_back(skin.report("its skin goes with its clusters alone, and no skin far from it does",
                                 vertices, "vertices"));
     found.back().holds = found.back().holds && vertices > 0;
     return found;

@@ -29,8 +29,8 @@ constexpr float over_relaxation = 1.4f;
 // How much harder an edge that is still torn pulls its ends together: at the corner of the mouth, where a
 // slit ends, levelling alone leaves a tear as at the tip of any crack.
 constexpr float harder = 1.3f;
-constexpr float fade = 5e-3f;  // [m], along the surface, until particles carry it again
-constexpr int fade_rings = 12;
+constexpr float fade = 5e-3f;   // [m], along the surface, until particles carry it again
+constexpr int fade_rings = 40;  // as many of the shortest edges: where it broke off, skin would tear
 
 struct Edge {
     float length;  // [m]

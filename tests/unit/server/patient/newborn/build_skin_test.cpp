@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "common/math/units.hpp"
@@ -25,26 +24,20 @@ constexpr float most_stretch = 3.0f;
 // three times as long are still shorter than the others.
 constexpr float shortest = 2e-4f;  // [m]
 
-// Folds that hang on the epiglottis go with its one rigid frame at one end and with larynx or throat at the
-// other: up to twice as much. A plate that bends would bear less (docs/rendering.md, what falls short).
-constexpr float most_at_folds = 6.0f;
+// Folds that hang on the epiglottis go with it at one end and with larynx or throat at the other, and weights
+// of nine frames and more are cut to eight there.
+constexpr float most_at_folds = 3.3f;
 
 struct Stretch {
     float most = 0.0f;  // as a share of what is bearable there
     Vec3f where = Vec3f::Zero();
 };
 
-std::optional<std::uint16_t> frame_of_plate(const Patient& patient) {
-    const auto& tissue = patient.clusters.tissue;
-    const auto plate = std::ranges::find(tissue, Tissue::epiglottis);
-    return plate == tissue.end()
-               ? std::nullopt
-               : std::optional(static_cast<std::uint16_t>(bone_count + (plate - tissue.begin())));
-}
-
-bool goes_with(const SkinWeights& skin, std::uint16_t frame) {
+bool goes_with_plate(const Patient& patient, const SkinWeights& skin) {
     for (std::size_t k = 0; k < frames_per_point; ++k) {
-        if (skin.frame[k] == frame && skin.weight[k] > 0.0f) {
+        const std::size_t frame = skin.frame[k];
+        if (skin.weight[k] > 0.0f && frame >= bone_count && frame < bone_count + patient.clusters.size() &&
+            patient.clusters.tissue[frame - bone_count] == Tissue::epiglottis) {
             return true;
         }
     }
@@ -58,10 +51,9 @@ Stretch stretch(const Patient& patient, const Surface& surface, const Posture& p
         now.push_back(
             skin_point(surface.mesh.vertices[v], surface.skin[v], patient.frame_rest_centre, frames));
     }
-    const std::optional<std::uint16_t> plate = frame_of_plate(patient);
     std::vector<std::uint8_t> hung;
     for (const SkinWeights& skin : surface.skin) {
-        hung.push_back(surface.tissue == Tissue::soft && plate && goes_with(skin, *plate));
+        hung.push_back(surface.tissue == Tissue::soft && goes_with_plate(patient, skin));
     }
     std::vector<std::uint8_t> larynx(surface.skin.size(), 0);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
