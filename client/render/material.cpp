@@ -22,9 +22,6 @@ constexpr float skin_wetness = 0.10f;
 constexpr float lining_sky = 0.10f;
 constexpr float skin_sky = 0.30f;
 
-// Edges of the mesh over which the lips' red fades into skin: about 1 mm.
-constexpr int vermilion_border = 3;
-
 float wetness(Tissue tissue) {
     switch (tissue) {
         case Tissue::skull:
@@ -96,9 +93,8 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, 
     }
 }
 
-// Of a patient whose surface has no label of lips, how much a point of the face belongs to their red: 1
-// within 2 mm of a lip's edge, which runs to either side over a half mouth of 16 mm and falls back by 8 mm
-// there.
+// How much a point of the face belongs to the lips' red: 1 within 2 mm of a lip's edge, which runs to
+// either side over a half mouth of 16 mm and falls back by 8 mm there.
 float vermilion(const Vec3f& p, const Landmarks& rest) {
     constexpr float half_width = 0.016f, setback = 0.008f;
     const float side = p.x() / half_width;
@@ -167,7 +163,7 @@ Vec3f cut_colour(Tissue tissue) {
 SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
-    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f), lips(count, 0.0f);
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
     std::vector<Tissue> label(count, Tissue::soft);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
@@ -176,25 +172,16 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
             corners[v] += 1.0f;
-            lips[v] += tissue == Tissue::lip ? 1.0f : 0.0f;
             // Along a border the special one has the vertex.
             label[v] = label[v] == Tissue::soft ? tissue : label[v];
         }
     }
     const bool has_soft = std::find(surface.triangle_tissue.begin(), surface.triangle_tissue.end(),
                                     Tissue::soft) != surface.triangle_tissue.end();
-    const bool has_lips = std::find(surface.triangle_tissue.begin(), surface.triangle_tissue.end(),
-                                    Tissue::lip) != surface.triangle_tissue.end();
     std::vector<float> sky(count, organ_sky(surface.tissue));
     if (has_soft) {
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
-    }
-    if (has_lips) {
-        for (std::size_t v = 0; v < count; ++v) {
-            lips[v] /= std::max(corners[v], 1.0f);
-        }
-        diffuse(surface.mesh.triangles, lips, vermilion_border);
     }
     std::vector<VertexColour> result(count);
     std::vector<VertexRelief> relief(count);
@@ -206,7 +193,7 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
         float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
         if (softness[v] > 0.0f) {
             const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
-            const float lip = skin * (has_lips ? lips[v] : vermilion(p, rest));
+            const float lip = skin * vermilion(p, rest);
             c += skin * (skin_colour - c);
             c += 0.75f * lip * (lip_colour - c);
             w += skin * (skin_wetness - w) + 0.3f * lip;

@@ -24,11 +24,13 @@ namespace {
 
 // Length over that at rest, of edges that are long enough to be seen.
 constexpr float bearable = 2.5f;
+constexpr float asked = 2.9f;        // is three
 constexpr float shortest = 0.1e-3f;  // [m]
 // Levelled with a torn edge: what lies so many edges around it, and one more after so many rounds.
 constexpr int first_rings = 2;
 constexpr int rounds_per_ring = 8;
-constexpr int most_rounds = 60;
+constexpr int lift_rounds = 50;
+constexpr int posture_rounds = 40;  // after those, since nobody lifts as often as heads lie raised
 constexpr int sweeps = 6;
 // Half as much as its neighbours together, else it and they might change places.
 constexpr float itself = 0.5f;
@@ -54,6 +56,10 @@ constexpr float plate_reaches = 0.44f;
 constexpr float lifted_about = 1.4f;
 // Of the way from glottis to the epiglottis's tip: up to here nothing is levelled.
 constexpr float held_above = 0.08f;
+
+// Where levelling is taken back: wholly so near to an edge that it made too long, and fading out so far [m].
+constexpr float back_wholly = 1.5e-3f, back_fades = 5e-3f;
+constexpr int back_rings = 30;
 
 using Frames = std::vector<FrameMap>;
 
@@ -116,12 +122,22 @@ class Leveller {
     }
 
     void level() {
-        std::vector<std::uint8_t> levelled(carried_.size(), 0);
         std::vector<std::uint32_t> all(carried_.size());
         std::iota(all.begin(), all.end(), 0u);
         place(all);
-        for (int round = 0; round < most_rounds; ++round) {
-            std::vector<std::uint8_t> torn = find_torn();
+        const std::vector<Shares> shares_before(carried_.begin(), carried_.end());
+        const auto place_before = place_;
+        level(0, lift_rounds);
+        level(1, posture_rounds);
+        take_back(shares_before, place_before);
+    }
+
+  private:
+    // Of the trials those from `first_trial` on.
+    void level(std::size_t first_trial, int rounds) {
+        std::vector<std::uint8_t> levelled(carried_.size(), 0);
+        for (int round = 0; round < rounds; ++round) {
+            std::vector<std::uint8_t> torn = find_torn(first_trial);
             if (std::ranges::none_of(torn, [](std::uint8_t t) { return t != 0; })) {
                 break;
             }
@@ -153,8 +169,43 @@ class Leveller {
         }
     }
 
-  private:
     static constexpr std::size_t trial_count = 5;
+    using Places = std::vector<std::array<Vec3f, trial_count>>;  // by vertex, in each trial
+
+    // Beside what is held, levelling can make steep for postures what was not: there shares are as before.
+    void take_back(const std::vector<Shares>& shares_before, const Places& place_before) {
+        std::vector<float> off(carried_.size(), back_fades);
+        for (std::uint32_t a = 0; a < off.size(); ++a) {
+            for (const std::uint32_t b : around_.of(a)) {
+                const float length = std::max((mesh_.vertices[a] - mesh_.vertices[b]).norm(), shortest);
+                for (std::size_t k = 1; k < trial_count; ++k) {
+                    const float now = (place_[a][k] - place_[b][k]).norm();
+                    if (now > asked * length && now > (place_before[a][k] - place_before[b][k]).norm()) {
+                        off[a] = off[b] = 0.0f;
+                    }
+                }
+            }
+        }
+        for (int ring = 0; ring < back_rings; ++ring) {
+            const std::vector<float> before = off;
+            for (std::uint32_t v = 0; v < off.size(); ++v) {
+                for (const std::uint32_t to : around_.of(v)) {
+                    off[v] = std::min(off[v], before[to] + (mesh_.vertices[v] - mesh_.vertices[to]).norm());
+                }
+            }
+        }
+        for (std::size_t v = 0; v < off.size(); ++v) {
+            const float back = 1.0f - smoothstep(back_wholly, back_fades, off[v]);
+            if (back > 0.0f) {
+                for (Share& share : carried_[v]) {
+                    share.weight *= 1.0f - back;
+                }
+                for (const auto& [frame, weight] : shares_before[v]) {
+                    add_share(carried_[v], frame, back * weight);
+                }
+            }
+        }
+    }
 
     // The glottis stays where the contour is that its view is measured by, and what is below it. So does what
     // lies far from the plate: at the corners of the mouth bones alone tear, which mend_skin sees to.
@@ -164,7 +215,7 @@ class Leveller {
         const Vec3f vallecula = points[static_cast<std::size_t>(Landmark::vallecula)];
         const float plate = plate_of(anatomy).length();
         const Vec3f up = points[static_cast<std::size_t>(Landmark::epiglottis_tip)] - glottis;
-        held_.resize(carried_.size());
+        held_.assign(carried_.size(), 0);
         for (std::size_t v = 0; v < held_.size(); ++v) {
             const Vec3f off = mesh_.vertices[v] - glottis;
             const bool at_glottis = off.norm() < up.norm() && off.dot(up) < held_above * up.squaredNorm();
@@ -222,16 +273,16 @@ class Leveller {
         });
     }
 
-    [[nodiscard]] std::vector<std::uint8_t> find_torn() const {
+    [[nodiscard]] std::vector<std::uint8_t> find_torn(std::size_t first_trial) const {
         std::vector<std::uint8_t> torn(carried_.size(), 0);
         parallel::for_each(carried_.size(), 256, [&](std::size_t a) {
             if (held_[a] != 0) {
                 return;
             }
             for (const std::uint32_t b : around_.of(a)) {
-                const float most =
-                    bearable * std::max((mesh_.vertices[a] - mesh_.vertices[b]).norm(), shortest);
-                for (std::size_t k = 0; k < trial_count; ++k) {
+                const float length = std::max((mesh_.vertices[a] - mesh_.vertices[b]).norm(), shortest);
+                for (std::size_t k = first_trial; k < trial_count; ++k) {
+                    const float most = bearable * length;
                     if ((place_[a][k] - place_[b][k]).squaredNorm() > most * most) {
                         torn[a] = 1;
                     }
@@ -244,7 +295,7 @@ class Leveller {
             }
             for (const std::uint32_t b : across_[a]) {
                 const Vec3f through = mesh_.vertices[b] - mesh_.vertices[a];
-                for (std::size_t k = 0; k < trial_count; ++k) {
+                for (std::size_t k = first_trial; k < trial_count; ++k) {
                     if ((place_[b][k] - place_[a][k]).dot(through) <
                         least_thickness * through.squaredNorm()) {
                         torn[a] = torn[b] = 1;
@@ -314,7 +365,7 @@ class Leveller {
     std::vector<std::uint8_t> of_plate_;    // by frame
     std::size_t frames_ = 0;
     std::vector<Shares> means_;
-    std::vector<std::array<Vec3f, trial_count>> place_;  // of each vertex in each trial
+    Places place_;
 };
 
 }  // namespace
