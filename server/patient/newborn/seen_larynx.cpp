@@ -160,7 +160,7 @@ bool on_vocal_cord(const Vec3f& p) {
 
 float hung_on_plate(const Vec3f& p, float plate, float solid) {
     const float near = 1.0f - smoothstep(0.4f, 3.6f, plate);
-    const float above = smoothstep(-32.5f, -29.0f, p.z());
+    const float above = smoothstep(-35.5f, -32.5f, p.z());  // not below its root
     return near * above * (1.0f - smoothstep(0.4f, 1.2f, solid));
 }
 

@@ -159,10 +159,12 @@ Shares Skinner::by_tissue(const Vec3f& point, Tissue tissue, const Vec3f& normal
     const ParticleSet& set = patient_.particles;
     const auto family = static_cast<std::size_t>(family_of(tissue));
     const float radius = reach * spacing_;
+    // The plate is thin, and folds hang on either side of it: both faces and the folds go as one.
+    const Vec3f outward = tissue == Tissue::epiglottis ? Vec3f(Vec3f::Zero()) : normal;
     Sums sums(patient_.frame_rest_centre.size());
     grids_[family].within(point, radius, [&](std::uint32_t k, float squared) {
         const std::uint32_t i = families_[family].particles[k];
-        const float before = normal.dot(set.rest[i] - point) / spacing_;
+        const float before = outward.dot(set.rest[i] - point) / spacing_;
         const float size = 2.0f * set.radius[i] / spacing_;
         count(i, point,
               bump(squared, radius) * size * size * size * (1.0f - smoothstep(0.0f, before_surface, before)),
