@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/patient/newborn/build.hpp"
@@ -15,6 +16,8 @@ constexpr float shortest = 2e-4f;  // [m], as in build_skin_test.cpp
 // mm, less with the distance from the valleculae; what bones hold stays.
 std::vector<FramePose> lifted(const Patient& patient) {
     const Vec3f vallecula = patient.landmarks[static_cast<std::size_t>(Landmark::vallecula)].rest;
+    const Vec3f root = patient.landmarks[static_cast<std::size_t>(Landmark::epiglottis_base)].rest;
+    const Vec3f plate_way = patient.landmarks[static_cast<std::size_t>(Landmark::epiglottis_tip)].rest - root;
     std::vector<FramePose> frames;
     for (std::size_t f = 0; f < patient.frame_rest_centre.size(); ++f) {
         const Vec3f& centre = patient.frame_rest_centre[f];
@@ -24,7 +27,8 @@ std::vector<FramePose> lifted(const Patient& patient) {
         }
         const float off = (centre - vallecula).norm() / 15e-3f;
         const bool plate = patient.clusters.tissue[f - bone_count] == Tissue::epiglottis;
-        frames.back().centre.y() -= plate ? 10e-3f : 4e-3f * std::exp(-off * off);
+        const float up = std::clamp((centre - root).dot(plate_way) / plate_way.squaredNorm(), 0.0f, 1.0f);
+        frames.back().centre.y() -= plate ? 4e-3f + 6e-3f * up : 4e-3f * std::exp(-off * off);
     }
     return frames;
 }
