@@ -7,6 +7,7 @@
 
 #include "client/view/sky_visibility.hpp"
 #include "common/math/random.hpp"
+#include "common/math/smoothstep.hpp"
 
 namespace eti::render {
 namespace {
@@ -47,11 +48,6 @@ std::uint8_t byte_of(float share) {
 // another surface.
 float organ_sky(Tissue tissue) {
     return tissue == Tissue::tongue ? 0.50f : 0.08f;
-}
-
-float smooth_step(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
 }
 
 float lattice(int x, int y, int z) {
@@ -107,7 +103,7 @@ float vermilion(const Vec3f& p, const Landmarks& rest) {
         const Vec3f edge = at(rest, lip) + Vec3f(p.x(), setback * side * side, 0.0f);
         nearest = std::min(nearest, (p - edge).norm());
     }
-    return (1.0f - smooth_step(2.0e-3f, 4.5e-3f, nearest)) * (1.0f - smooth_step(0.8f, 1.2f, std::abs(side)));
+    return (1.0f - smoothstep(2.0e-3f, 4.5e-3f, nearest)) * (1.0f - smoothstep(0.8f, 1.2f, std::abs(side)));
 }
 
 }  // namespace
@@ -196,7 +192,7 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
         float w = wet[v] / shares;
         float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
         if (softness[v] > 0.0f) {
-            const float skin = smooth_step(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
+            const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
             const float lip = skin * vermilion(p, rest);
             c += skin * (skin_colour - c);
             c += 0.75f * lip * (lip_colour - c);

@@ -9,9 +9,9 @@ namespace eti::view {
 std::vector<LitVertex> pressed(const SceneView& scene, const SkinnedSurface& surface) {
     std::vector<LitVertex> vertices(surface.vertices().begin(), surface.vertices().end());
     if (scene.laryngoscope_pose() && scene.keys() && !is_bone(surface.model().tissue)) {
-        const GiveWay give_way{plate_of(scene.keys()->laryngoscope())};
+        const PlacedGiveWay give_way{{plate_of(scene.keys()->laryngoscope())}, *scene.laryngoscope_pose()};
         for (LitVertex& vertex : vertices) {
-            vertex.position = give_way(vertex.position, *scene.laryngoscope_pose());
+            vertex.position = give_way(vertex.position);
         }
     }
     return vertices;

@@ -5,18 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/smoothstep.hpp"
 #include "common/math/units.hpp"
 
 namespace eti {
-
-namespace {
-
-float smoothstep(float from, float to, float x) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
-
-}  // namespace
 
 float BladePlate::width(float along) const {
     return wide + (narrow - wide) * smoothstep(0.3f * length, 0.8f * length, along);
@@ -50,6 +42,13 @@ Vec3f GiveWay::operator()(const Vec3f& point) const {
     const float deeper = std::clamp(in + softness, 0.0f, 2.0f * softness);
     const float out = in > softness ? in : deeper * deeper / (4.0f * softness);
     return point + Vec3f(0.0f, on_plate * out * (1.0f - smoothstep(deepest, deepest + release, in)), 0.0f);
+}
+
+bool PlacedGiveWay::may_move(const Vec3f& centre, float radius) const {
+    const Vec3f at = tool.inverse() * centre;
+    const Vec3f on_axis(0.0f, 0.0f, std::clamp(at.z(), 0.0f, give_way.plate.length));
+    const float plate = std::max(give_way.plate.high, 0.5f * give_way.plate.wide);
+    return (at - on_axis).norm() <= radius + 1.5f * plate + GiveWay::beside;
 }
 
 }  // namespace eti

@@ -30,15 +30,19 @@ struct BladePlate {
 struct GiveWay {
     static constexpr float clearance = 0.2e-3f;  ///< [m]
     static constexpr float softness = 0.8e-3f;   ///< [m], half the height over which it sets in
-    static constexpr float deepest = 3.0e-3f;    ///< [m]
-    static constexpr float release = 2.0e-3f;    ///< [m], beyond the deepest, until nothing moves
-    static constexpr float beside = 3.0e-3f;     ///< [m], from the plate's edge and tip, until nothing moves
+    static constexpr float deepest = 2.5e-3f;    ///< [m], what comes out wholly
+    static constexpr float release = 3.0e-3f;    ///< [m], beyond the deepest, until nothing moves
+    static constexpr float beside = 4.0e-3f;     ///< [m], from the plate's edge and tip, until nothing moves
     static constexpr float heel = 12.0e-3f;      ///< [m] along the blade, where the plate begins
 
     BladePlate plate;
 
-    /// No point goes farther [m].
-    static constexpr float most = deepest + release + clearance;
+    /// No point goes farther [m]: of (deepest + t release) (1 - smoothstep(0, 1, t)) the most is 2.78 mm.
+    static constexpr float most = 2.8e-3f;
+    /// No edge of a surface becomes longer than this many times. In height the steepest is 2.7, half-way
+    /// through the release; sideways and along the blade 1.5 most / beside = 1.05 of shear, where that is
+    /// less.
+    static constexpr float most_stretch = 3.0f;
 
     /// Tool frame.
     [[nodiscard]] Vec3f operator()(const Vec3f& point) const;
@@ -46,6 +50,16 @@ struct GiveWay {
     [[nodiscard]] Vec3f operator()(const Vec3f& point, const RigidTransform& tool) const {
         return tool * (*this)(tool.inverse() * point);
     }
+};
+
+/// The same of a blade that is held at a pose.
+struct PlacedGiveWay {
+    GiveWay give_way;
+    RigidTransform tool;
+
+    [[nodiscard]] Vec3f operator()(const Vec3f& point) const { return give_way(point, tool); }
+    /// False when nothing in a ball gives way.
+    [[nodiscard]] bool may_move(const Vec3f& centre, float radius) const;
 };
 
 }  // namespace eti

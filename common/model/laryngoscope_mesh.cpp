@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/smoothstep.hpp"
 #include "common/math/units.hpp"
 #include "common/model/give_way.hpp"
 
@@ -57,11 +58,6 @@ Section plate_section(float width, float thickness, float crown, float flange) {
         section.lower[i] = {x, top - thickness - (i >= last - 1 ? flange : 0.0f)};
     }
     return section;
-}
-
-float smooth(float from, float to, float x) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
 }
 
 class Sweep {
@@ -150,7 +146,7 @@ TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
         const float share = static_cast<float>(i) / 8.0f;
         const float angle = 0.5f * pi * share;
         const Vec3f height(0, std::sin(angle), std::cos(angle));
-        const Section section = blended(round_section(5.0f * millimetre), plate, smooth(0, 1, share));
+        const Section section = blended(round_section(5.0f * millimetre), plate, smoothstep(0, 1, share));
         sweep.add(section, pivot - pivot.z() * height, height);
     }
 
@@ -165,8 +161,8 @@ TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
         const float outline =
             to_tip < rounding ? std::sqrt(1.0f - std::pow(1.0f - to_tip / rounding, 2.0f)) : 1.0f;
         const float width = blade.width(z) * (0.45f + 0.55f * outline);
-        const float lip = smooth(8.0f * millimetre, 0.0f, to_tip);
-        const float fade = 1.0f - smooth(0.75f * length, 0.93f * length, z);
+        const float lip = smoothstep(8.0f * millimetre, 0.0f, to_tip);
+        const float fade = 1.0f - smoothstep(0.75f * length, 0.93f * length, z);
         sweep.add(plate_section(width, thickness * (1.0f - 0.3f * lip), blade.crown * width / blade.wide,
                                 flange * fade),
                   Vec3f(0, blade.height(z), z), Vec3f::UnitY());

@@ -5,28 +5,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/smoothstep.hpp"
+
 namespace eti {
 namespace {
 
 // A finger's pad takes the upper lip over the gum's crest by so much [m].
 constexpr float past_the_gum = 2e-3f;
 
-float smooth_step(float from, float to, float x) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
-
 }  // namespace
 
 Vec3f LipRetraction::held_aside(const Vec3f& point) const {
     const Vec3f q = axes * (point - origin);
-    const float before = smooth_step(begins, complete, q.z());
+    const float before = smoothstep(begins, complete, q.z());
     if (before == 0.0f) {
         return point;
     }
     const bool is_upper = q.y() < 0.5f * (upper_edge + lower_edge);
-    const float shift = is_upper ? -upper_shift * smooth_step(upper_edge - gather, upper_edge, q.y())
-                                 : lower_shift * (1.0f - smooth_step(lower_edge, lower_edge + gather, q.y()));
+    const float shift = is_upper ? -upper_shift * smoothstep(upper_edge - gather, upper_edge, q.y())
+                                 : lower_shift * (1.0f - smoothstep(lower_edge, lower_edge + gather, q.y()));
     return point + before * std::exp(-q.x() * q.x() / breadth) * shift * axes.row(1).transpose();
 }
 

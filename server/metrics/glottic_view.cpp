@@ -74,7 +74,7 @@ void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, c
         const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
         laryngoscope_->block(lines, std::span(&held, 1));
     }
-    const std::optional<PlacedBlade> pressed = PlacedBlade{give_way_, snapshot.proxy};
+    const std::optional<PlacedGiveWay> pressed = PlacedGiveWay{give_way_, snapshot.proxy};
     if (lips_as_scanned_) {
         lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
     }

@@ -208,15 +208,8 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     }
 }
 
-bool PlacedBlade::may_move(const Vec3f& centre, float radius) const {
-    const Vec3f at = tool.inverse() * centre;
-    const Vec3f on_axis(0.0f, 0.0f, std::clamp(at.z(), 0.0f, give_way.plate.length));
-    const float plate = std::max(give_way.plate.high, 0.5f * give_way.plate.wide);
-    return (at - on_axis).norm() <= radius + 1.5f * plate + GiveWay::beside;
-}
-
 void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
-                     const std::optional<PlacedBlade>& pressed, const LipRetraction* lips) {
+                     const std::optional<PlacedGiveWay>& pressed, const LipRetraction* lips) {
     ++call_;
     tested_ = 0;
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
@@ -224,7 +217,7 @@ void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
             seen_in_[vertex] = call_;
             Vec3f place = skin_point(rest_[vertex], skin_[vertex], frames);
             if (pressed) {
-                place = pressed->moved(place);
+                place = (*pressed)(place);
             }
             seen_[vertex] = lines.seen_from_eye(lips != nullptr ? lips->held_aside(place) : place);
         }

@@ -53,16 +53,6 @@ class SightLines {
     std::size_t open_ = 0;
 };
 
-/// A blade that tissue gives way to, and the tool's pose.
-struct PlacedBlade {
-    GiveWay give_way;
-    RigidTransform tool;
-
-    [[nodiscard]] Vec3f moved(const Vec3f& point) const { return give_way(point, tool); }
-    /// False when nothing in a ball gives way.
-    [[nodiscard]] bool may_move(const Vec3f& centre, float radius) const;
-};
-
 /// A skinned mesh cut into small blocks of neighbouring triangles, so that a narrow bundle of sight
 /// lines has to skin and test only the few blocks that it may meet.
 ///
@@ -75,7 +65,8 @@ class Occluder {
     /// `pressed`: the blade that the surface gives way to as drawn, or nothing. `lips`: what then holds this
     /// mesh aside; null where nothing does.
     void block(SightLines& lines, std::span<const FrameMap> frames,
-               const std::optional<PlacedBlade>& pressed = std::nullopt, const LipRetraction* lips = nullptr);
+               const std::optional<PlacedGiveWay>& pressed = std::nullopt,
+               const LipRetraction* lips = nullptr);
 
     /// Triangles skinned and tested in the last call.
     [[nodiscard]] std::size_t tested() const { return tested_; }

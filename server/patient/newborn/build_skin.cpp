@@ -7,6 +7,7 @@
 #include "common/mesh/normals.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/level_skin.hpp"
 #include "server/patient/newborn/mend_skin.hpp"
 #include "server/patient/newborn/skinner.hpp"
 
@@ -142,6 +143,9 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
                     hang(carried[i], skinner(vertices[i], Tissue::epiglottis), share[i]);
                 }
             }
+        }
+        if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
+            level_skin(anatomy, patient, surface.mesh, carried);
         }
         surface.skin.resize(vertices.size());
         std::ranges::transform(carried, surface.skin.begin(), heaviest);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/mesh/adjacency.hpp"
 #include "common/model/posture_range.hpp"
 #include "server/patient/model/skeleton.hpp"
 
@@ -32,7 +33,6 @@ constexpr float fade = 5e-3f;   // [m], along the surface, until particles carry
 constexpr int fade_rings = 40;  // as many of the shortest edges: where it broke off, skin would tear
 
 struct Edge {
-    std::uint32_t to;
     float length;  // [m]
     float pull;
 };
@@ -40,19 +40,17 @@ struct Edge {
 class Mender {
   public:
     Mender(const Patient& patient, const TriangleMesh& mesh, std::span<Shares> carried)
-        : mesh_(mesh), carried_(carried), edges_(mesh.vertices.size()), bones_(mesh.vertices.size()) {
+        : mesh_(mesh), carried_(carried), around_(mesh), bones_(mesh.vertices.size()) {
         for (const float head : {0.0f, max_head_elevation}) {
             for (const float jaw : {0.0f, max_jaw_opening}) {
                 postures_.push_back(
                     pose_bones(patient.skeleton, {.head_elevation = head, .jaw_opening = jaw}));
             }
         }
-        for (const Triangle& t : mesh.triangles) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = t[k];
-                const std::uint32_t b = t[(k + 1) % 3];
+        for (std::uint32_t a = 0; a < mesh.vertices.size(); ++a) {
+            for (const std::uint32_t b : around_.of(a)) {
                 const float length = (mesh.vertices[a] - mesh.vertices[b]).norm();
-                edges_[a].push_back({b, length, 1.0f / std::max(length, 1e-4f)});
+                edges_.push_back({length, 1.0f / std::max(length, 1e-4f)});
             }
         }
         const std::vector<BoneWeights> of_frame = frame_bones(patient);
@@ -76,7 +74,7 @@ class Mender {
                 break;
             }
             for (int ring = 0; ring < first_rings + round / rounds_per_ring; ++ring) {
-                torn = widened(torn);
+                torn = around_.widened(torn);
             }
             for (std::size_t v = 0; v < torn.size(); ++v) {
                 levelled_[v] |= torn[v];
@@ -102,30 +100,28 @@ class Mender {
 
     // Their edges pull harder from now on.
     std::vector<std::uint8_t> find_torn() {
-        std::vector<std::uint8_t> torn(edges_.size(), 0);
-        for (std::uint32_t a = 0; a < edges_.size(); ++a) {
-            for (Edge& edge : edges_[a]) {
+        std::vector<std::uint8_t> torn(place_.size(), 0);
+        for (std::uint32_t a = 0; a < place_.size(); ++a) {
+            each_edge(a, [&](std::uint32_t to, Edge& edge) {
                 const float most = bearable * edge.length;
                 for (std::size_t p = 0; p < postures_.size(); ++p) {
-                    if ((place_[a][p] - place_[edge.to][p]).squaredNorm() > most * most) {
-                        torn[a] = torn[edge.to] = 1;
+                    if ((place_[a][p] - place_[to][p]).squaredNorm() > most * most) {
+                        torn[a] = torn[to] = 1;
                         edge.pull *= harder;
                         break;
                     }
                 }
-            }
+            });
         }
         return torn;
     }
 
-    [[nodiscard]] std::vector<std::uint8_t> widened(const std::vector<std::uint8_t>& marked) const {
-        std::vector<std::uint8_t> wide = marked;
-        for (std::size_t v = 0; v < edges_.size(); ++v) {
-            if (std::ranges::any_of(edges_[v], [&](const Edge& edge) { return marked[edge.to] != 0; })) {
-                wide[v] = 1;
-            }
+    template <typename Visit>
+    void each_edge(std::size_t from, Visit&& visit) {
+        const auto to = around_.of(from);
+        for (std::size_t k = 0; k < to.size(); ++k) {
+            visit(to[k], edges_[around_.first(from) + k]);
         }
-        return wide;
     }
 
     // Gauss-Seidel towards the mean of the neighbours.
@@ -137,12 +133,12 @@ class Mender {
             }
             BoneWeights mean{};
             float pull = 0.0f;
-            for (const Edge& edge : edges_[v]) {
+            each_edge(v, [&](std::uint32_t to, const Edge& edge) {
                 pull += edge.pull;
                 for (std::size_t b = 0; b < bone_count; ++b) {
-                    mean[b] += edge.pull * bones_[edge.to][b];
+                    mean[b] += edge.pull * bones_[to][b];
                 }
-            }
+            });
             float total = 0.0f;
             for (std::size_t b = 0; b < bone_count; ++b) {
                 const float now = bones_[v][b];
@@ -159,10 +155,10 @@ class Mender {
         std::vector<float> by_bones(levelled_.begin(), levelled_.end());
         for (int ring = 0; ring < fade_rings; ++ring) {
             const std::vector<float> before = by_bones;
-            for (std::size_t v = 0; v < edges_.size(); ++v) {
-                for (const Edge& edge : edges_[v]) {
-                    by_bones[v] = std::max(by_bones[v], before[edge.to] - edge.length / fade);
-                }
+            for (std::size_t v = 0; v < before.size(); ++v) {
+                each_edge(v, [&](std::uint32_t to, const Edge& edge) {
+                    by_bones[v] = std::max(by_bones[v], before[to] - edge.length / fade);
+                });
             }
         }
         for (std::size_t v = 0; v < carried_.size(); ++v) {
@@ -183,7 +179,8 @@ class Mender {
     const TriangleMesh& mesh_;
     std::span<Shares> carried_;
     std::vector<BonePoses> postures_;
-    std::vector<std::vector<Edge>> edges_;     // from each vertex
+    Adjacency around_;
+    std::vector<Edge> edges_;                  // as the adjacency lists them
     std::vector<BoneWeights> bones_;           // what carries each vertex, clusters counted as their bones
     std::vector<std::uint8_t> levelled_;       // by vertex
     std::vector<std::array<Vec3f, 4>> place_;  // of each vertex in each posture

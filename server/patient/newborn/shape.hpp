@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <span>
 
+#include "common/math/smoothstep.hpp"
 #include "common/math/transform.hpp"
 
 // Implicit shapes: negative inside, roughly the distance near the surface. Units are whatever the
@@ -27,11 +28,6 @@ namespace eti::anatomy {
 /// `a` without `b`, with a fillet of width k.
 [[nodiscard]] inline float smooth_difference(float a, float b, float k) {
     return smooth_intersection(a, -b, k);
-}
-
-[[nodiscard]] inline float smoothstep(float from, float to, float x) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
 }
 
 /// First-order distance to an axis-aligned ellipsoid.

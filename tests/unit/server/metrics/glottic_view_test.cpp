@@ -113,7 +113,8 @@ struct Model {
     scene::Snapshot snapshot;
 };
 
-/// Independent of the code under test: all triangles skinned, plane and signed areas in double precision.
+/// Independent of the code under test: all triangles skinned and given way to the blade, plane and signed
+/// areas in double precision.
 bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, const Vec3f& target,
             double tolerance) {
     const Vec3d o = eye.cast<double>();
@@ -132,6 +133,7 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
         return normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
                normal.dot((a - c).cross(p - c)) >= 0;
     };
+    const GiveWay give_way{plate_of(make_laryngoscope(Blade::miller_1))};
     for (const Surface& surface : model.patient.surfaces) {
         std::vector<Vec3d> now;
         for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
@@ -144,7 +146,7 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
                             (surface.mesh.vertices[i] - model.patient.frame_rest_centre[f]).cast<double>() +
                         frame.centre.cast<double>());
             }
-            now.push_back(sum);
+            now.push_back(give_way(sum.cast<float>(), model.snapshot.proxy).cast<double>());
         }
         for (const Triangle& t : surface.mesh.triangles) {
             if (crosses(now[t[0]], now[t[1]], now[t[2]])) {
