@@ -51,7 +51,7 @@ Judged judged(bool beside) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     Judged out;
     {
-        Assessor assessor(patient, scope, Tube{}, 30.0f);
+        Assessor assessor(patient, scope, Scenario{});
         session::SessionInfo info;
         info.session = "test";
         Recorder recorder(file, info, patient, scope, Tube{}, 2, false, true);
@@ -118,7 +118,7 @@ TEST(Judge, BesideTheStepOrInItTheNumbersAreTheSame) {
 TEST(Judge, AnAttemptThatGoesOnHasNotEnded) {
     const anatomy::Patient patient = bare_patient();
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
-    Assessor assessor(patient, scope, Tube{}, 30.0f);
+    Assessor assessor(patient, scope, Scenario{});
     Judge judge(assessor, nullptr, nullptr, false);
     scene::Snapshot snapshot = metrics::test::plain_snapshot();
     const auto run_to = [&](std::uint64_t step) {
