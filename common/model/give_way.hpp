@@ -40,6 +40,9 @@ struct GiveWay {
     /// No point goes farther [m].
     static constexpr float most = deepest + release + clearance;
 
+    /// Whether any point within `radius` [m] of `centre` may move; tool frame.
+    [[nodiscard]] bool moves(const Vec3f& centre, float radius) const;
+
     /// Tool frame.
     [[nodiscard]] Vec3f operator()(const Vec3f& point) const;
     /// Any frame, in which the tool has that pose.
