@@ -172,6 +172,7 @@ class Offscreen {
         return report;
     }
 
+    [[nodiscard]] const render::Quality& quality() const { return compositor_.quality(); }
     [[nodiscard]] End end() const { return end_; }
     [[nodiscard]] bool has_scene() const { return scene_.complete(); }
 
@@ -273,7 +274,7 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     // threads are held back less, or messages would pile up at their writers.
     yield_to_others(drawing_nice);
     Offscreen offscreen(options, node);
-    spdlog::info("drawing with {}", render::driver_name());
+    spdlog::info("drawing with {}, quality {}", render::driver_name(), offscreen.quality().name);
     if (!offscreen.wait_for_scene()) {
         spdlog::error("no scene came within {} s (--wait): {}", options.wait_s, bus::no_server(options.bus));
         return 1;

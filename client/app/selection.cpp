@@ -46,6 +46,13 @@ const Selection* row_with(Value Selection::*member, Value value) {
 
 }  // namespace
 
+std::optional<Views> shown_now(const Selection& selection, const view::SceneView& scene, bool minimised) {
+    if (minimised) {
+        return std::nullopt;
+    }
+    return scene.shaped() ? selection.views(scene) : Views{};
+}
+
 std::span<const Selection> selections() {
     return table();
 }

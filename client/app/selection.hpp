@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,11 @@ struct Selection {
         return scene.enhanced() ? enhanced : plain;
     }
 };
+
+/// What of a selection a window draws now: nothing at all while it is minimised, and no patient before all of
+/// it has been heard of.
+[[nodiscard]] std::optional<Views> shown_now(const Selection& selection, const view::SceneView& scene,
+                                             bool minimised);
 
 /// Each view of the table, then those side by side: all, and what is shown by itself.
 [[nodiscard]] std::span<const Selection> selections();

@@ -34,7 +34,6 @@ bool lost(const SessionInput& input) {
 int run_windowed(const Options& options, nlohmann::json& result) {
     yield_to_others(window_nice);
     Window window(options.width, options.height, "NeoETI - " + options.bus.session);
-    spdlog::info("drawing with {}", render::driver_name());
     bus::Node node(options.bus);
     SessionInput input(node, !options.observe, !options.observe);
     std::optional<bus::CommandSender> commands;
@@ -46,6 +45,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     Compositor compositor(window.width(), window.height(),
                           options.quality != nullptr ? *options.quality : render::affordable_quality());
     compositor.bake_beside();
+    spdlog::info("drawing with {}, quality {}", render::driver_name(), compositor.quality().name);
     std::uint64_t frames = 0;
     bool was_lost = false;
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
@@ -69,13 +69,14 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             was_lost = !was_lost;
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
-        if (!window.minimised()) {
+        if (const auto shown = shown_now(controls.selection(), scene, window.minimised())) {
             compositor.resize(window.width(), window.height());
             hud::Readout readout = hud::readout_of(scene, was_lost);
             controls.put_into(readout, now);
-            // Before every part of the patient has been heard of, a picture would show none that there is.
-            compositor.draw(scene.shaped() ? controls.selection().views(scene) : Views{}, scene, readout,
-                            controls.vantage(), options.json);
+            if (!readout.keys.empty()) {
+                readout.keys.emplace_back("quality", compositor.quality().name);
+            }
+            compositor.draw(*shown, scene, readout, controls.vantage(), options.json);
             compositor.target().copy_to_window();
             window.show_frame();
         }
@@ -90,6 +91,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
               {"end", stop_asked() ? "stopped" : "closed"},
               {"simulation_time_s", 1e-9 * static_cast<double>(scene.simulation_time_ns())},
               {"frames", frames},
+              {"quality", std::string(compositor.quality().name)},
               {"messages_dropped", scene.dropped()},
               {"states_missed", input.arrival().missed()},
               {"state_age_ms", {{"mean", input.arrival().mean_ms()}, {"max", input.arrival().most_ms()}}}};

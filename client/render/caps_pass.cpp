@@ -3,22 +3,17 @@
 #include "client/render/caps_pass.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "client/render/cut_shaders.hpp"
 #include "client/render/mesh_shaders.hpp"
-#include "client/view/pressed.hpp"
 
 namespace eti::render {
 namespace {
 
-constexpr float cut_reach = 0.4f;  // [m], half of the cap's extent; hides behind the stencil
-
-VertexColour opaque(const Vec3f& colour) {
-    const auto byte = [](float value) { return static_cast<std::uint8_t>(std::lround(255.0f * value)); };
-    return {byte(colour.x()), byte(colour.y()), byte(colour.z()), 255};
-}
+constexpr float cut_reach = 0.4f;  // [m], half of the face's extent; hides behind the stencil
 
 float band_width(Tissue tissue) {
     switch (tissue) {
@@ -31,20 +26,18 @@ float band_width(Tissue tissue) {
     }
 }
 
-// Body, then organs, then bones: organs lie over the body around them.
-int layer(Tissue tissue) {
-    return tissue == Tissue::soft ? 0 : is_bone(tissue) ? 2 : 1;
-}
-
-// The pixels that hold all of `vertices`, within the viewport.
-Viewport pixels_of(const std::vector<CutVertex>& vertices, const Eigen::Matrix4f& view_projection,
+// The pixels that hold all of a box, within the viewport; all of it where the box reaches the eye.
+Viewport pixels_of(const Eigen::AlignedBox3f& box, const Eigen::Matrix4f& view_projection,
                    const Viewport& viewport) {
-    Eigen::Vector2f low(2.0f, 2.0f), high(-2.0f, -2.0f);
-    for (const CutVertex& vertex : vertices) {
-        const Eigen::Vector4f clip = view_projection * vertex.position.homogeneous();
-        const Eigen::Vector2f place = clip.head<2>() / std::max(clip.w(), 1e-6f);
-        low = low.cwiseMin(place);
-        high = high.cwiseMax(place);
+    Eigen::Vector2f low(1.0f, 1.0f), high(-1.0f, -1.0f);
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector4f clip =
+            view_projection * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).homogeneous();
+        if (clip.w() < 1e-6f) {
+            return viewport;
+        }
+        low = low.cwiseMin(clip.head<2>() / clip.w());
+        high = high.cwiseMax(clip.head<2>() / clip.w());
     }
     const auto pixel = [](float place, int side) {
         return static_cast<int>(std::clamp(0.5f * (place + 1.0f), 0.0f, 1.0f) * static_cast<float>(side));
@@ -59,48 +52,83 @@ Viewport pixels_of(const std::vector<CutVertex>& vertices, const Eigen::Matrix4f
 }  // namespace
 
 CapsPass::CapsPass()
-    : cut_("cut", {}, source::cut_vertex, source::cut_fragment),
-      flat_("flat cut", {}, source::cut_vertex, source::flat_fragment) {}
+    : fan_("fan of a cut", {"FAN"}, source::cut_surface_vertex, source::cut_geometry, source::flat_fragment),
+      band_("band of a cut", {}, source::cut_surface_vertex, source::cut_geometry, source::cut_fragment),
+      face_("face of a cut", {}, source::cut_plane_vertex, source::cut_fragment),
+      flat_face_("flat face of a cut", {}, source::cut_plane_vertex, source::flat_fragment) {
+    make_grain();
+}
 
-void CapsPass::draw(const Drawing& drawing, const SceneMeshes& meshes) {
+// Noise: 0-1 at each point of a lattice of `cells` squares a side, which repeats, smooth between.
+void CapsPass::make_grain() {
+    constexpr int cells = 128, texels = 4 * cells;
+    std::mt19937 random(7);
+    std::vector<float> lattice(cells * cells);
+    for (float& value : lattice) {
+        value = static_cast<float>(random() % 4096u) / 4095.0f;
+    }
+    const auto at = [&](int x, int y) {
+        return lattice[static_cast<std::size_t>(y % cells * cells + x % cells)];
+    };
+    std::vector<std::uint8_t> noise;
+    noise.reserve(texels * texels);
+    for (int y = 0; y < texels; ++y) {
+        for (int x = 0; x < texels; ++x) {
+            const auto share = [](int i) {
+                const float f = (static_cast<float>(i % 4) + 0.5f) / 4.0f;
+                return f * f * (3.0f - 2.0f * f);
+            };
+            const int i = x / 4, j = y / 4;
+            const float value = std::lerp(std::lerp(at(i, j), at(i + 1, j), share(x)),
+                                          std::lerp(at(i, j + 1), at(i + 1, j + 1), share(x)), share(y));
+            noise.push_back(static_cast<std::uint8_t>(std::lround(255.0f * value)));
+        }
+    }
+    glBindTexture(GL_TEXTURE_2D, grain_.name());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, texels, texels, 0, GL_RED, GL_UNSIGNED_BYTE, noise.data());
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+        glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+    }
+    glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+void CapsPass::draw(const Drawing& drawing, SceneMeshes& meshes) {
     glEnable(GL_STENCIL_TEST);
     glStencilMask(0xff);
-    for (int at_layer = 0; at_layer < 3; ++at_layer) {
-        for (const auto& [name, organ] : drawing.scene.surfaces()) {
-            if (layer(organ.model().tissue) == at_layer) {
-                draw_organ(drawing, organ, meshes.colours(name));
-            }
-        }
+    glDisable(GL_CULL_FACE);
+    PatientMesh& patient = meshes.patient();
+    // Organs lie over the body around them, bones over both.
+    for (std::size_t part = 0; part < patient.parts_with_bones().size(); ++part) {
+        draw_organ(drawing, patient, part);
     }
     glScissor(drawing.viewport.x, drawing.viewport.y, drawing.viewport.width, drawing.viewport.height);
     glDisable(GL_STENCIL_TEST);
     glEnable(GL_CULL_FACE);
 }
 
-void CapsPass::draw_organ(const Drawing& drawing, const view::SkinnedSurface& organ,
-                          const std::vector<VertexColour>& colours) {
-    const Tissue tissue = organ.model().tissue;
-    const CutPlane& plane = drawing.cut;
-    const auto contour =
-        section_contour(organ.model().mesh.triangles, view::pressed(drawing.scene, organ), colours, plane);
-    if (contour.empty()) {
+void CapsPass::draw_organ(const Drawing& drawing, PatientMesh& patient, std::size_t part) {
+    const auto& [cut, box, middle] = patient.near_plane(part, drawing.clip_plane);
+    if (cut.counts.empty()) {
         return;
     }
-    const auto band = section_band(contour, band_width(tissue));
-    const Viewport rim = pixels_of(band, drawing.view_projection, drawing.viewport);
+    const Viewport rim = pixels_of(box, drawing.view_projection, drawing.viewport);
     if (rim.width <= 0 || rim.height <= 0) {
         return;
     }
     glScissor(rim.x, rim.y, rim.width, rim.height);
-    flat_.use();
-    flat_.set("view_projection", drawing.view_projection);
-    glDisable(GL_CULL_FACE);
+    fan_.use();
+    fan_.set("view_projection", drawing.view_projection);
+    fan_.set("plane", drawing.clip_plane);
+    // Any point of the plane serves; the nearer to the contour the shorter are the triangles.
+    const CutPlane& plane = drawing.cut;
+    fan_.set("pivot", Vec3f(middle - plane.normal.dot(middle - plane.origin) * plane.normal));
     glDisable(GL_DEPTH_TEST);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthMask(GL_FALSE);
     glStencilFunc(GL_ALWAYS, 0, 0xff);
     glStencilOp(GL_KEEP, GL_KEEP, GL_INVERT);
-    mesh_.draw(section_fan(contour));
+    patient.draw(cut);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_TRUE);
     glEnable(GL_DEPTH_TEST);
@@ -108,21 +136,29 @@ void CapsPass::draw_organ(const Drawing& drawing, const view::SkinnedSurface& or
     glDepthFunc(GL_ALWAYS);
     glStencilFunc(GL_NOTEQUAL, 0, 0xff);
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-    ShaderProgram& program = drawing.ids() ? flat_ : cut_;
-    program.use();
-    program.set("view_projection", drawing.view_projection);
-    program.set("flat_colour", flat(object_colour(tissue)));
-    program.set("fibre", is_bone(tissue) ? 0.06f : 0.22f);
-    const Vec3f across = plane.normal.unitOrthogonal(), along = plane.normal.cross(across);
-    const VertexColour colour = opaque(cut_colour(tissue));
-    const auto corner = [&](float i, float j) {
-        return CutVertex{contour.front().a.position + cut_reach * (i * across + j * along), colour};
-    };
-    mesh_.draw(
-        std::array{corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, -1), corner(1, 1), corner(-1, 1)});
+    const Tissue tissue = patient.parts_with_bones()[part].tissue;
+    ShaderProgram& face = drawing.ids() ? flat_face_ : face_;
+    face.use();
+    face.set("view_projection", drawing.view_projection);
+    face.set("pivot", plane.origin);
+    const Vec3f across = plane.normal.unitOrthogonal();
+    face.set("across", Vec3f(cut_reach * across));
+    face.set("along", Vec3f(cut_reach * plane.normal.cross(across)));
+    face.set("colour", cut_colour(tissue));
+    face.set("flat_colour", flat(object_colour(tissue)));
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, grain_.name());
+    face.set("grain", 0);
+    face.set("fibre", is_bone(tissue) ? 0.06f : 0.22f);
+    glBindVertexArray(no_attributes_.name());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     if (!drawing.ids()) {
-        program.set("fibre", 0.0f);
-        mesh_.draw(band);
+        band_.use();
+        band_.set("view_projection", drawing.view_projection);
+        band_.set("plane", drawing.clip_plane);
+        band_.set("width", band_width(tissue));
+        band_.set("fibre", 0.0f);
+        patient.draw(cut);
     }
     glDepthFunc(GL_LESS);
     glClear(GL_STENCIL_BUFFER_BIT);

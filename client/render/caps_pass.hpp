@@ -4,22 +4,23 @@
 
 #include "client/render/drawing.hpp"
 #include "client/render/scene_meshes.hpp"
-#include "client/render/section_cut.hpp"
 
 namespace eti::render {
 
-/// The faces of a cut: each organ's contour in the plane, filled.
+/// The faces of a cut: what lies inside an organ's contour in the plane, filled. The contour is found on the
+/// graphics card among the triangles that the plane may cut; nothing is sent for it.
 class CapsPass {
   public:
     CapsPass();
-    void draw(const Drawing& drawing, const SceneMeshes& meshes);
+    void draw(const Drawing& drawing, SceneMeshes& meshes);
 
   private:
-    void draw_organ(const Drawing& drawing, const view::SkinnedSurface& organ,
-                    const std::vector<VertexColour>& colours);
+    void make_grain();
+    void draw_organ(const Drawing& drawing, PatientMesh& patient, std::size_t part);
 
-    ShaderProgram cut_, flat_;
-    CutMesh mesh_;
+    ShaderProgram fan_, band_, face_, flat_face_;
+    VertexArray no_attributes_;
+    Texture grain_;  // of the fibres
 };
 
 }  // namespace eti::render

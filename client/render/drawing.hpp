@@ -42,6 +42,8 @@ struct Drawing {
     Shading shading = Shading::lit;
 
     [[nodiscard]] bool ids() const { return shading != Shading::lit; }
+    /// Whether the laryngoscope's lamp lights this view.
+    [[nodiscard]] bool lamplit() const { return !lighting.lights[1].colour.isZero(); }
 };
 
 inline const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);

@@ -2,23 +2,43 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace eti::render::source {
 
-/// Lights and what they give at `world`; colours are linear. Defines: ROOM_SHADOW, LAMP_SHADOW, TAPS.
-inline constexpr std::string_view lighting = R"(
-layout(location = 0) out vec4 pixel;
-// A glint outshines no more than this, or it would leave jagged edges where samples are averaged.
-const vec3 brightest = vec3(8.0);
-uniform vec3 eye;
+/// Lights and what they give at a place with nothing in their way; colours are linear. Defines: LIGHTS, of
+/// which the second is the laryngoscope's lamp.
+inline constexpr std::string_view lights = R"(
+#ifndef LIGHTS
+#define LIGHTS 2
+#endif
 uniform vec3 ambient_high;
 uniform vec3 ambient_low;
-uniform float occlusion;       // how much of the room hollows are kept from
 uniform vec3 light_position[2];
 uniform vec3 light_direction[2];
 uniform vec3 light_colour[2];
 uniform vec3 light_shape[2];   // cosines of outer and inner cone, square of the reach [m^2]
+
+vec3 ambient(vec3 n) { return mix(ambient_low, ambient_high, 0.5 - 0.5 * n.y); }
+
+struct Arriving { vec3 direction; vec3 colour; };
+
+Arriving unhindered(int i, vec3 at) {
+    vec3 way = light_position[i] - at;
+    float squared = dot(way, way);
+    vec3 l = way * inversesqrt(squared);
+    float strength = smoothstep(light_shape[i].x, light_shape[i].y, dot(-l, light_direction[i]));
+    return Arriving(l, light_colour[i] * (strength * light_shape[i].z / (light_shape[i].z + squared)));
+}
+)";
+
+inline constexpr std::string_view shadows = R"(
+layout(location = 0) out vec4 pixel;
+// A glint outshines no more than this, or it would leave jagged edges where samples are averaged.
+const vec3 brightest = vec3(8.0);
+uniform vec3 eye;
+uniform float occlusion;       // how much of the room hollows are kept from
 #ifdef ROOM_SHADOW
 in vec4 room_at;
 uniform sampler2DShadow room_map;
@@ -44,28 +64,24 @@ float unshadowed(sampler2DShadow map, vec4 at) {
 }
 #endif
 
-vec3 ambient(vec3 n) { return mix(ambient_low, ambient_high, 0.5 - 0.5 * n.y); }
-
-struct Arriving { vec3 direction; vec3 colour; };
-
 Arriving arriving(int i) {
-    vec3 way = light_position[i] - world;
-    float squared = dot(way, way);
-    vec3 l = way * inversesqrt(squared);
-    float strength = smoothstep(light_shape[i].x, light_shape[i].y, dot(-l, light_direction[i]));
-    strength *= light_shape[i].z / (light_shape[i].z + squared);
+    Arriving light = unhindered(i, world);
 #ifdef ROOM_SHADOW
     if (i == 0) {
-        strength *= unshadowed(room_map, room_at);
+        light.colour *= unshadowed(room_map, room_at);
     }
 #endif
 #ifdef LAMP_SHADOW
     if (i == 1) {
-        strength *= lamp_at.w > 0.0 ? unshadowed(lamp_map, lamp_at) : 0.0;
+        light.colour *= lamp_at.w > 0.0 ? unshadowed(lamp_map, lamp_at) : 0.0;
     }
 #endif
-    return Arriving(l, light_colour[i] * strength);
+    return light;
 }
 )";
+
+/// What arrives at `world`: goes before what a fragment shader makes of it. Defines: those of `lights`;
+/// ROOM_SHADOW, LAMP_SHADOW, TAPS.
+inline const std::string lighting = std::string(lights) + std::string(shadows);
 
 }  // namespace eti::render::source

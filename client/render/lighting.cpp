@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #include "client/render/lighting.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace eti::render {
@@ -19,6 +22,25 @@ void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
         program.set(fmt::format("light_shape[{}]", i),
                     Vec3f(light.cos_outer, light.cos_inner, light.reach * light.reach));
     }
+}
+
+bool Light::reaches(const Vec3f& centre, float radius) const {
+    // A step of eight bits near black, of the brightest reflection that tissue has.
+    constexpr float unseen = 0.002f;
+    const float brightness = colour.maxCoeff();
+    const float farthest = reach * std::sqrt(std::max(brightness / unseen - 1.0f, 0.0f));
+    const Vec3f way = centre - position;
+    if (way.norm() - radius > farthest) {
+        return false;
+    }
+    if (cos_outer <= -1.0f) {
+        return true;
+    }
+    // From the cone's mantle, outwards; behind its tip less than the distance.
+    const float along = way.dot(direction);
+    const float aside = (way - along * direction).norm();
+    const float sin_outer = std::sqrt(std::max(1.0f - cos_outer * cos_outer, 0.0f));
+    return aside * cos_outer - along * sin_outer < radius;
 }
 
 Vec3f bulb_centre(float blade_length) {

@@ -18,6 +18,9 @@ struct Light {
     Vec3f colour = Vec3f::Zero();       ///< linear; black switches it off
     float cos_outer = -3.0f, cos_inner = -2.0f;
     float reach = 1.0f;  ///< [m] where half of the strength is left; far beyond it falls with the square
+
+    /// Whether anything within `radius` [m] of `centre` may be lit by it, as far as one could tell.
+    [[nodiscard]] bool reaches(const Vec3f& centre, float radius) const;
 };
 
 /// What lights a view: light 0 may throw shadows.

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/render/coarse_mesh.hpp"
 #include "client/render/give_way_shader.hpp"
 #include "client/render/gpu_mesh.hpp"
 #include "client/render/skinning_shaders.hpp"
@@ -47,6 +48,14 @@ bool same_pose(const std::optional<RigidTransform>& a, const std::optional<Rigid
            (!a || (a->translation == b->translation && a->rotation.coeffs() == b->rotation.coeffs()));
 }
 
+constexpr std::array coarse_cells{1e-3f, 3e-3f};  // [m], by Coarse
+
+enum class Layer : std::uint8_t { body, organs, bones };
+
+Layer layer_of(Tissue tissue) {
+    return tissue == Tissue::soft ? Layer::body : is_bone(tissue) ? Layer::bones : Layer::organs;
+}
+
 const void* offset(std::size_t bytes) {
     return reinterpret_cast<const void*>(bytes);
 }
@@ -73,11 +82,10 @@ void PatientMesh::build(const view::SceneView& scene) {
     std::vector<view::LitVertex> rest;
     std::vector<SkinWeights> weights;
     std::vector<Triangle> triangles;
-    // Outermost first, so that in a section the organs lie over the body around them.
-    for (const bool body : {true, false}) {
+    for (const Layer layer : {Layer::body, Layer::organs, Layer::bones}) {
         for (const auto& [name, surface] : scene.surfaces()) {
             const view::RestSurface& model = surface.model();
-            if (is_bone(model.tissue) || (model.tissue == Tissue::soft) != body) {
+            if (layer_of(model.tissue) != layer) {
                 continue;
             }
             const std::size_t count = model.mesh.vertices.size();
@@ -100,10 +108,25 @@ void PatientMesh::build(const view::SceneView& scene) {
             weights.insert(weights.end(), model.skin.begin(), model.skin.end());
             parts_.push_back(std::move(part));
         }
+        if (layer == Layer::organs) {
+            seen_parts_ = parts_.size();
+        }
     }
     vertex_count_ = rest.size();
     build_revision_ = view::next_revision();
     filmed_ = false;
+    for (std::size_t level = 0; level < coarse_.size(); ++level) {
+        coarse_[level].first = triangles.size();
+        for (const Part& part : parts()) {
+            const auto first = static_cast<std::uint32_t>(part.first_vertex);
+            for (const Triangle& t : coarse_triangles(
+                     part.blocks.triangles(), std::span(rest).subspan(part.first_vertex, part.vertex_count),
+                     coarse_cells[level])) {
+                triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+            }
+        }
+        coarse_[level].count = triangles.size() - coarse_[level].first;
+    }
     glBindVertexArray(rest_array_.name());
     store(GL_ARRAY_BUFFER, rest_, rest, GL_STATIC_DRAW);
     for (GLuint i = 0; i < 2; ++i) {
@@ -159,11 +182,15 @@ void PatientMesh::update(const view::SceneView& scene) {
         return;
     }
     skin(scene);
-    if (same_frames) {
-        return;
+    TriangleBlocks::Slack gives_way;
+    if (blade_ && scene.keys()) {
+        gives_way = [give_way = GiveWay{plate_of(scene.keys()->laryngoscope())},
+                     to_blade = blade_->inverse()](const Vec3f& centre, float radius) {
+            return give_way.moves(to_blade * centre, radius) ? GiveWay::most : 0.0f;
+        };
     }
     for (Part& part : parts_) {
-        part.blocks.update(scene.frame_maps(), slack);
+        part.blocks.update(scene.frame_maps(), gives_way);
     }
     frames_revision_ = scene.frames_revision();
 }
@@ -196,24 +223,50 @@ void PatientMesh::skin(const view::SceneView& scene) {
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
 }
 
-void PatientMesh::draw(std::size_t part, const Eigen::Matrix4f& view_projection, const Vec3f& eye,
-                       const Eigen::Vector4f& plane) {
-    Part& drawn = parts_[part];
-    counts_.clear();
-    offsets_.clear();
-    for (const TriangleBlocks::Range& range : drawn.blocks.visible(view_projection, eye, plane)) {
-        counts_.push_back(static_cast<GLsizei>(3 * range.count));
-        offsets_.push_back(offset(sizeof(Triangle) * (drawn.first_triangle + range.first)));
+PatientMesh::Selection PatientMesh::selection_of(const Part& part,
+                                                 std::span<const TriangleBlocks::Range> ranges) {
+    Selection selection;
+    for (const TriangleBlocks::Range& range : ranges) {
+        selection.counts.push_back(static_cast<GLsizei>(3 * range.count));
+        selection.offsets.push_back(offset(sizeof(Triangle) * (part.first_triangle + range.first)));
     }
-    glBindVertexArray(array_.name());
-    glMultiDrawElements(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_INT, offsets_.data(),
-                        static_cast<GLsizei>(counts_.size()));
+    return selection;
 }
 
-void PatientMesh::draw(std::size_t part) const {
+PatientMesh::Selection PatientMesh::visible(std::size_t part, const Look& look, const Light* lamp,
+                                            bool reached) {
+    TriangleBlocks::Slack aside;
+    if (look.lips != nullptr) {
+        aside = [lips = look.lips](const Vec3f& centre, float radius) {
+            return lips->moves(centre, radius) ? lips->reach() : 0.0f;
+        };
+    }
+    TriangleBlocks::Which which;
+    if (lamp != nullptr) {
+        which = [lamp, reached](const Vec3f& centre, float radius) {
+            return lamp->reaches(centre, radius) == reached;
+        };
+    }
+    return selection_of(
+        parts_[part], parts_[part].blocks.visible(look.view_projection, look.eye, look.plane, aside, which));
+}
+
+PatientMesh::NearPlane PatientMesh::near_plane(std::size_t part, const Eigen::Vector4f& plane) {
+    const TriangleBlocks::NearPlane found = parts_[part].blocks.near_plane(plane);
+    return {selection_of(parts_[part], found.ranges), found.box, found.middle};
+}
+
+void PatientMesh::draw(const Selection& selection) const {
     glBindVertexArray(array_.name());
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * parts_[part].blocks.triangles().size()),
-                   GL_UNSIGNED_INT, offset(sizeof(Triangle) * parts_[part].first_triangle));
+    glMultiDrawElements(GL_TRIANGLES, selection.counts.data(), GL_UNSIGNED_INT, selection.offsets.data(),
+                        static_cast<GLsizei>(selection.counts.size()));
+}
+
+void PatientMesh::draw(Coarse coarse) const {
+    const TriangleBlocks::Range& range = coarse_[static_cast<std::size_t>(coarse)];
+    glBindVertexArray(array_.name());
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * range.count), GL_UNSIGNED_INT,
+                   offset(sizeof(Triangle) * range.first));
 }
 
 std::vector<view::LitVertex> PatientMesh::vertices() const {

@@ -2,6 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <Eigen/Geometry>
+
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,6 +12,7 @@
 #include <vector>
 
 #include "client/render/gl_object.hpp"
+#include "client/render/lighting.hpp"
 #include "client/render/material.hpp"
 #include "client/render/shader_program.hpp"
 #include "client/render/triangle_blocks.hpp"
@@ -18,17 +22,19 @@
 
 namespace eti::render {
 
+/// How coarse what throws a shadow may be.
+enum class Coarse : std::uint8_t {
+    close,    ///< from within a mouth: cells of 1 mm
+    far_off,  ///< from across a room: cells of 3 mm
+};
+
 /// The patient's surfaces on the graphics card, which bends them: rest shapes, weights, colours and triangles
 /// are sent once, and of each new state only its frames. What every pass and every view then draws are the
 /// vertices that came out, so that a state is skinned once however often it is drawn.
 class PatientMesh {
   public:
-    /// By so much [m] vertices may lie elsewhere than their frames have them, and are still in view.
-    static constexpr float slack = LipRetraction::most + GiveWay::most;
-
     PatientMesh();
 
-    /// Takes the surfaces that can be seen: bones lie inside the body.
     void build(const view::SceneView& scene);
     /// Of one surface, as it was built.
     void set_look(std::size_t part, const SurfaceLook& look);
@@ -43,7 +49,9 @@ class PatientMesh {
         TriangleBlocks blocks;
     };
     /// The body, then the organs.
-    [[nodiscard]] std::span<const Part> parts() const { return parts_; }
+    [[nodiscard]] std::span<const Part> parts() const { return std::span(parts_).first(seen_parts_); }
+    /// Then the bones, which lie inside the body: only a cut shows them.
+    [[nodiscard]] std::span<const Part> parts_with_bones() const { return parts_; }
     [[nodiscard]] std::uint64_t frames_revision() const { return frames_revision_; }
 
     /// Another whenever build() was called.
@@ -55,16 +63,38 @@ class PatientMesh {
     void set_film(const Buffer& film);
     [[nodiscard]] bool filmed() const { return filmed_; }
 
-    /// What of a part lies in view, nearest first.
-    void draw(std::size_t part, const Eigen::Matrix4f& view_projection, const Vec3f& eye,
-              const Eigen::Vector4f& plane);
-    /// Everything of a part.
-    void draw(std::size_t part) const;
+    /// What of a part is to be drawn.
+    struct Selection {
+        std::vector<GLsizei> counts;
+        std::vector<const void*> offsets;
+    };
+    /// From where one looks.
+    struct Look {
+        Eigen::Matrix4f view_projection;
+        Vec3f eye;                            ///< [m]; what is near to it comes first
+        Eigen::Vector4f plane;                ///< dot(plane.xyz, p) + plane.w >= 0 is drawn
+        const LipRetraction* lips = nullptr;  ///< as they are held aside, if they are
+    };
+    /// What lies in view; with a lamp, only what it reaches or only what it does not.
+    [[nodiscard]] Selection visible(std::size_t part, const Look& look, const Light* lamp = nullptr,
+                                    bool reached = true);
+    struct NearPlane {
+        Selection selection;
+        Eigen::AlignedBox3f box;  ///< around it [m]
+        Vec3f middle;             ///< of it [m]
+    };
+    /// What lies near enough to a plane to be cut by it.
+    [[nodiscard]] NearPlane near_plane(std::size_t part, const Eigen::Vector4f& plane);
+    void draw(const Selection& selection) const;
+    /// All that can be seen, coarsely.
+    void draw(Coarse coarse) const;
 
     /// As drawn, of all parts; waits for the driver. For tests and measurements.
     [[nodiscard]] std::vector<view::LitVertex> vertices() const;
 
   private:
+    [[nodiscard]] static Selection selection_of(const Part& part,
+                                                std::span<const TriangleBlocks::Range> ranges);
     void skin(const view::SceneView& scene);
 
     ShaderProgram skinning_;
@@ -75,13 +105,13 @@ class PatientMesh {
     Buffer rest_, weights_, skinned_, colours_, relief_, indices_, frames_;
     Texture frames_texture_;
     std::vector<Part> parts_;
+    std::size_t seen_parts_ = 0;
     std::size_t vertex_count_ = 0;
     std::uint64_t build_revision_ = 0;
     bool filmed_ = false;
+    std::array<TriangleBlocks::Range, 2> coarse_{};  // in the index buffer, by Coarse
     std::uint64_t frames_revision_ = 0;
     std::optional<RigidTransform> blade_;  // that tissue gave way to, as skinned last
-    std::vector<GLsizei> counts_;
-    std::vector<const void*> offsets_;
 };
 
 }  // namespace eti::render

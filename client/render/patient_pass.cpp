@@ -14,11 +14,11 @@ namespace eti::render {
 
 PatientPass::PatientPass()
     : tissue_("tissue", std::string(source::mesh_vertex),
-              std::string(source::mesh_inputs) + std::string(source::lighting) +
-                  std::string(source::tissue_fragment)),
+              std::string(source::mesh_inputs) + source::lighting + std::string(source::tissue_fragment)),
       flat_("flat tissue", std::string(source::mesh_vertex), std::string(source::flat_fragment)) {}
 
-ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows, bool filmed) {
+ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows, bool lamplit,
+                                    bool filmed) {
     ShaderProgram::Defines defines;
     if (!drawing.ids()) {
         defines.emplace_back("TISSUE");
@@ -34,7 +34,7 @@ ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& sh
         }
         return flat_.with(defines);
     }
-    for (std::string& define : shadows.defines(drawing)) {
+    for (std::string& define : shadows.defines(drawing, lamplit)) {
         defines.push_back(std::move(define));
     }
     if (drawing.quality.fine) {
@@ -47,7 +47,28 @@ ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& sh
 }
 
 void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const ShadowPass& shadows) {
-    ShaderProgram& skin = program(drawing, shadows, meshes.patient().filmed());
+    if (drawing.view.cut) {
+        glEnable(GL_CLIP_DISTANCE0);
+    }
+    if (drawing.shading == Shading::object_id_both_sides) {
+        glDisable(GL_CULL_FACE);
+    }
+    if (!drawing.ids() && drawing.lamplit()) {
+        // A lamp costs a third of a pixel, and lights few: those that it cannot reach are drawn without it.
+        // They come first, since a face hides more of a mouth than the other way round.
+        const Light& lamp = drawing.lighting.lights[1];
+        draw_parts(drawing, meshes.patient(), shadows, &lamp, false);
+        draw_parts(drawing, meshes.patient(), shadows, &lamp, true);
+    } else {
+        draw_parts(drawing, meshes.patient(), shadows, nullptr, false);
+    }
+    glEnable(GL_CULL_FACE);
+    glDisable(GL_CLIP_DISTANCE0);
+}
+
+void PatientPass::draw_parts(const Drawing& drawing, PatientMesh& patient, const ShadowPass& shadows,
+                             const Light* lamp, bool reached) {
+    ShaderProgram& skin = program(drawing, shadows, reached, patient.filmed());
     skin.use();
     place(skin, drawing, Eigen::Matrix4f::Identity(), drawing.clip_plane);
     if (drawing.view.lips_aside) {
@@ -58,22 +79,15 @@ void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const Shadow
         shadows.apply(drawing, skin);
         skin.set("film_stain", look_of(drawing.scene.liquid_kind()).stain);
     }
-    if (drawing.view.cut) {
-        glEnable(GL_CLIP_DISTANCE0);
-    }
-    if (drawing.shading == Shading::object_id_both_sides) {
-        glDisable(GL_CULL_FACE);
-    }
-    PatientMesh& patient = meshes.patient();
+    const PatientMesh::Look look{drawing.view_projection, drawing.camera.eye, drawing.clip_plane,
+                                 drawing.view.lips_aside ? &drawing.lips : nullptr};
     for (std::size_t part = 0; part < patient.parts().size(); ++part) {
         if (drawing.ids()) {
             skin.set("flat_colour", flat(object_colour(patient.parts()[part].tissue)));
             skin.set("back_colour", flat(back_colour(patient.parts()[part].tissue)));
         }
-        patient.draw(part, drawing.view_projection, drawing.camera.eye, drawing.clip_plane);
+        patient.draw(patient.visible(part, look, lamp, reached));
     }
-    glEnable(GL_CULL_FACE);
-    glDisable(GL_CLIP_DISTANCE0);
 }
 
 }  // namespace eti::render

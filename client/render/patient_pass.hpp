@@ -16,7 +16,11 @@ class PatientPass {
     void draw(const Drawing& drawing, SceneMeshes& meshes, const ShadowPass& shadows);
 
   private:
-    [[nodiscard]] ShaderProgram& program(const Drawing& drawing, const ShadowPass& shadows, bool filmed);
+    [[nodiscard]] ShaderProgram& program(const Drawing& drawing, const ShadowPass& shadows, bool lamplit,
+                                         bool filmed);
+    /// Everything, or with a lamp what it reaches or does not.
+    void draw_parts(const Drawing& drawing, PatientMesh& patient, const ShadowPass& shadows,
+                    const Light* lamp, bool reached);
 
     ShaderFamily tissue_, flat_;
 };

@@ -11,12 +11,12 @@ namespace eti::render {
 struct Quality {
     std::string_view name;
     std::string_view help;
-    int samples;       ///< a pixel; more cost memory, and in software time by half
-    bool lamp_shadow;  ///< of the laryngoscope's lamp; without, its light goes through tissue
-    int shadow_size;   ///< texels along a shadow map's side
-    int shadow_taps;   ///< looks into a shadow map along each side of a soft edge
-    bool refraction;   ///< the tube bends what lies behind it; without, it only covers it in part
-    bool fine;         ///< pores, vessels and the coat's own relief, computed for each pixel
+    int samples;          ///< a pixel; more cost memory, and in software time by half
+    int shadow_size;      ///< texels along a shadow map's side
+    bool coarse_shadows;  ///< thrown by surfaces of fewer triangles
+    int shadow_taps;      ///< looks into a shadow map along each side of a soft edge
+    bool refraction;      ///< the tube bends what lies behind it; without, it only covers it in part
+    bool fine;            ///< pores, vessels and the coat's own relief, computed for each pixel
 };
 
 /// Lowest first.

@@ -44,23 +44,35 @@ GpuMesh bulb_mesh(const Vec3f& centre) {
     return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {255, 244, 225, 255})};
 }
 
-// Level with the hindmost of what lies on it, at rest.
+// A disc, level with the hindmost of what lies on it at rest; its rings are close where the light changes.
 GpuMesh table_mesh(const view::SceneView& scene) {
-    constexpr float half_width = 1.5f, half_length = 1.5f;  // [m]
+    constexpr std::uint32_t rings = 32, sides = 48;
+    constexpr float innermost = 0.012f, outermost = 2.1f;  // [m]
     float hindmost = 0.0f;
     for (const auto& [name, surface] : scene.surfaces()) {
         for (const Vec3f& p : surface.model().mesh.vertices) {
             hindmost = std::max(hindmost, p.y());
         }
     }
-    Vertices vertices;
-    for (const auto& [x, z] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{-1, 1}, std::pair{1, 1}}) {
-        vertices.push_back(
-            {Vec3f(static_cast<float>(x) * half_width, hindmost, static_cast<float>(z) * half_length),
-             -Vec3f::UnitY()});
+    Vertices vertices{{Vec3f(0.0f, hindmost, 0.0f), -Vec3f::UnitY()}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t ring = 0; ring < rings; ++ring) {
+        const float radius =
+            innermost * std::pow(outermost / innermost, static_cast<float>(ring) / (rings - 1));
+        for (std::uint32_t side = 0; side < sides; ++side) {
+            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
+            vertices.push_back(
+                {Vec3f(radius * std::sin(turn), hindmost, radius * std::cos(turn)), -Vec3f::UnitY()});
+            const std::uint32_t here = 1 + ring * sides + side, next = 1 + ring * sides + (side + 1) % sides;
+            if (ring == 0) {
+                triangles.push_back({0, next, here});
+            } else {
+                triangles.push_back({here - sides, next, here});
+                triangles.push_back({here - sides, next - sides, next});
+            }
+        }
     }
-    return {std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}, vertices,
-            std::vector<VertexColour>(4, {92, 128, 134, 255})};
+    return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {92, 128, 134, 255})};
 }
 
 }  // namespace
@@ -97,9 +109,9 @@ void SceneMeshes::take_looks(Baking baking) {
         (baking == Baking::go_on && baking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) {
         return;
     }
-    looks_ = baking_.get();
-    for (std::size_t part = 0; part < patient_.parts().size(); ++part) {
-        patient_.set_look(part, looks_.at(patient_.parts()[part].name));
+    const Looks looks = baking_.get();
+    for (std::size_t part = 0; part < patient_.parts_with_bones().size(); ++part) {
+        patient_.set_look(part, looks.at(patient_.parts_with_bones()[part].name));
     }
     ready_ = true;
 }

@@ -32,10 +32,6 @@ class SceneMeshes {
 
     [[nodiscard]] PatientMesh& patient() { return patient_; }
     [[nodiscard]] const PatientMesh& patient() const { return patient_; }
-    /// Of a surface's vertices; bones have them too.
-    [[nodiscard]] const std::vector<VertexColour>& colours(const std::string& surface) const {
-        return looks_.at(surface).colours;
-    }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
     [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
     /// A cloth on the table beneath the patient.
@@ -52,7 +48,6 @@ class SceneMeshes {
     bool ready_ = false;
     std::future<Looks> baking_;
     PatientMesh patient_;
-    Looks looks_;
     std::optional<GpuMesh> blade_, bulb_, table_;
     std::optional<GpuMesh> tube_;
 };

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -27,8 +29,10 @@ class Shader {
         }
     }
     ~Shader() { glDeleteShader(shader_); }
+    Shader(Shader&& other) noexcept : shader_(std::exchange(other.shader_, 0)) {}
     Shader(const Shader&) = delete;
     Shader& operator=(const Shader&) = delete;
+    Shader& operator=(Shader&&) = delete;
     [[nodiscard]] GLuint name() const { return shader_; }
 
   private:
@@ -47,24 +51,35 @@ std::string head_of(const ShaderProgram::Defines& defines) {
 
 ShaderProgram::ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
                              std::string_view fragment) {
-    const std::string head = head_of(defines);
-    const Shader vertex_shader(GL_VERTEX_SHADER, name, head + std::string(vertex));
-    const Shader fragment_shader(GL_FRAGMENT_SHADER, name, head + std::string(fragment));
-    glAttachShader(program_.name(), vertex_shader.name());
-    glAttachShader(program_.name(), fragment_shader.name());
-    link(name);
-    glDetachShader(program_.name(), vertex_shader.name());
-    glDetachShader(program_.name(), fragment_shader.name());
+    build(name, defines, std::array{Stage{GL_VERTEX_SHADER, vertex}, Stage{GL_FRAGMENT_SHADER, fragment}});
+}
+
+ShaderProgram::ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
+                             std::string_view geometry, std::string_view fragment) {
+    build(name, defines,
+          std::array{Stage{GL_VERTEX_SHADER, vertex}, Stage{GL_GEOMETRY_SHADER, geometry},
+                     Stage{GL_FRAGMENT_SHADER, fragment}});
 }
 
 ShaderProgram::ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
                              std::initializer_list<const char*> outputs) {
-    const Shader vertex_shader(GL_VERTEX_SHADER, name, head_of(defines) + std::string(vertex));
-    glAttachShader(program_.name(), vertex_shader.name());
     glTransformFeedbackVaryings(program_.name(), static_cast<GLsizei>(outputs.size()), outputs.begin(),
                                 GL_INTERLEAVED_ATTRIBS);
+    build(name, defines, std::array{Stage{GL_VERTEX_SHADER, vertex}});
+}
+
+void ShaderProgram::build(std::string_view name, const Defines& defines, std::span<const Stage> stages) {
+    const std::string head = head_of(defines);
+    std::vector<Shader> shaders;
+    shaders.reserve(stages.size());
+    for (const Stage& stage : stages) {
+        shaders.emplace_back(stage.stage, name, head + std::string(stage.source));
+        glAttachShader(program_.name(), shaders.back().name());
+    }
     link(name);
-    glDetachShader(program_.name(), vertex_shader.name());
+    for (const Shader& shader : shaders) {
+        glDetachShader(program_.name(), shader.name());
+    }
 }
 
 void ShaderProgram::link(std::string_view name) {

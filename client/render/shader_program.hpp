@@ -16,15 +16,18 @@
 
 namespace eti::render {
 
-/// A linked vertex and fragment shader. Setting a uniform that the compiler found unused is no error.
+/// Linked shaders. Setting a uniform that the compiler found unused is no error.
 class ShaderProgram {
   public:
-    /// Go before both sources, as "NAME" or "NAME value".
+    /// Go before all sources, as "NAME" or "NAME value".
     using Defines = std::vector<std::string>;
 
     /// Throws std::runtime_error with the driver's log.
     ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
                   std::string_view fragment);
+    /// With a geometry shader between them.
+    ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
+                  std::string_view geometry, std::string_view fragment);
     /// Writes the vertex shader's `outputs` interleaved into a buffer and draws nothing.
     ShaderProgram(std::string_view name, const Defines& defines, std::string_view vertex,
                   std::initializer_list<const char*> outputs);
@@ -40,6 +43,11 @@ class ShaderProgram {
     void set(std::string_view uniform, const Eigen::Matrix4f& value);
 
   private:
+    struct Stage {
+        GLenum stage;
+        std::string_view source;
+    };
+    void build(std::string_view name, const Defines& defines, std::span<const Stage> stages);
     void link(std::string_view name);
     GLint location(std::string_view uniform);
 

@@ -59,7 +59,7 @@ std::uint64_t state_of(const Drawing& drawing, SceneMeshes& meshes, bool lips_as
 }
 
 bool lamp_shadow_of(const Drawing& drawing) {
-    return drawing.view.has(Pass::lamp_shadow) && drawing.quality.lamp_shadow;
+    return drawing.view.has(Pass::lamp_shadow) && drawing.lamplit();
 }
 
 }  // namespace
@@ -73,19 +73,19 @@ ShadowPass::ShadowPass(const Quality& quality)
                        source::flat_fragment) {}
 
 void ShadowPass::draw(const Drawing& drawing, SceneMeshes& meshes) {
-    const auto& [room, lamp] = drawing.lighting.lights;
+    const Light& room = drawing.lighting.lights[0];
     if (drawing.view.has(Pass::room_shadow)) {
-        fill(room_, parallel_clip(room, drawing.camera.target, room_radius), drawing, meshes,
+        fill(room_, parallel_clip(room, drawing.camera.target, room_radius), drawing, meshes, Coarse::far_off,
              drawing.view.lips_aside);
     }
-    if (lamp_shadow_of(drawing) && !lamp.colour.isZero()) {
+    if (lamp_shadow_of(drawing)) {
         // The lamp lies behind the lips, wherever they are held.
-        fill(lamp_, cone_clip(lamp, lamp_reach), drawing, meshes, false);
+        fill(lamp_, cone_clip(drawing.lighting.lights[1], lamp_reach), drawing, meshes, Coarse::close, false);
     }
 }
 
 void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing& drawing,
-                      SceneMeshes& meshes, bool lips_aside) {
+                      SceneMeshes& meshes, Coarse coarse, bool lips_aside) {
     const std::uint64_t state = state_of(drawing, meshes, lips_aside);
     if (!map.stale(clip, state)) {
         return;
@@ -106,9 +106,18 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing
     if (lips_aside) {
         render::apply(drawing.lips, program);
     }
-    const Vec3f from = drawing.lighting.lights[0].position;
-    for (std::size_t part = 0; part < meshes.patient().parts().size(); ++part) {
-        meshes.patient().draw(part, clip, from, no_clipping);
+    PatientMesh& patient = meshes.patient();
+    if (drawing.quality.coarse_shadows) {
+        // Coarse faces lie up to some tenths of a millimetre before those that are drawn: of the room's map
+        // of 0.6 m, and of the lamp's at 20 mm, a quarter to a half of one.
+        glPolygonOffset(2.5f, 12000.0f);
+        patient.draw(coarse);
+    } else {
+        const LipRetraction* const lips = lips_aside ? &drawing.lips : nullptr;
+        const Vec3f from = drawing.lighting.lights[0].position;
+        for (std::size_t part = 0; part < patient.parts().size(); ++part) {
+            patient.draw(patient.visible(part, {clip, from, no_clipping, lips}));
+        }
     }
     if (meshes.blade() && drawing.scene.laryngoscope_pose()) {
         program.set("model", matrix_of(*drawing.scene.laryngoscope_pose()));
@@ -117,12 +126,12 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing
     glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-ShaderProgram::Defines ShadowPass::defines(const Drawing& drawing) const {
-    ShaderProgram::Defines defines;
+ShaderProgram::Defines ShadowPass::defines(const Drawing& drawing, bool lamplit) const {
+    ShaderProgram::Defines defines{fmt::format("LIGHTS {}", lamplit ? 2 : 1)};
     if (drawing.view.has(Pass::room_shadow)) {
         defines.emplace_back("ROOM_SHADOW");
     }
-    if (lamp_shadow_of(drawing)) {
+    if (lamplit && lamp_shadow_of(drawing)) {
         defines.emplace_back("LAMP_SHADOW");
     }
     defines.push_back(fmt::format("TAPS {}", taps_));

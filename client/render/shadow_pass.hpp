@@ -18,13 +18,14 @@ class ShadowPass {
     void draw(const Drawing& drawing, SceneMeshes& meshes);
 
     /// What programs that look into these maps for this view are made with.
-    [[nodiscard]] ShaderProgram::Defines defines(const Drawing& drawing) const;
+    /// `lamplit`: whether the lamp reaches what they draw.
+    [[nodiscard]] ShaderProgram::Defines defines(const Drawing& drawing, bool lamplit) const;
     /// Sets what they need; the program must be in use.
     void apply(const Drawing& drawing, ShaderProgram& program) const;
 
   private:
     void fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing& drawing, SceneMeshes& meshes,
-              bool lips_aside);
+              Coarse coarse, bool lips_aside);
 
     int taps_;
     ShadowMap room_, lamp_;

@@ -73,7 +73,7 @@ void main() {
     float open = mix(1.0, mix(0.06, 1.0, relief_at.x), occlusion);
     vec3 sum = albedo * open * ambient(n);
     const vec3 wrap = vec3(0.30, 0.13, 0.09);
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
 #ifndef ROOM_SHADOW
         light.colour *= i == 0 ? open : 1.0;

@@ -32,7 +32,7 @@ void main() {
     float facing = clamp(dot(n, v), 0.0, 1.0);
     float grazing = (1.0 - facing) * (1.0 - facing);
     vec3 sum = mix(steel, vec3(1.0), grazing * grazing * (1.0 - facing)) * room(reflect(-v, n));
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
         float nl = max(dot(n, light.direction), 0.0);
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
@@ -43,24 +43,54 @@ void main() {
 }
 )";
 
-/// A cotton cloth over a table.
-inline constexpr std::string_view cloth_fragment = R"(
-in vec4 colour_at;
+/// A cotton cloth over a table, level and lit at its vertices; goes after `lights`. The lamp's light ends
+/// before it. Defines: ROOM_SHADOW.
+inline constexpr std::string_view cloth_vertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 2) in vec4 colour;
+uniform mat4 view_projection;
+uniform vec4 clip_plane;
+out vec3 world;
+out vec3 in_shade;    // what it looks like there
+out vec3 from_room;   // what light 0 adds
+#ifdef ROOM_SHADOW
+uniform mat4 room_lookup;
+out vec4 room_at;
+#endif
 void main() {
-    vec3 n = normalize(normal_at);
-    // Far off the weave is finer than a pixel, and the lamp's light ends before the cloth.
-    float weave = 0.5 + 0.25 * (sin(world.x * 2200.0) + sin(world.z * 2200.0));
-    float near = 1.0 - smoothstep(0.3, 0.7, length(eye - world));
-    vec3 albedo = colour_at.rgb * (0.97 + 0.06 * (weave - 0.5) * near);
-    vec3 sum = albedo * ambient(n);
-    for (int i = 0; i < 2; ++i) {
-        Arriving light = arriving(i);
-        sum += albedo * light.colour * max(dot(n, light.direction), 0.0);
-    }
-    sum *= exp(-2.0 * max(length(world.xz) - 0.25, 0.0));
+    const vec3 n = vec3(0.0, -1.0, 0.0);
+    world = position;
+    vec3 albedo = colour.rgb * colour.rgb * (0.75 + 0.25 * colour.rgb);
+    albedo *= exp(-2.0 * max(length(position.xz) - 0.25, 0.0));
     // Beneath a head little of the room's light arrives.
-    float beneath = length(world.xz - vec2(0.0, 0.02));
-    sum *= 0.62 + 0.38 * smoothstep(0.02, 0.10, beneath);
+    albedo *= 0.62 + 0.38 * smoothstep(0.02, 0.10, length(position.xz - vec2(0.0, 0.02)));
+    Arriving light = unhindered(0, position);
+    in_shade = albedo * ambient(n);
+    from_room = albedo * light.colour * max(dot(n, light.direction), 0.0);
+#ifdef ROOM_SHADOW
+    room_at = room_lookup * vec4(position, 1.0);
+#endif
+    gl_ClipDistance[0] = dot(clip_plane, vec4(position, 1.0));
+    gl_Position = view_projection * vec4(position, 1.0);
+}
+)";
+
+/// FINE: with its weave.
+inline constexpr std::string_view cloth_fragment = R"(
+in vec3 in_shade;
+in vec3 from_room;
+void main() {
+    vec3 sum = in_shade;
+#ifdef ROOM_SHADOW
+    sum += unshadowed(room_map, room_at) * from_room;
+#else
+    sum += from_room;
+#endif
+#ifdef FINE
+    // Far off the weave is finer than a pixel.
+    float weave = 0.25 * (sin(world.x * 2200.0) + sin(world.z * 2200.0));
+    sum *= 0.97 + 0.06 * weave * (1.0 - smoothstep(0.3, 0.7, length(eye - world)));
+#endif
     pixel = vec4(min(sum, brightest), 1.0);
 }
 )";

@@ -17,7 +17,7 @@ constexpr int behind_unit = 5;                          // shadow maps have thos
 const Eigen::Vector4f glowing(2.6f, 2.4f, 2.1f, 1.0f);  // linear light of the lamp's glass
 
 std::string lit(std::string_view body) {
-    return std::string(source::mesh_inputs) + std::string(source::lighting) + std::string(body);
+    return std::string(source::mesh_inputs) + source::lighting + std::string(body);
 }
 
 }  // namespace
@@ -25,7 +25,8 @@ std::string lit(std::string_view body) {
 ToolsPass::ToolsPass()
     : metal_("metal", std::string(source::mesh_vertex), lit(source::metal_fragment)),
       plastic_("tube", std::string(source::mesh_vertex), lit(source::tube_fragment)),
-      cloth_("cloth", std::string(source::mesh_vertex), lit(source::cloth_fragment)),
+      cloth_("cloth", std::string(source::lights) + std::string(source::cloth_vertex),
+             "in vec3 world;\n" + source::lighting + std::string(source::cloth_fragment)),
       flat_("flat tool", std::string(source::mesh_vertex), std::string(source::flat_fragment)) {}
 
 void ToolsPass::draw(const Drawing& drawing, const SceneMeshes& meshes, const ShadowPass& shadows) {
@@ -53,7 +54,8 @@ void ToolsPass::draw_blade(const Drawing& drawing, const SceneMeshes& meshes, co
     if (!meshes.blade() || !drawing.scene.laryngoscope_pose()) {
         return;
     }
-    ShaderProgram& program = drawing.ids() ? flat_.with({}) : metal_.with(shadows.defines(drawing));
+    ShaderProgram& program =
+        drawing.ids() ? flat_.with({}) : metal_.with(shadows.defines(drawing, drawing.lamplit()));
     program.use();
     place(program, drawing, matrix_of(*drawing.scene.laryngoscope_pose()), no_clipping);
     if (drawing.ids()) {
@@ -78,7 +80,11 @@ void ToolsPass::draw_table(const Drawing& drawing, const SceneMeshes& meshes, co
     if (drawing.ids() || !meshes.table()) {
         return;
     }
-    ShaderProgram& program = cloth_.with(shadows.defines(drawing));
+    ShaderProgram::Defines defines = shadows.defines(drawing, false);
+    if (drawing.quality.fine) {
+        defines.emplace_back("FINE");
+    }
+    ShaderProgram& program = cloth_.with(defines);
     program.use();
     place(program, drawing, Eigen::Matrix4f::Identity(), drawing.clip_plane);
     drawing.lighting.apply(program, drawing.camera.eye);
@@ -100,7 +106,7 @@ void ToolsPass::draw_tube(const Drawing& drawing, const SceneMeshes& meshes, con
         return;
     }
     const auto use = [&](std::initializer_list<const char*> more) -> ShaderProgram& {
-        ShaderProgram::Defines defines = shadows.defines(drawing);
+        ShaderProgram::Defines defines = shadows.defines(drawing, drawing.lamplit());
         defines.insert(defines.end(), more.begin(), more.end());
         ShaderProgram& program = plastic_.with(defines);
         program.use();

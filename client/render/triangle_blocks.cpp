@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
-
-#include <Eigen/Geometry>
+#include <map>
 
 namespace eti::render {
 namespace {
@@ -46,45 +46,80 @@ TriangleBlocks::TriangleBlocks(std::span<const Triangle> triangles, std::span<co
         triangles_.push_back(triangle);
     }
     for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
-        Block block;
-        block.triangles = {first, std::min(block_size, triangles_.size() - first)};
-        block.first_frame = frames_.size();
-        Eigen::AlignedBox3f box;
-        for (const Triangle& t : std::span(triangles_).subspan(first, block.triangles.count)) {
-            for (const std::uint32_t v : t) {
-                box.extend(rest[v]);
-                for (std::size_t k = 0; k < skin[v].frame.size(); ++k) {
-                    if (skin[v].weight[k] > 0.0f) {
-                        frames_.push_back(skin[v].frame[k]);
-                    }
-                }
-            }
-        }
-        const auto begin = frames_.begin() + static_cast<std::ptrdiff_t>(block.first_frame);
-        std::sort(begin, frames_.end());
-        frames_.erase(std::unique(begin, frames_.end()), frames_.end());
-        block.frame_count = frames_.size() - block.first_frame;
-        block.rest_centre = block.centre = box.center();
-        block.rest_radius = block.radius = 0.5f * box.diagonal().norm();
-        blocks_.push_back(block);
+        add_block({first, std::min(block_size, triangles_.size() - first)}, rest, skin);
     }
 }
 
-void TriangleBlocks::update(std::span<const FrameMap> frames, float slack) {
-    for (Block& block : blocks_) {
-        Eigen::AlignedBox3f centres;
-        for (const std::uint16_t f : std::span(frames_).subspan(block.first_frame, block.frame_count)) {
-            centres.extend(frames[f] * block.rest_centre);
+void TriangleBlocks::add_block(const Range& range, std::span<const Vec3f> rest,
+                               std::span<const SkinWeights> skin) {
+    std::vector<std::uint32_t> vertices;
+    for (const Triangle& t : std::span(triangles_).subspan(range.first, range.count)) {
+        vertices.insert(vertices.end(), t.begin(), t.end());
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    Block block;
+    block.triangles = range;
+    block.first_carrier = carriers_.size();
+    Eigen::AlignedBox3f box;
+    std::map<std::uint16_t, std::vector<float>> weights;  // of each frame, of the vertices that it carries
+    for (const std::uint32_t v : vertices) {
+        box.extend(rest[v]);
+        std::map<std::uint16_t, float> of_vertex;
+        for (std::size_t k = 0; k < skin[v].frame.size(); ++k) {
+            of_vertex[skin[v].frame[k]] += skin[v].weight[k];
         }
-        block.centre = centres.center();
-        // Frames turn and shift, so that the ball keeps its size.
-        block.radius = 0.5f * centres.diagonal().norm() + block.rest_radius + slack;
+        for (const auto& [frame, weight] : of_vertex) {
+            if (weight > 0.0f) {
+                weights[frame].push_back(weight);
+            }
+        }
+    }
+    for (auto& [frame, of_frame] : weights) {
+        of_frame.resize(vertices.size(), 0.0f);
+        Carrier carrier{frame};
+        for (const float weight : of_frame) {
+            carrier.mean += weight / static_cast<float>(vertices.size());
+        }
+        for (const float weight : of_frame) {
+            carrier.most_apart = std::max(carrier.most_apart, std::fabs(weight - carrier.mean));
+        }
+        carriers_.push_back(carrier);
+    }
+    block.carrier_count = carriers_.size() - block.first_carrier;
+    block.rest_centre = block.centre = box.center();
+    for (const std::uint32_t v : vertices) {
+        block.rest_radius = std::max(block.rest_radius, (rest[v] - block.rest_centre).norm());
+    }
+    block.radius = block.rest_radius;
+    blocks_.push_back(block);
+}
+
+void TriangleBlocks::update(std::span<const FrameMap> frames, const Slack& slack) {
+    for (Block& block : blocks_) {
+        const auto carriers = std::span(carriers_).subspan(block.first_carrier, block.carrier_count);
+        Mat3f linear = Mat3f::Zero();
+        block.centre.setZero();
+        for (const Carrier& carrier : carriers) {
+            linear += carrier.mean * frames[carrier.frame].linear;
+            block.centre += carrier.mean * (frames[carrier.frame] * block.rest_centre);
+        }
+        // Frames turn and shift: their mean enlarges nothing.
+        block.radius = block.rest_radius;
+        for (const Carrier& carrier : carriers) {
+            const FrameMap& frame = frames[carrier.frame];
+            block.radius += carrier.most_apart * ((frame * block.rest_centre - block.centre).norm() +
+                                                  block.rest_radius * (frame.linear - linear).norm());
+        }
+        if (slack) {
+            block.radius += slack(block.centre, block.radius);
+        }
     }
 }
 
 std::span<const TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matrix4f& view_projection,
-                                                               const Vec3f& eye,
-                                                               const Eigen::Vector4f& plane) {
+                                                               const Vec3f& eye, const Eigen::Vector4f& plane,
+                                                               const Slack& slack, const Which& which) {
     // The frustum's planes are sums and differences of the matrix's rows (Gribb & Hartmann 2001).
     std::array<Eigen::Vector4f, 7> planes;
     for (int axis = 0; axis < 3; ++axis) {
@@ -95,11 +130,12 @@ std::span<const TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matr
     seen_.clear();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
         const Block& block = blocks_[b];
+        const float radius = block.radius + (slack ? slack(block.centre, block.radius) : 0.0f);
         const bool outside = std::any_of(planes.begin(), planes.end(), [&](const Eigen::Vector4f& p) {
-            return p.head<3>().dot(block.centre) + p.w() < -block.radius * p.head<3>().norm();
+            return p.head<3>().dot(block.centre) + p.w() < -radius * p.head<3>().norm();
         });
-        if (!outside) {
-            seen_.push_back({(block.centre - eye).norm() - block.radius, b});
+        if (!outside && (!which || which(block.centre, radius))) {
+            seen_.push_back({(block.centre - eye).norm() - radius, b});
         }
     }
     std::sort(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) {
@@ -110,6 +146,29 @@ std::span<const TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matr
         order_.push_back(blocks_[seen.block].triangles);
     }
     return order_;
+}
+
+TriangleBlocks::NearPlane TriangleBlocks::near_plane(const Eigen::Vector4f& plane) {
+    order_.clear();
+    Eigen::AlignedBox3f box;
+    Vec3f sum = Vec3f::Zero();
+    std::size_t count = 0;
+    const float length = plane.head<3>().norm();
+    for (const Block& block : blocks_) {
+        if (std::fabs(plane.head<3>().dot(block.centre) + plane.w()) > block.radius * length) {
+            continue;
+        }
+        sum += static_cast<float>(block.triangles.count) * block.centre;
+        count += block.triangles.count;
+        box.extend(block.centre - Vec3f::Constant(block.radius));
+        box.extend(block.centre + Vec3f::Constant(block.radius));
+        if (!order_.empty() && order_.back().first + order_.back().count == block.triangles.first) {
+            order_.back().count += block.triangles.count;
+        } else {
+            order_.push_back(block.triangles);
+        }
+    }
+    return {order_, box, count > 0 ? Vec3f(sum / static_cast<float>(count)) : sum};
 }
 
 }  // namespace eti::render

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,7 +20,7 @@ namespace eti::render {
 /// cost a tenth of shaded ones.
 class TriangleBlocks {
   public:
-    static constexpr std::size_t block_size = 96;  ///< triangles
+    static constexpr std::size_t block_size = 32;  ///< triangles
 
     /// Neighbours in triangles().
     struct Range {
@@ -31,29 +33,52 @@ class TriangleBlocks {
     /// Sorted into blocks: for an index buffer that stays.
     [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
 
-    /// New bounding balls. A vertex lies in the hull of what its frames make of it; so does a block in that
-    /// of what its frames make of its ball. `slack` [m]: by how much vertices may be moved beyond that.
-    void update(std::span<const FrameMap> frames, float slack = 0.0f);
+    /// By how much [m] vertices within a ball may lie elsewhere than their frames have them.
+    using Slack = std::function<float(const Vec3f& centre, float radius)>;
+
+    using Which = std::function<bool(const Vec3f& centre, float radius)>;
+
+    /// New bounding balls. A vertex is sum(w_i F_i(p)) over its frames. Of the block's mean weights W_i that
+    /// is the mean map M(p), which shifts the ball, and sum((w_i - W_i) (F_i(p) - M(p))): what the ball grows
+    /// by is bounded by how far weights and frames lie from their means.
+    void update(std::span<const FrameMap> frames, const Slack& slack = {});
 
     /// The blocks that reach into the frustum of `view_projection` and beyond the plane
-    /// dot(plane.xyz, p) + plane.w >= 0, in order of their distance from `eye` [m].
+    /// dot(plane.xyz, p) + plane.w >= 0, in order of their distance from `eye` [m]. `slack`: in this view;
+    /// `which`: only those.
     [[nodiscard]] std::span<const Range> visible(const Eigen::Matrix4f& view_projection, const Vec3f& eye,
-                                                 const Eigen::Vector4f& plane);
+                                                 const Eigen::Vector4f& plane, const Slack& slack = {},
+                                                 const Which& which = {});
+
+    struct NearPlane {
+        std::span<const Range> ranges;
+        Eigen::AlignedBox3f box;  ///< around them [m]
+        Vec3f middle;             ///< of them [m]
+    };
+    /// The blocks that a plane may cut.
+    [[nodiscard]] NearPlane near_plane(const Eigen::Vector4f& plane);
 
   private:
     struct Block {
         Vec3f rest_centre = Vec3f::Zero(), centre = Vec3f::Zero();
         float rest_radius = 0.0f, radius = 0.0f;
         Range triangles;
-        std::size_t first_frame = 0, frame_count = 0;  // in frames_
+        std::size_t first_carrier = 0, carrier_count = 0;  // in carriers_
+    };
+    // A frame that carries vertices of a block, and its weights in them.
+    struct Carrier {
+        std::uint16_t frame;
+        float mean = 0.0f, most_apart = 0.0f;
     };
     struct Seen {
         float distance;
         std::size_t block;
     };
 
+    void add_block(const Range& range, std::span<const Vec3f> rest, std::span<const SkinWeights> skin);
+
     std::vector<Triangle> triangles_;
-    std::vector<std::uint16_t> frames_;  // that carry each block, each once
+    std::vector<Carrier> carriers_;  // of each block, each once
     std::vector<Block> blocks_;
     std::vector<Seen> seen_;
     std::vector<Range> order_;

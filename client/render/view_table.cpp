@@ -76,8 +76,8 @@ const std::array table{
          .help = "head and hands from outside",
          .cameras = from_above,
          .lighting = overview_lighting,
-         .passes = {Pass::room_shadow, Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools,
-                    Pass::liquid},
+         // Of the lamp an onlooker sees what little comes out of the mouth, lips or not.
+         .passes = {Pass::room_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight},
          .background = Vec3f(0.035f, 0.065f, 0.075f),
          .automatic = Automatic::always,

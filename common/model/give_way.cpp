@@ -10,14 +10,19 @@
 
 namespace eti {
 
+namespace {
+
+constexpr float lip = 0.8e-3f;  // [m], height of the tip's
+
+}  // namespace
+
 float BladePlate::width(float along) const {
     return wide + (narrow - wide) * smoothstep(0.3f * length, 0.8f * length, along);
 }
 
 float BladePlate::height(float along) const {
-    // The tip's lip is 0.8 mm high.
     return high + (low - high) * smoothstep(0.35f * length, 0.65f * length, along) +
-           0.8e-3f * smoothstep(length - 8e-3f, length, along);
+           lip * smoothstep(length - 8e-3f, length, along);
 }
 
 BladePlate plate_of(const Laryngoscope& scope) {
@@ -28,6 +33,14 @@ BladePlate plate_of(const Laryngoscope& scope) {
             .high = scope.capsules[1].radius,
             .low = scope.capsules[2].radius,
             .crown = 1.2f * millimetre};
+}
+
+bool GiveWay::moves(const Vec3f& centre, float radius) const {
+    const float highest = std::max(plate.high, plate.low) + lip + clearance + softness;
+    const float lowest = std::min(plate.high, plate.low) - plate.crown + clearance - deepest - release;
+    return std::fabs(centre.x()) - radius < 0.5f * std::max(plate.wide, plate.narrow) + beside &&
+           centre.z() + radius > heel && centre.z() - radius < plate.length + beside &&
+           centre.y() - radius < highest && centre.y() + radius > lowest;
 }
 
 Vec3f GiveWay::operator()(const Vec3f& point) const {

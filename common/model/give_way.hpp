@@ -44,6 +44,9 @@ struct GiveWay {
     /// less.
     static constexpr float most_stretch = 3.0f;
 
+    /// Whether any point within `radius` [m] of `centre` may move; tool frame.
+    [[nodiscard]] bool moves(const Vec3f& centre, float radius) const;
+
     /// Tool frame.
     [[nodiscard]] Vec3f operator()(const Vec3f& point) const;
     /// Any frame, in which the tool has that pose.

@@ -4,23 +4,17 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "common/bus/convert.hpp"
-#include "common/bus/fluid_state.hpp"
 #include "common/bus/session_keys.hpp"
-#include "common/math/units.hpp"
-#include "common/model/live.hpp"
 #include "common/model/pace.hpp"
-#include "server/scene/scene.hpp"
 
 namespace eti::app {
 
 namespace {
 
 using bus::make_header;
-using bus::to_msg;
 
 constexpr std::uint64_t steps_per_state = steps_per_second / 90;
 constexpr std::uint64_t steps_per_slow_state = steps_per_second / 30;

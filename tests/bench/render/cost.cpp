@@ -3,6 +3,7 @@
 #include "tests/bench/render/cost.hpp"
 
 #include <epoxy/gl.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -54,6 +55,13 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
+// Of all threads of this process so far.
+double processor_ms() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
 }  // namespace
 
 std::vector<Cost> costs(const view::SceneView& a, const view::SceneView& b, int width, int height,
@@ -81,22 +89,25 @@ std::vector<Cost> costs(const view::SceneView& a, const view::SceneView& b, int 
         glBufferData(GL_ARRAY_BUFFER, sizeof nothing, &nothing, GL_STREAM_DRAW);
         glBufferSubData(GL_ARRAY_BUFFER, 0, sizeof nothing, &nothing);
         const Upload upload;
-        std::vector<double> sync, drawn, whole;
+        std::vector<double> sync, drawn, whole, cpu;
         for (int i = 0; i < pictures; ++i) {
             const view::SceneView& scene = i % 2 == 0 ? a : b;
             const auto begin = Clock::now();
+            const double cpu_begin = processor_ms();
             renderer.sync(scene);
             sync.push_back(since(begin));
             const auto synced = Clock::now();
             draw(scene);
             drawn.push_back(since(synced));
             whole.push_back(since(begin));
+            cpu.push_back(processor_ms() - cpu_begin);
         }
         all.push_back({.view = std::string(view.name),
                        .width = width,
                        .height = height,
                        .sync_ms = median(sync),
                        .draw_ms = median(drawn),
+                       .cpu_ms = median(cpu),
                        .slowest_ms = std::ranges::max(whole),
                        .kilobytes = 1e-3 * static_cast<double>(upload.bytes()) / pictures});
     }

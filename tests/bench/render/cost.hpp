@@ -15,8 +15,9 @@ namespace eti::bench {
 struct Cost {
     std::string view;
     int width = 0, height = 0;
-    double sync_ms = 0.0;     ///< bringing the graphics card up to date; median
-    double draw_ms = 0.0;     ///< drawing, until the driver is done; median
+    double sync_ms = 0.0;  ///< bringing the graphics card up to date; median
+    double draw_ms = 0.0;  ///< drawing, until the driver is done; median
+    double cpu_ms = 0.0;   ///< processor time of all threads for both, a software driver's among them; median
     double slowest_ms = 0.0;  ///< both together, of the slowest picture
     double kilobytes = 0.0;   ///< sent to the graphics card for a picture; mean
 };

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/render/quality.hpp"
 #include "common/process/stop_signal.hpp"
 #include "tests/bench/render/render_bench.hpp"
 
@@ -37,6 +38,15 @@ int main(int argc, char** argv) {
         render->add_option("--costs", options.costs, "Pictures of each view and size that are timed")
             ->capture_default_str()
             ->check(CLI::Range(0, 10000));
+    render->add_flag("--only-costs", options.only_costs, "Only those, of pictures of --width by --height");
+    render
+        ->add_option("--quality", options.quality,
+                     "Whose cost is measured (default: what the driver can afford)")
+        ->check([](const std::string& name) {
+            return eti::render::quality_named(name) != nullptr
+                       ? std::string{}
+                       : name + ": no such quality; low, medium or high";
+        });
     render->add_flag("!--no-pictures", options.pictures, "Only the table");
     auto* golden =
         render->add_option("--golden", options.golden,

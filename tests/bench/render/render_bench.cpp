@@ -217,13 +217,19 @@ class Bench {
         const view::SceneView a = staged(rest, *attempt.moments[touch]),
                               b = staged(rest, *attempt.moments[best]);
         std::ofstream table(options_.out / "render-costs.csv");
-        table << "driver,quality,width,height,view,sync_ms,draw_ms,slowest_ms,kilobytes\n";
-        const render::Quality& quality = render::affordable_quality();
-        for (const auto& [width, height] : {std::pair{960, 540}, {1920, 1080}, {2880, 1600}}) {
+        table << "driver,quality,width,height,view,sync_ms,draw_ms,cpu_ms,slowest_ms,kilobytes\n";
+        const render::Quality* const named = render::quality_named(options_.quality);
+        const render::Quality& quality = named != nullptr ? *named : render::affordable_quality();
+        std::vector<std::pair<int, int>> sizes{{960, 540}, {1920, 1080}, {2880, 1600}};
+        if (options_.only_costs) {
+            sizes = {{options_.width, options_.height}};
+        }
+        for (const auto& [width, height] : sizes) {
             for (const Cost& cost : costs(a, b, width, height, options_.costs, quality)) {
-                table << fmt::format("\"{}\",{},{},{},{},{:.3g},{:.4g},{:.4g},{:.4g}\n",
+                table << fmt::format("\"{}\",{},{},{},{},{:.3g},{:.4g},{:.4g},{:.4g},{:.4g}\n",
                                      render::driver_name(), quality.name, width, height, cost.view,
-                                     cost.sync_ms, cost.draw_ms, cost.slowest_ms, cost.kilobytes);
+                                     cost.sync_ms, cost.draw_ms, cost.cpu_ms, cost.slowest_ms,
+                                     cost.kilobytes);
                 results_.add(attempt.scenario.name, attempt.script.name, "lift", cost.view, "kilobytes",
                              cost.kilobytes);
             }
@@ -343,7 +349,9 @@ int render_bench(const RenderOptions& options) {
             const Attempt attempt = perform_and_keep(load_scenario(find_data_file(scenario, "scenarios")),
                                                      load_operator(find_data_file(script, "operators")));
             spdlog::info("{} by {}: {}", scenario, script, attempt.reason);
-            bench.look_at(attempt);
+            if (!options.only_costs) {
+                bench.look_at(attempt);
+            }
             if (options.costs > 0 && scenario == options.scenarios.front() &&
                 script == options.operators.front()) {
                 bench.measure_costs(attempt);

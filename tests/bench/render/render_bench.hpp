@@ -16,6 +16,8 @@ struct RenderOptions {
     int width = 1920, height = 1080;
     int eyes = 200;  ///< poses from which the picture's POGO and that of the server's rays are compared
     int costs = 11;  ///< pictures of each view and size whose cost is measured
+    bool only_costs = false;  ///< of pictures of that width and height alone, and nothing else
+    std::string quality;      ///< whose cost is measured; empty: what the driver can afford
     bool pictures = true;
     std::filesystem::path golden;  ///< pictures to compare with; empty: none
     bool renew = false;            ///< write them instead

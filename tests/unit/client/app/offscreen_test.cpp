@@ -230,6 +230,24 @@ TEST(Layout, TilesCoverThePictureWithoutOverlap) {
     }
 }
 
+// A scene is complete before it is shaped: its frames come last.
+TEST(Selections, ShowNoPatientBeforeAllOfItIsKnownAndNothingWhileMinimised) {
+    const synthetic::Scene source = synthetic::make_scene();
+    const client::Selection& all = *client::selection_named("all");
+    view::SceneView scene;
+    EXPECT_EQ(client::shown_now(all, scene, false), client::Views{});
+    scene.apply(source.description);
+    for (const auto& object : source.objects) {
+        scene.apply(object);
+    }
+    ASSERT_TRUE(scene.complete());
+    EXPECT_EQ(client::shown_now(all, scene, false), client::Views{});
+    scene.apply(synthetic::deformation(source, 1'000'000, 0.0f, 0.0f));
+    ASSERT_TRUE(scene.shaped());
+    EXPECT_EQ(client::shown_now(all, scene, false), all.plain);
+    EXPECT_EQ(client::shown_now(all, scene, true), std::nullopt);
+}
+
 TEST(Selections, EachHasANameAndAKeyOfItsOwn) {
     std::set<std::string_view> names;
     std::set<char> keys;

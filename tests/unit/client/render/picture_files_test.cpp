@@ -4,10 +4,8 @@
 
 #include <unistd.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
@@ -15,7 +13,6 @@
 
 #include "client/render/camera.hpp"
 #include "client/render/image.hpp"
-#include "client/render/section_cut.hpp"
 #include "client/render/video.hpp"
 
 namespace eti {
@@ -87,41 +84,6 @@ TEST_F(PictureFiles, VideoHoldsItsFramesAtItsRate) {
 
 TEST_F(PictureFiles, VideoIntoNowhereIsRefused) {
     EXPECT_THROW(render::Video(folder_ / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
-}
-
-TEST(SectionBand, FollowsTheContourOfASphere) {
-    constexpr int rings = 40, sides = 80;
-    constexpr float radius = 0.02f, width = 1e-3f;
-    std::vector<view::LitVertex> vertices;
-    std::vector<Triangle> triangles;
-    for (std::uint32_t ring = 0; ring <= rings; ++ring) {
-        for (std::uint32_t side = 0; side < sides; ++side) {
-            const float polar = std::numbers::pi_v<float> * static_cast<float>(ring) / rings;
-            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
-            const Vec3f out(std::cos(polar), std::sin(polar) * std::cos(turn),
-                            std::sin(polar) * std::sin(turn));
-            vertices.push_back({radius * out, out});
-            const std::uint32_t here = ring * sides + side, next = ring * sides + (side + 1) % sides;
-            if (ring < rings) {
-                triangles.push_back({here, next, here + sides});
-                triangles.push_back({next, next + sides, here + sides});
-            }
-        }
-    }
-    const std::vector<render::VertexColour> colours(vertices.size(), render::VertexColour{1, 2, 3, 4});
-    const auto contour = render::section_contour(triangles, vertices, colours, {Vec3f(0.005f, 0.0f, 0.0f)});
-    const auto band = render::section_band(contour, width);
-    ASSERT_GT(band.size(), 0u);
-    double area = 0.0;
-    for (std::size_t i = 0; i + 2 < band.size(); i += 3) {
-        const Vec3f u = band[i + 1].position - band[i].position, v = band[i + 2].position - band[i].position;
-        area += 0.5 * u.cross(v).norm();
-        EXPECT_NEAR(band[i].position.x(), 0.005f, 1e-8f);
-    }
-    // A ring of the cut's radius; an inscribed polygon of 80 sides is short by (pi/80)^2 / 6 = 3e-4.
-    const double outer = std::sqrt(radius * radius - 0.005 * 0.005);
-    const double expected = std::numbers::pi * (outer * outer - (outer - width) * (outer - width));
-    EXPECT_NEAR(area, expected, 2e-3 * expected);
 }
 
 TEST(Camera, PoseLooksAlongMinusZ) {

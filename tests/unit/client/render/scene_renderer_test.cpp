@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <utility>
 
 #include "common/model/give_way.hpp"
 #include "scene_picture.hpp"
@@ -237,8 +238,24 @@ TEST_F(SceneRendererTest, TellsTissuesOfOneSurfaceApart) {
               count(objects, render::object_colour(Tissue::tongue)));
 }
 
+// Drawing needs nothing but the newest frames and the tube, in the section too: what a plane cuts is found on
+// the card.
+TEST_F(SceneRendererTest, ACutSendsNothing) {
+    const View& section = named("section");
+    (void)picture(section, scene_, Shading::lit);
+    scene_.apply(synthetic::deformation(source_, 2'000'000, 0.006f, 0.02f));
+    scene_.update();
+    renderer_.sync(scene_);
+    const auto counted = [](GLenum, GLsizeiptr size, const void*, GLenum) {
+        ADD_FAILURE() << size << " bytes sent";
+    };
+    const auto sends = std::exchange(epoxy_glBufferData, counted);
+    renderer_.draw(section, scene_, target_, {0, 0, width, height});
+    epoxy_glBufferData = sends;
+}
+
 // A lamp before the face, seen in the section: the walls of larynx and windpipe face it, but lie behind the
-// face. The lowest quality lets its light through.
+// face.
 TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
     View opened = named("section");
     opened.passes = {render::Pass::lamp_shadow, render::Pass::patient};
@@ -253,10 +270,10 @@ TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
         return lighting;
     };
     const render::Image tissues = picture(opened, scene_, Shading::tissue_id);
-    const auto lit = [&](std::string_view quality) {
-        render::SceneRenderer renderer(*render::quality_named(quality));
+    const auto lit = [&](const View& view, const render::Quality& quality) {
+        render::SceneRenderer renderer(quality);
         renderer.sync(scene_);
-        renderer.draw(opened, scene_, target_, {0, 0, width, height});
+        renderer.draw(view, scene_, target_, {0, 0, width, height});
         const render::Image image = target_.read();
         int pixels = 0;
         for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
@@ -267,9 +284,13 @@ TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
         }
         return pixels;
     };
-    const int through = lit("low"), stopped = lit("medium");
-    EXPECT_GT(through, 50);
-    EXPECT_LT(stopped, through / 4);
+    View through = opened;
+    std::erase(through.passes, render::Pass::lamp_shadow);
+    for (const render::Quality& quality : render::qualities()) {
+        const int all = lit(through, quality);
+        EXPECT_GT(all, 50) << quality.name;
+        EXPECT_LT(lit(opened, quality), all / 4) << quality.name;
+    }
 }
 
 TEST_F(SceneRendererTest, ShowsFacesSeenFromBehindWhereAskedTo) {

@@ -119,6 +119,56 @@ TEST(TriangleBlocks, FollowTheFramesThatCarryThem) {
     EXPECT_GT(needed, 100u);
 }
 
+// What a caller says may lie elsewhere comes into a picture that holds none of it at its place.
+TEST(TriangleBlocks, ComeFromAsFarAsTheyMayLieElsewhere) {
+    const TriangleMesh mesh = synthetic::body_mesh();
+    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
+    blocks.update(at_rest);
+    render::Camera camera;
+    camera.eye = Vec3f(0.35f, -0.5f, 0.0f);
+    camera.target = Vec3f(0.35f, 0.04f, 0.0f);
+    camera.vertical_field = 0.3f;
+    const Eigen::Matrix4f matrix = camera.projection(1.0f) * camera.view();
+    const auto far = [](const Vec3f& centre, float) { return centre.z() > 0.0f ? 0.3f : 0.0f; };
+    EXPECT_TRUE(blocks.visible(matrix, camera.eye, everywhere).empty());
+    const auto drawn = triangles_of(blocks, blocks.visible(matrix, camera.eye, everywhere, far));
+    EXPECT_GT(drawn.size(), 100u);
+    EXPECT_LT(drawn.size(), mesh.triangles.size() * 3 / 4) << "what lies lower stays out";
+    // The same from the frames' side.
+    blocks.update(at_rest, far);
+    EXPECT_EQ(sorted(triangles_of(blocks, blocks.visible(matrix, camera.eye, everywhere))), sorted(drawn));
+    EXPECT_TRUE(blocks.visible(matrix, camera.eye, everywhere, {}, [](const Vec3f&, float) { return false; })
+                    .empty());
+}
+
+// Reference: each triangle by itself.
+TEST(TriangleBlocks, NearAPlaneAreAllThatItCuts) {
+    const TriangleMesh mesh = synthetic::body_mesh();
+    render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
+    blocks.update(at_rest);
+    for (const Eigen::Vector4f& plane :
+         {Eigen::Vector4f(-1.0f, 0.0f, 0.0f, 0.0f), Eigen::Vector4f(0.3f, 1.0f, 2.0f, 0.01f)}) {
+        const auto found = blocks.near_plane(plane);
+        const auto drawn = sorted(triangles_of(blocks, found.ranges));
+        std::size_t cut = 0;
+        for (const Triangle& triangle : mesh.triangles) {
+            int beyond = 0;
+            for (const std::uint32_t v : triangle) {
+                beyond += plane.head<3>().dot(mesh.vertices[v]) + plane.w() < 0.0f ? 1 : 0;
+            }
+            if (beyond == 1 || beyond == 2) {
+                ++cut;
+                EXPECT_TRUE(std::binary_search(drawn.begin(), drawn.end(), triangle));
+                EXPECT_TRUE(found.box.contains(mesh.vertices[triangle[0]]));
+            }
+        }
+        EXPECT_GT(cut, 50u);
+        EXPECT_LT(drawn.size(), mesh.triangles.size() / 2);
+        EXPECT_TRUE(found.box.contains(found.middle));
+    }
+    EXPECT_TRUE(blocks.near_plane({0.0f, 0.0f, 1.0f, 10.0f}).ranges.empty());
+}
+
 TEST(TriangleBlocks, ComeNearestFirst) {
     const TriangleMesh mesh = synthetic::body_mesh();
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));

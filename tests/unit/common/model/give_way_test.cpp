@@ -56,6 +56,24 @@ TEST_P(GiveWayTest, NothingIsLeftBeforeTheFace) {
     }
 }
 
+TEST_P(GiveWayTest, KnowsWhereItMovesAnything) {
+    Random random(5);
+    int moved = 0, left = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f centre(0.05f * (random.uniform() - 0.5f), 0.05f * (random.uniform() - 0.5f),
+                           (scope_.blade_length + 0.04f) * random.uniform() - 0.02f);
+        const Vec3f place = centre + 2e-3f * Vec3f(random.uniform(), random.uniform(), random.uniform());
+        const bool moves = give_way_.moves(centre, 4e-3f);
+        left += moves ? 0 : 1;
+        if (give_way_(place) != place) {
+            ++moved;
+            EXPECT_TRUE(moves) << place.transpose();
+        }
+    }
+    EXPECT_GT(moved, 200);
+    EXPECT_GT(left, 5000);
+}
+
 TEST_P(GiveWayTest, WhatIsFarOrBehindThePlateStays) {
     const float z = 0.6f * scope_.blade_length;
     const float face = crown(z);
