@@ -16,7 +16,7 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
-PAGES = ("scenarios.md", "metrics.md")
+PAGES = ("scenarios.md", "commands.md", "metrics.md")
 
 
 def number(value):

@@ -29,8 +29,8 @@ void main() {
 )";
 
 /// Where the plane cuts a triangle it becomes a piece of the contour: with FAN the triangle from `pivot`, a
-/// point of the plane, to that piece, so that a place lies inside the contour where an odd number of them
-/// cover it; else the band of `width` inside the contour in the surface's own colour, with which skin, mucosa
+/// point of the plane, to that piece, whose ends follow each other with the inside at one hand: a place lies
+/// inside where more of them turn one way than the other, also where a surface overlaps itself; else the band of `width` inside the contour in the surface's own colour, with which skin, mucosa
 /// and cords keep theirs along the cut.
 inline constexpr std::string_view cut_geometry = R"(
 layout(triangles) in;
@@ -55,9 +55,12 @@ vec3 crossing(vec4 a, vec4 b, bool a_first) {
 #ifdef FAN
 uniform vec3 pivot;
 void piece(int i, int j, int k) {
+    vec3 a = crossing(corner[i], corner[j], corner_index[i] < corner_index[j]),
+         b = crossing(corner[i], corner[k], corner_index[i] < corner_index[k]);
+    bool lone_behind = corner[i].w < 0.0;
     put(pivot, vec3(0.0));
-    put(crossing(corner[i], corner[j], corner_index[i] < corner_index[j]), vec3(0.0));
-    put(crossing(corner[i], corner[k], corner_index[i] < corner_index[k]), vec3(0.0));
+    put(lone_behind ? b : a, vec3(0.0));
+    put(lone_behind ? a : b, vec3(0.0));
     EndPrimitive();
 }
 #else

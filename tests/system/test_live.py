@@ -18,7 +18,7 @@ from session_run import Pad
 STEP = 1 / 180  # [s]
 DEGREE = numpy.pi / 180
 
-# As docs/scenarios.md says: per second.
+# As docs/commands.md says: per second.
 POSTURE_RATE = 0.17  # [rad/s]
 TONGUE_RATE = 0.1
 HEAD_RATE = 0.1
@@ -135,11 +135,11 @@ class Live(support.Programs):
         self.assert_refused(nobody, "no server found in session 'nobody'")
 
     def test_documented_keys_are_those_of_the_program(self):
-        """Keys and ranges in docs/scenarios.md against what the program itself says of its table."""
+        """Keys and ranges in docs/commands.md against what the program itself says of its table."""
         text = re.sub(r"\s+", " ", support.run("eti-controller", "--help").stdout)
         told = {(key, float(low), float(high))
                 for key, low, high in re.findall(r"(\w+) \((-?[\d.]+) to (-?[\d.]+)\)", text)}
-        documented = (support.ROOT / "docs/scenarios.md").read_text().split("| key of `--set` |")[1]
+        documented = (support.ROOT / "docs/commands.md").read_text().split("| key of `--set` |")[1]
         rows = {(key, float(low), float(high))
                 for key, low, high in re.findall(r"^\| `(\w+)` \| (-?[\d.]+) to (-?[\d.]+) \|", documented, re.M)}
         self.assertEqual(rows, told)

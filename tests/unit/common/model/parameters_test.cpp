@@ -66,7 +66,7 @@ TEST(Parameters, ValuesThatDoNotExistAreNull) {
 TEST(Parameters, JsonKeepsTheOrderOfDisplay) {
     const nlohmann::ordered_json json = parameters_to_json(numbered());
     EXPECT_EQ(json.begin().key(), "gum_force_n");
-    EXPECT_EQ(std::prev(json.end()).key(), "blade_smoothness");
+    EXPECT_EQ(std::prev(json.end()).key(), "heart_rate_per_min");
 }
 
 }  // namespace
