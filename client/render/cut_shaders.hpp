@@ -30,8 +30,9 @@ void main() {
 
 /// Where the plane cuts a triangle it becomes a piece of the contour: with FAN the triangle from `pivot`, a
 /// point of the plane, to that piece, whose ends follow each other with the inside at one hand: a place lies
-/// inside where more of them turn one way than the other, also where a surface overlaps itself; else the band of `width` inside the contour in the surface's own colour, with which skin, mucosa
-/// and cords keep theirs along the cut.
+/// inside where more of them turn one way than the other, also where a surface overlaps itself; else the band
+/// of `width` inside the contour in the surface's own colour, with which skin, mucosa and cords keep theirs
+/// along the cut.
 inline constexpr std::string_view cut_geometry = R"(
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 4) out;
