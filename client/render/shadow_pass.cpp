@@ -79,8 +79,8 @@ void ShadowPass::draw(const Drawing& drawing, SceneMeshes& meshes) {
              drawing.view.lips_aside);
     }
     if (lamp_shadow_of(drawing)) {
-        // The lamp lies behind the lips, wherever they are held.
-        fill(lamp_, cone_clip(drawing.lighting.lights[1], lamp_reach), drawing, meshes, Coarse::close, false);
+        fill(lamp_, cone_clip(drawing.lighting.lights[1], lamp_reach), drawing, meshes, Coarse::close,
+             drawing.view.lips_aside);
     }
 }
 
