@@ -31,7 +31,11 @@ view::SceneView staged(const Attempt& attempt) {
 
 view::SceneView staged(const view::SceneView& rest, const Moment& moment) {
     view::SceneView scene = rest;
-    const scene::Snapshot& s = moment.snapshot;
+    scene::Snapshot s = moment.snapshot;
+    // What is drawn over the scene as an aid, such as the glottis's tint, is not measured.
+    for (const LiveField& field : live_fields) {
+        s.live.*field.value = field.on_off ? 0.0f : s.live.*field.value;
+    }
     app::DeformationMessages().make(s, [&](const msg::DeformationState& state) { give(scene, state); });
     if (s.saliva.on) {
         app::fluid_messages(s, [&](const msg::FluidState& state) { give(scene, state); });
