@@ -109,6 +109,9 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
         if (tiles.size() > 1) {
             list.AddRect(corner, end, IM_COL32(20, 24, 26, 255), 0.0f, 0, 2.0f);
         }
+        if (tile.title.empty()) {
+            continue;
+        }
         const ImVec2 size = ImGui::CalcTextSize(tile.title.data(), tile.title.data() + tile.title.size());
         const ImVec2 at(end.x - size.x - 8.0f, end.y - size.y - 6.0f);
         list.AddRectFilled(ImVec2(at.x - 4.0f, at.y - 2.0f), ImVec2(end.x - 4.0f, end.y - 4.0f), shade, 3.0f);

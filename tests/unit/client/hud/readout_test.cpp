@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "client/hud/hud.hpp"
@@ -197,6 +198,16 @@ TEST(Hud, DrawsTheVerdictGreenOrRed) {
     verdict.success = false;
     EXPECT_GT(pixels(picture(verdict), 0), 200);
     EXPECT_EQ(pixels(picture(verdict), 1), 0);
+}
+
+TEST(Hud, ATileNeedsNoTitle) {
+    render::HeadlessContext context;
+    render::RenderTarget target(640, 360, 1);
+    hud::Hud overlay;
+    target.bind_picture();
+    const std::array tiles{hud::Tile{{}, 0, 0, 640, 360}};
+    overlay.draw({}, tiles, 640, 360);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
 TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
