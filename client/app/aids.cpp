@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "client/view/airway_axes.hpp"
-#include "client/view/line_of_sight.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::client {
@@ -47,10 +46,9 @@ void add(std::vector<hud::Mark>& marks, const Projection& projection, const Vec3
     }
 }
 
-void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene,
-               const view::TraineeEye& eye, bool whole) {
-    const view::Sight sight = view::sight_of(eye, scene.landmarks());
-    const auto met = view::obstacle(scene, sight);
+void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::Look& look,
+               bool whole) {
+    const auto& [sight, met] = look;
     if (whole) {
         add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
     }
@@ -78,8 +76,13 @@ void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const
 
 }  // namespace
 
+bool shows_look(const render::View& view) {
+    return view.has(render::Overlay::line_of_sight) || view.has(render::Overlay::sight_dot);
+}
+
 std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
-                               const render::Vantage& from, const hud::Tile& tile) {
+                               const render::Vantage& from, const std::optional<view::Look>& look,
+                               const hud::Tile& tile) {
     using render::Overlay;
     std::vector<hud::Mark> marks;
     if (!scene.metrics()) {
@@ -89,9 +92,8 @@ std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& 
     if (view.has(Overlay::axes) && scene.shows(&LiveValues::view_axes)) {
         add_axes(marks, projection, scene);
     }
-    const bool whole = view.has(Overlay::line_of_sight);
-    if ((whole || view.has(Overlay::sight_dot)) && scene.shows(&LiveValues::view_sight_line)) {
-        add_sight(marks, projection, scene, from.eye, whole);
+    if (look && shows_look(view)) {
+        add_sight(marks, projection, *look, view.has(Overlay::line_of_sight));
     }
     if (view.has(Overlay::gum_force) && scene.shows(&LiveValues::view_gum_force)) {
         const Vec3f gum = scene.gum_contact().value_or(at(scene.landmarks(), Landmark::upper_gum));

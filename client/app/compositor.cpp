@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #include "client/app/compositor.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "client/app/aids.hpp"
 
@@ -48,10 +50,16 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
         glFinish();
         sync_time_.add(start);
     }
+    // Every surface is tried for it: once for all views.
+    std::optional<view::Look> look;
+    if (scene.metrics() && scene.shows(&LiveValues::view_sight_line) &&
+        std::ranges::any_of(views, [](const render::View* view) { return shows_look(*view); })) {
+        look = view::look_of(scene, from.eye);
+    }
     for (const PlacedView& placed : layout(views, target_.width(), target_.height())) {
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
-        tile.marks = aids_of(*placed.view, scene, from, tile);
+        tile.marks = aids_of(*placed.view, scene, from, look, tile);
         // OpenGL counts rows from below.
         renderer_.draw(*placed.view, scene, target_,
                        {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);

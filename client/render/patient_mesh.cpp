@@ -211,13 +211,7 @@ void PatientMesh::skin(const view::SceneView& scene) {
         apply(GiveWay{plate_of(scene.keys()->laryngoscope())}, *blade_, skinning_);
     }
     glBindVertexArray(rest_array_.name());
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, skinned_.name());
-    glEnable(GL_RASTERIZER_DISCARD);
-    glBeginTransformFeedback(GL_POINTS);
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(vertex_count_));
-    glEndTransformFeedback();
-    glDisable(GL_RASTERIZER_DISCARD);
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+    capture(skinned_, vertex_count_);
     glBindTexture(GL_TEXTURE_BUFFER, 0);
     glBindVertexArray(0);
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));

@@ -43,13 +43,7 @@ RenderTarget::RenderTarget(int width, int height, int samples) : width_(width), 
     store(picture_colour_.name(), GL_SRGB8_ALPHA8, width, height, 1);
     attach(picture_.name(), GL_COLOR_ATTACHMENT0, picture_colour_.name());
     require_complete(picture_.name(), width, height);
-    glBindTexture(GL_TEXTURE_2D, light_.name());
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-    }
-    glBindFramebuffer(GL_FRAMEBUFFER, scene_.name());
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, light_.name(), 0);
+    store_light(light_, scene_, width, height);
     store(depth_stencil_.name(), GL_DEPTH24_STENCIL8, width, height, used);
     if (used > 1) {
         sampled_.emplace();
@@ -113,6 +107,16 @@ void RenderTarget::copy_to(GLuint framebuffer, const Viewport& from, const Viewp
 void RenderTarget::copy_to_window() const {
     const Viewport whole{0, 0, width_, height_};
     copy_to(0, whole, whole);
+}
+
+void store_light(const Texture& texture, const Framebuffer& framebuffer, int width, int height) {
+    glBindTexture(GL_TEXTURE_2D, texture.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
 }
 
 }  // namespace eti::render

@@ -50,4 +50,8 @@ class RenderTarget {
     std::optional<Sampled> sampled_;
 };
 
+/// Gives a texture room for linear light of `width` x `height` pixels, and a framebuffer it to draw into.
+/// Both stay bound.
+void store_light(const Texture& texture, const Framebuffer& framebuffer, int width, int height);
+
 }  // namespace eti::render

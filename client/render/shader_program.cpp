@@ -122,4 +122,14 @@ void ShaderProgram::set(std::string_view uniform, const Eigen::Matrix4f& value) 
     glUniformMatrix4fv(location(uniform), 1, GL_FALSE, value.data());
 }
 
+void capture(const Buffer& into, std::size_t count) {
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, into.name());
+    glEnable(GL_RASTERIZER_DISCARD);
+    glBeginTransformFeedback(GL_POINTS);
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count));
+    glEndTransformFeedback();
+    glDisable(GL_RASTERIZER_DISCARD);
+    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+}
+
 }  // namespace eti::render

@@ -55,4 +55,8 @@ class ShaderProgram {
     std::map<std::string, GLint, std::less<>> locations_;
 };
 
+/// Writes what the program in use makes of each of the bound array's first `count` vertices into a buffer;
+/// draws nothing.
+void capture(const Buffer& into, std::size_t count);
+
 }  // namespace eti::render

@@ -7,6 +7,7 @@
 
 #include "client/render/light_shaders.hpp"
 #include "client/render/mesh_shaders.hpp"
+#include "client/render/render_target.hpp"
 #include "client/render/tool_shaders.hpp"
 
 namespace eti::render {
@@ -155,13 +156,7 @@ void ToolsPass::Behind::copy(const Viewport& area) {
         width_ = std::max(width_, right);
         height_ = std::max(height_, top);
         glActiveTexture(GL_TEXTURE0);
-        glBindTexture(GL_TEXTURE_2D, texture.name());
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width_, height_, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
-        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-            glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-        }
-        glBindFramebuffer(GL_FRAMEBUFFER, target_.name());
-        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
+        store_light(texture, target_, width_, height_);
     }
     glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(bound));
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target_.name());

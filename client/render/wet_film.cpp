@@ -108,13 +108,7 @@ void WetFilm::update(std::uint64_t time_ns, PatientMesh& patient, const LiquidSu
     glBindTexture(GL_TEXTURE_2D, marks_.name());
     glBindVertexArray(arrays_[now_].name());
     now_ = 1 - now_;
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, film_[now_].name());
-    glEnable(GL_RASTERIZER_DISCARD);
-    glBeginTransformFeedback(GL_POINTS);
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(vertex_count_));
-    glEndTransformFeedback();
-    glDisable(GL_RASTERIZER_DISCARD);
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+    capture(film_[now_], vertex_count_);
     glBindVertexArray(0);
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
     patient.set_film(film_[now_]);

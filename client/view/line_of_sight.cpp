@@ -112,4 +112,9 @@ std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight) {
     return Obstacle{where, name};
 }
 
+Look look_of(const SceneView& scene, const TraineeEye& eye) {
+    const Sight sight = sight_of(eye, scene.landmarks());
+    return {sight, obstacle(scene, sight)};
+}
+
 }  // namespace eti::view

@@ -29,4 +29,11 @@ struct Obstacle {
 /// aside, as in the trainee's picture.
 [[nodiscard]] std::optional<Obstacle> obstacle(const SceneView& scene, const Sight& sight);
 
+/// A look onto the glottis and what lies before it.
+struct Look {
+    Sight sight;
+    std::optional<Obstacle> met;
+};
+[[nodiscard]] Look look_of(const SceneView& scene, const TraineeEye& eye);
+
 }  // namespace eti::view

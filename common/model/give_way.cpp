@@ -58,10 +58,7 @@ Vec3f GiveWay::operator()(const Vec3f& point) const {
 }
 
 bool PlacedGiveWay::may_move(const Vec3f& centre, float radius) const {
-    const Vec3f at = tool.inverse() * centre;
-    const Vec3f on_axis(0.0f, 0.0f, std::clamp(at.z(), 0.0f, give_way.plate.length));
-    const float plate = std::max(give_way.plate.high, 0.5f * give_way.plate.wide);
-    return (at - on_axis).norm() <= radius + 1.5f * plate + GiveWay::beside;
+    return give_way.moves(tool.inverse() * centre, radius);
 }
 
 }  // namespace eti

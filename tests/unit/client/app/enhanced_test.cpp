@@ -161,7 +161,7 @@ TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
     ASSERT_TRUE(scene_.apply(proxy));
     say(true, 5.0f);
     const render::View& view = *render::view_named("overview");
-    const auto marks = client::aids_of(view, scene_, {}, {"overview", 0, 0, width, height});
+    const auto marks = client::aids_of(view, scene_, {}, std::nullopt, {"overview", 0, 0, width, height});
     const auto mark = std::ranges::find(marks, "5.0 N", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     const Eigen::Vector2f there = pixel_of(pressed, "overview");
