@@ -58,8 +58,8 @@ def live(tables):
 
 
 def parameters(tables):
-    return table(["name", "unit", "over a run", "definition"],
-                 [[f"`{r['key']}`" + ("" if r["in_paper"] else " *"), r["unit"], r["run"], r["definition"]]
+    return table(["name", "unit", "over a run", "definition", "aim"],
+                 [[f"`{r['key']}`" + ("" if r["in_paper"] else " *"), r["unit"], r["run"], r["definition"], r["norm"]]
                   for r in tables["parameters"]])
 
 

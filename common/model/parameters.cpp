@@ -15,7 +15,8 @@ constexpr ParameterField rows[] = {
     {"gum_force_n.max", "force on the upper gum, greatest", "N", &Parameters::gum_force_max_n, true, 0,
      greatest,
      "Sum of the normal forces of the blade's contacts with the shell's upper gum, plus the net force of its "
-     "tissue particles: the greatest"},
+     "tissue particles: the greatest",
+     "None is published; trainees on a simulator pressed with 3.1 to 5.3 N (Xiao et al. 2020, Table 2)"},
     {"gum_force_n.mean", "force on the upper gum, mean", "N", &Parameters::gum_force_mean_n, true, 0,
      time_mean, "The same force's mean over the whole attempt, moments without contact included"},
     {"blade_depth_cm.max", "blade depth past the gum, greatest", "cm", &Parameters::blade_depth_max_cm, true,
@@ -31,8 +32,11 @@ constexpr ParameterField rows[] = {
      "Largest difference between the pitch curve and its wavelet-denoised self, see below"},
     {"yaw_rocking_deg", "yaw rocking", "deg", &Parameters::yaw_rocking_deg, true, 0, greatest,
      "The same for yaw"},
-    {"attempts", "attempts", "", &Parameters::attempts, true, 0, sum, "One per attempt"},
-    {"time_s", "time", "s", &Parameters::time_s, true, 0, sum, "From beginning to end of the attempt"},
+    {"attempts", "attempts", "", &Parameters::attempts, true, 0, sum, "One per attempt",
+     "1: the risk of adverse events grows with each further one (Singh et al. 2022, J Perinatol, "
+     "doi:10.1038/s41372-022-01484-5)"},
+    {"time_s", "time", "s", &Parameters::time_s, true, 0, sum, "From beginning to end of the attempt",
+     "At most 30 s (Lane et al. 2004, J Pediatr 145:67)"},
     {"glottic_opening_percent.max", "glottic opening seen, greatest", "%",
      &Parameters::glottic_opening_max_percent, true, 0, greatest,
      "Share of the glottic opening that the eye sees (POGO), see below: the greatest"},
@@ -49,23 +53,25 @@ constexpr ParameterField rows[] = {
      "Rotation of the skull about the upper-neck joint, chin up, when the tube passes the glottis; without a "
      "passage, at the best view; without a view, when the blade went in"},
     {"oesophageal_entries", "oesophageal entries", "", &Parameters::oesophageal_entries, true, 0, sum,
-     "Times the tube's tip went into the oesophagus, see below"},
+     "Times the tube's tip went into the oesophagus, see below", "0"},
     {"tube_depth_at_lip_cm", "tube depth at the lip", "cm", &Parameters::tube_depth_at_lip_cm, false, unknown,
      last,
      "Length of the tube's centre line from its tip back to the plane of the mouth opening, at the attempt's "
-     "end"},
+     "end",
+     "`tube_depth_rule_cm`"},
     {"tube_depth_rule_cm", "tube depth by the weight rule", "cm", &Parameters::tube_depth_rule_cm, false, 0,
      last,
      "Weight [kg] + 6 cm (the rule places the tip mid-tracheal in about half of newborns: Peng et al. 2020, "
      "Front Pediatr 8:367)"},
     {"main_stem_entries", "main-stem entries", "", &Parameters::main_stem_entries, false, 0, sum,
-     "Times the tube's tip went past the carina"},
+     "Times the tube's tip went past the carina", "0"},
     {"cormack_lehane_grade", "Cormack-Lehane grade", "", &Parameters::cormack_lehane_grade, false, 4, least,
      "From the best view (Cormack & Lehane 1984, Anaesthesia 39:1105): 1 most of the glottis, taken as half "
      "or more; 2 a part of it; 3 the epiglottis only; 4 neither. Where \"most\" begins is chosen: the "
-     "original gives no number"},
+     "original gives no number",
+     "1"},
     {"over_time_limit", "over the time limit", "", &Parameters::over_time_limit, false, 0, greatest,
-     "1 when the attempt took longer than the scenario's limit (30 s unless it says otherwise)"},
+     "1 when the attempt took longer than the scenario's limit (30 s unless it says otherwise)", "0"},
     {"time_to_first_view_s", "time to the first view of the glottis", "s", &Parameters::time_to_first_view_s,
      false, unknown, least,
      "From the attempt's beginning until the eye first sees a part of the glottis; does not exist where it "
@@ -74,6 +80,22 @@ constexpr ParameterField rows[] = {
      false, 0, greatest, "Largest net force between the blade and the epiglottis"},
     {"tongue_force_n.max", "force on the tongue, greatest", "N", &Parameters::tongue_force_max_n, false, 0,
      greatest, "Largest net force between the blade and the tongue"},
+    {"gum_impulse_n_s", "force on the upper gum over time", "N s", &Parameters::gum_impulse_n_s, false, 0,
+     sum, "The force on the upper gum, integrated over the attempt"},
+    {"epiglottis_impulse_n_s", "force on the epiglottis over time", "N s",
+     &Parameters::epiglottis_impulse_n_s, false, 0, sum, "The same of the force on the epiglottis"},
+    {"tongue_impulse_n_s", "force on the tongue over time", "N s", &Parameters::tongue_impulse_n_s, false, 0,
+     sum, "The same of the force on the tongue"},
+    {"view_held_s", "time with half the glottis in sight", "s", &Parameters::view_held_s, false, 0, sum,
+     "Time with at least half of the opening in sight, until the tube's tip is within 6 mm of the glottis or "
+     "through it. Half is where grade 1 begins"},
+    {"tube_grip_speed_cm_per_s.max", "speed of the tube at the hand, greatest", "cm/s",
+     &Parameters::tube_grip_speed_max_cm_per_s, false, unknown, greatest,
+     "Speed of the tube where the hand holds it, while its tip is inside the mouth, from displacements over "
+     "1/30 s: the greatest. A tip much faster than this has slipped or sprung"},
+    {"tube_grip_speed_cm_per_s.mean", "speed of the tube at the hand, mean", "cm/s",
+     &Parameters::tube_grip_speed_mean_cm_per_s, false, unknown, tube_mean,
+     "The same speed's mean over the time inside the mouth"},
     {"blade_path_length_cm", "path of the blade's tip", "cm", &Parameters::blade_path_length_cm, false, 0,
      sum, "Way of the blade's tip, summed over intervals of 1/30 s"},
     {"blade_smoothness", "smoothness of the blade's tip (spectral arc length)", "",
@@ -83,12 +105,13 @@ constexpr ParameterField rows[] = {
      &Parameters::oxygen_saturation_min_percent, false, unknown, least,
      "Oxygen saturation as a pulse oximeter shows it: the least during the attempt; only with `vital_signs: "
      "on`, "
-     "as the next three"},
+     "as the next three",
+     "No fall by 20 points or more (Herrick et al. 2020, Neonatology 117:65)"},
     {"oxygen_saturation_percent.end", "oxygen saturation at the end", "%",
      &Parameters::oxygen_saturation_end_percent, false, unknown, last,
      "The same at the attempt's end; while it goes on, now"},
     {"heart_rate_per_min.min", "heart rate, least", "1/min", &Parameters::heart_rate_min_per_min, false,
-     unknown, least, "Heart rate, the least during the attempt"},
+     unknown, least, "Heart rate, the least during the attempt", "At least 100 (the same)"},
     {"heart_rate_per_min.end", "heart rate at the end", "1/min", &Parameters::heart_rate_end_per_min, false,
      unknown, last, "The same at the attempt's end; while it goes on, now"},
 };

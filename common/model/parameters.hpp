@@ -30,6 +30,9 @@ struct Parameters {
     double over_time_limit = 0;  ///< 1 when the attempt took longer than 30 s
     double time_to_first_view_s = 0;
     double epiglottis_force_max_n = 0, tongue_force_max_n = 0;
+    double gum_impulse_n_s = 0, epiglottis_impulse_n_s = 0, tongue_impulse_n_s = 0;
+    double view_held_s = 0;
+    double tube_grip_speed_max_cm_per_s = 0, tube_grip_speed_mean_cm_per_s = 0;
     double blade_path_length_cm = 0;
     double blade_smoothness = 0;  ///< spectral arc length is negative; closer to zero is smoother
     double oxygen_saturation_min_percent = 0, oxygen_saturation_end_percent = 0;
@@ -59,6 +62,7 @@ struct ParameterField {
     double start;  ///< NaN: has no value until something was measured
     Combine combine;
     std::string_view definition;
+    std::string_view norm = {};  ///< what to aim at, with its source; empty where none is known
 };
 
 /// Every parameter, in the order of display. JSON, the session file, the bus, the run's values, the printed

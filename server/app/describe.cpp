@@ -81,7 +81,8 @@ ordered_json description() {
                                      {"unit", field.unit},
                                      {"in_paper", field.in_paper},
                                      {"run", combinations[static_cast<std::size_t>(field.combine)]},
-                                     {"definition", field.definition}});
+                                     {"definition", field.definition},
+                                     {"norm", field.norm}});
     }
     out["landmarks"] = landmark_names;
     out["tissues"] = tissue_names;

@@ -14,6 +14,9 @@ namespace {
 
 constexpr double peak_prominence_deg = 5.0;
 
+// [%]; where grade 1 after Cormack and Lehane begins. Chosen: the original gives no number.
+constexpr double most_of_the_glottis = 50.0;
+
 // Bins of the angle curves [Hz] that rocking is judged on. The noise level is read from the finest
 // wavelet band, a quarter to a half of this: 2.5 to 5 Hz, the fastest that a hand rocks a blade.
 // Physiological tremor, 8 to 12 Hz, is averaged out; at finer bins it alone would set the result.
@@ -77,7 +80,7 @@ bool SpeedMeter::add(double time, const Vec3f& point) {
 }
 
 double cormack_lehane_grade(double best_opening_percent, bool epiglottis_seen) {
-    if (best_opening_percent >= 50.0) {
+    if (best_opening_percent >= most_of_the_glottis) {
         return 1.0;
     }
     if (best_opening_percent > 0.0) {
@@ -95,6 +98,7 @@ Attempt::Attempt(double weight_kg, double time_limit)
       yaw_(curve_rate, curve_capacity),
       blade_speed_(speed_rate, curve_capacity),
       tube_meter_(1.0 / speed_rate),
+      grip_meter_(1.0 / speed_rate),
       blade_meter_(1.0 / speed_rate) {
     parameters_.attempts = 1;
     parameters_.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_kg);
@@ -134,6 +138,7 @@ void Attempt::add(const Moment& moment) {
     tube_reached_glottis_ = tube_reached_glottis_ || moment.tube_at_glottis || passed_glottis_;
     if (seen_ && !tube_reached_glottis_) {
         view_.add(opening, moment.seconds);
+        parameters_.view_held_s += opening >= most_of_the_glottis ? moment.seconds : 0.0;
     }
     if (!seen_ && opening > 0.0) {
         seen_ = true;
@@ -144,8 +149,12 @@ void Attempt::add(const Moment& moment) {
         if (tube_meter_.add(moment.time, moment.tube_tip)) {
             tube_speed_.add(tube_meter_.speed, tube_meter_.seconds);
         }
+        if (grip_meter_.add(moment.time, moment.tube_grip)) {
+            grip_speed_.add(grip_meter_.speed, grip_meter_.seconds);
+        }
     } else {
         tube_meter_.restart();
+        grip_meter_.restart();
     }
     parameters_.oesophageal_entries += moment.tube.oesophagus == Passage::Change::in ? 1 : 0;
     parameters_.main_stem_entries += moment.tube.main_stem == Passage::Change::in ? 1 : 0;
@@ -173,6 +182,11 @@ void Attempt::fill_means() {
     p.glottic_opening_mean_percent = or_zero(view_.mean());
     p.tube_speed_max_cm_per_s = 100.0 * tube_speed_.max();
     p.tube_speed_mean_cm_per_s = 100.0 * tube_speed_.mean();
+    p.tube_grip_speed_max_cm_per_s = 100.0 * grip_speed_.max();
+    p.tube_grip_speed_mean_cm_per_s = 100.0 * grip_speed_.mean();
+    p.gum_impulse_n_s = gum_.integral();
+    p.epiglottis_impulse_n_s = epiglottis_.integral();
+    p.tongue_impulse_n_s = tongue_.integral();
     p.pitch_peaks = pitch_peaks_.count();
     p.yaw_peaks = std::max(left_peaks_.count(), right_peaks_.count());
     p.cormack_lehane_grade = cormack_lehane_grade(best_view_, epiglottis_seen_);

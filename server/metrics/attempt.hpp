@@ -26,6 +26,7 @@ class TimeMean {
     [[nodiscard]] double mean() const {
         return seconds_ > 0.0 ? sum_ / seconds_ : std::numeric_limits<double>::quiet_NaN();
     }
+    [[nodiscard]] double integral() const { return sum_; }
     [[nodiscard]] double seconds() const { return seconds_; }
 
   private:
@@ -51,7 +52,7 @@ struct Moment {
     BladeAngles angles;
     GlotticView view;
     bool tube_in_mouth = false;
-    Vec3f tube_tip = Vec3f::Zero();
+    Vec3f tube_tip = Vec3f::Zero(), tube_grip = Vec3f::Zero();
     AirwayWatch::Changes tube;
     bool tube_at_glottis = false;
     float head_elevation = 0.0f;                                          ///< [rad]
@@ -104,7 +105,7 @@ class Attempt {
 
     double time_limit_;
     Parameters parameters_ = starting_parameters();
-    TimeMean gum_, epiglottis_, tongue_, depth_, view_, tube_speed_;
+    TimeMean gum_, epiglottis_, tongue_, depth_, view_, tube_speed_, grip_speed_;
     double best_view_ = 0.0;
     double pitch_angle_ = 0.0;  // [rad]
     bool seen_ = false;
@@ -113,7 +114,7 @@ class Attempt {
     bool passed_glottis_ = false;
     PeakCounter pitch_peaks_, left_peaks_, right_peaks_;
     BinnedSeries pitch_, yaw_, blade_speed_;
-    SpeedMeter tube_meter_, blade_meter_;
+    SpeedMeter tube_meter_, grip_meter_, blade_meter_;
 };
 
 /// Grade after Cormack & Lehane 1984 (Anaesthesia 39:1105) from the best view: 1 most of the glottis

@@ -16,6 +16,9 @@ constexpr double nanoseconds = 1e-9;  // [s]
 // Rocking and smoothness need an attempt's whole curve.
 constexpr double refresh_interval = 1.0;  // [s]
 
+// [s]; a blade that was in the mouth for less only touched it. Chosen: an attempt takes seconds.
+constexpr double least_attempt = 0.5;
+
 // Beyond it a run repeats itself; later events are dropped and the last entry says so.
 constexpr std::size_t most_events = 1000;
 
@@ -168,6 +171,7 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
         moment.view = view;
         moment.tube_in_mouth = tube_.in_mouth();
         moment.tube_tip = live_.tube_tip;
+        moment.tube_grip = snapshot.tube_grip.translation;
         moment.tube = changes;
         moment.tube_at_glottis =
             tube_.in_mouth() && (live_.tube_tip - places.glottis.centre).norm() < gates_.glottis_radius;
@@ -265,6 +269,17 @@ void Metrics::start_attempt() {
 }
 
 void Metrics::end_attempt() {
+    const Parameters& so_far = attempt_->parameters();
+    if (so_far.time_s < least_attempt) {
+        note(fmt::format("attempt {} does not count: the blade was in the mouth for {:.2f} s", live_.attempt,
+                         so_far.time_s));
+        entries_between_ += static_cast<int>(so_far.oesophageal_entries);
+        main_stem_between_ += static_cast<int>(so_far.main_stem_entries);
+        attempt_.reset();
+        live_.attempt = static_cast<std::uint32_t>(attempts_.size());
+        live_.attempt_running = false;
+        return;
+    }
     attempt_->refresh_curves();
     attempt_story_.duration = attempt_->parameters().time_s;
     AttemptSummary summary{live_.attempt, attempt_began_, now_,

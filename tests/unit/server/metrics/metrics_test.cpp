@@ -84,6 +84,60 @@ TEST(Metrics, AttemptLastsFromBladeInToBladeOut) {
     EXPECT_NEAR(first.parameters.blade_path_length_cm, 100 * path, 3 * 0.17);
 }
 
+TEST(Metrics, ATouchIsNoAttempt) {
+    Session run;
+    const auto outside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.02f); };
+    const auto inside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.01f); };
+    run.play(1.0, outside);
+    run.play(6.0 * step, inside);  // 33 ms
+    EXPECT_TRUE(run.metrics.live().attempt_running);
+    run.play(1.0, outside);
+    EXPECT_FALSE(run.metrics.live().attempt_running);
+    EXPECT_EQ(run.metrics.live().attempt, 0u);
+    EXPECT_EQ(run.metrics.attempts().size(), 0u);
+    EXPECT_EQ(run.metrics.run().parameters.attempts, 0.0);
+    EXPECT_EQ(run.metrics.events().back().text,
+              "attempt 1 does not count: the blade was in the mouth for 0.03 s");
+    run.play(0.6, inside);
+    run.play(0.1, outside);
+    ASSERT_EQ(run.metrics.attempts().size(), 1u);
+    EXPECT_EQ(run.metrics.attempts()[0].number, 1u);
+}
+
+TEST(Metrics, HeldViewAndForcesOverTime) {
+    Session run;
+    run.play(4.0, [&](double t, scene::Snapshot& s, GlotticView& v) {
+        place_blade(s, run.scope, 0.03f);
+        v.opening_percent = t < 1.0 ? 0.0f : t < 2.0 ? 49.0f : 51.0f;
+        s.shell_contacts.clear();
+        s.shell_contacts.push_back(
+            {Vec3f::Zero(), Vec3f::UnitZ(), 2.0f * static_cast<float>(t), Tissue::upper_gum});
+        s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 1.5f, Tissue::tongue});
+        s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 0.5f, Tissue::epiglottis});
+    });
+    const Parameters p = run.metrics.live_parameters();
+    EXPECT_NEAR(p.view_held_s, 2.0, 2.0 * step);
+    EXPECT_NEAR(p.gum_impulse_n_s, 16.0, 16.0 * 2.0 * step / 4.0 + 1e-6);  // integral of 2 t over 4 s
+    EXPECT_NEAR(p.tongue_impulse_n_s, 6.0, 1.5 * step + 1e-6);
+    EXPECT_NEAR(p.epiglottis_impulse_n_s, 2.0, 0.5 * step + 1e-6);
+}
+
+TEST(Metrics, TheHandsSpeedIsToldFromTheTips) {
+    Session run;
+    const test::Path path = test::tracheal_path();
+    run.play(3.0, [&](double t, scene::Snapshot& s, GlotticView&) {
+        place_blade(s, run.scope, 0.03f);
+        // The tip springs by 20 mm within a tenth of a second, while the hand goes on at 10 mm/s.
+        const double tip = 0.17 + 0.01 * t + (t > 1.0 ? std::min(0.02, 0.2 * (t - 1.0)) : 0.0);
+        s.tube_nodes = test::tube_on(path, static_cast<float>(tip));
+        s.tube_grip.translation = Vec3f(0, 0, static_cast<float>(0.01 * t));
+    });
+    const Parameters p = run.metrics.live_parameters();
+    EXPECT_NEAR(p.tube_speed_max_cm_per_s, 21.0, 0.5);
+    EXPECT_NEAR(p.tube_grip_speed_max_cm_per_s, 1.0, 0.01);
+    EXPECT_NEAR(p.tube_grip_speed_mean_cm_per_s, 1.0, 0.01);
+}
+
 TEST(Metrics, VitalSignsFallWhileTheBladeIsInAndComeBackAfter) {
     Session run;
     run.metrics.begin(run.patient, run.scope, 30.0, physiology(3.0, 39.0, 0.21));

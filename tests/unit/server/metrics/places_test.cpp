@@ -132,6 +132,46 @@ TEST(AirwayWatch, FollowsTheTubeDownTheTracheaAndBack) {
     EXPECT_EQ(story, expected);
 }
 
+// Past the carina a bronchus leads away from the trachea's line, here to where the oesophagus is nearer.
+TEST(AirwayWatch, ATubeInABronchusIsInTheTracheaAndCountedOnce) {
+    const Places places = places_in(plain_snapshot());
+    test::Path path = test::tracheal_path();
+    path.points.push_back(path.points.back() + Vec3f(0.004f, 0.014f, -0.02f));
+    const float carina = path.length_to(4);
+    AirwayWatch watch;
+    int trachea = 0, main_stem = 0, oesophagus = 0;
+    for (int i = 0; i <= 4000; ++i) {
+        const float tip = carina - 0.06f + 0.08f * static_cast<float>(i) / 4000.0f;
+        const Vec3f tremor(0, 0.001f * std::sin(1.7f * static_cast<float>(i)), 0);
+        const auto changes = watch.update(path.at(tip) + tremor, places);
+        trachea += changes.trachea != Change::none ? 1 : 0;
+        main_stem += changes.main_stem != Change::none ? 1 : 0;
+        oesophagus += changes.oesophagus != Change::none ? 1 : 0;
+    }
+    EXPECT_GT(places.from_trachea(path.points.back()), places.from_oesophagus(path.points.back()))
+        << "nearness alone tells it wrongly";
+    EXPECT_EQ(trachea, 1);
+    EXPECT_EQ(main_stem, 1);
+    EXPECT_EQ(oesophagus, 0);
+    EXPECT_TRUE(watch.in_main_stem());
+}
+
+TEST(AirwayWatch, ATubeFarDownTheOesophagusStaysThere) {
+    const Places places = places_in(plain_snapshot());
+    test::Path path = test::oesophageal_path();
+    path.points.push_back({0, 0.047f, -0.11f});
+    path.points.push_back({0, 0.039f, -0.14f});  // nearer to the trachea's line, which has ended
+    AirwayWatch watch;
+    int changes_seen = 0;
+    for (int i = 0; i <= 2000; ++i) {
+        const auto changes =
+            watch.update(path.at(path.length_to(5) * static_cast<float>(i) / 2000.0f), places);
+        changes_seen += changes.oesophagus != Change::none || changes.trachea != Change::none ? 1 : 0;
+    }
+    EXPECT_EQ(changes_seen, 1);
+    EXPECT_TRUE(watch.in_oesophagus());
+}
+
 TEST(AirwayWatch, TipBesideTheFaceIsNotInTheMouth) {
     const Places places = places_in(plain_snapshot());
     AirwayWatch watch;
