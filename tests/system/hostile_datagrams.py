@@ -117,12 +117,14 @@ class Session:
     def __init__(self, folder, domain, name):
         bus = ["--session", name, "--domain", domain]
         self.bus, self.folder = bus, Path(folder)
+        # The observer draws at once: its first picture compiles shaders, for seconds on a busy machine, and would
+        # else be the one that it draws when asked to end.
         commands = {
             "server": ["eti-server", "--scenario", "term", *bus],
             "haptics": ["eti-haptics", "--device", "simulated", *bus, "--json"],
             "tracker": ["eti-tracker", "--device", "scripted", *bus, "--json"],
             "observer": ["eti-client", "--observe", "--offscreen", self.folder / "observer", "--size", "64x64",
-                         "--every", 0, "--no-video", *bus],
+                         "--every", 3600, "--no-video", *bus],
         }
         self.running = {}
         for role, command in commands.items():
