@@ -98,9 +98,9 @@ constexpr ParameterField rows[] = {
      "The same speed's mean over the time inside the mouth"},
     {"blade_path_length_cm", "path of the blade's tip", "cm", &Parameters::blade_path_length_cm, false, 0,
      sum, "Way of the blade's tip, summed over intervals of 1/30 s"},
-    {"blade_smoothness", "smoothness of the blade's tip (spectral arc length)", "",
+    {"blade_smoothness", "smoothness of the blade's tip (log dimensionless jerk)", "",
      &Parameters::blade_smoothness, false, unknown, time_mean,
-     "Spectral arc length of the blade tip's speed, see below"},
+     "Log dimensionless jerk of the blade tip's speed, see below"},
     {"oxygen_saturation_percent.min", "oxygen saturation, least", "%",
      &Parameters::oxygen_saturation_min_percent, false, unknown, least,
      "Oxygen saturation as a pulse oximeter shows it: the least during the attempt; only with `vital_signs: "

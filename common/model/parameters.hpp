@@ -34,7 +34,7 @@ struct Parameters {
     double view_held_s = 0;
     double tube_grip_speed_max_cm_per_s = 0, tube_grip_speed_mean_cm_per_s = 0;
     double blade_path_length_cm = 0;
-    double blade_smoothness = 0;  ///< spectral arc length is negative; closer to zero is smoother
+    double blade_smoothness = 0;  ///< log dimensionless jerk: closer to zero is smoother
     double oxygen_saturation_min_percent = 0, oxygen_saturation_end_percent = 0;
     double heart_rate_min_per_min = 0, heart_rate_end_per_min = 0;
 };

@@ -22,8 +22,7 @@ constexpr double most_of_the_glottis = 50.0;
 // Physiological tremor, 8 to 12 Hz, is averaged out; at finer bins it alone would set the result.
 constexpr double curve_rate = 10.0;
 
-// [Hz]; the shortest interval that a speed is taken over, and the bins of the speed profile, whose
-// spectrum is read up to 10 Hz.
+// [Hz]; the shortest interval that a speed is taken over, and the bins of the speed profile.
 constexpr double speed_rate = 30.0;
 
 // Nine minutes at 30 Hz before neighbours merge and bins double.
@@ -195,7 +194,7 @@ void Attempt::fill_means() {
 void Attempt::refresh_curves() {
     parameters_.pitch_rocking_deg = rocking(pitch_.values());
     parameters_.yaw_rocking_deg = rocking(yaw_.values());
-    parameters_.blade_smoothness = spectral_arc_length(blade_speed_.values(), 1.0 / blade_speed_.width());
+    parameters_.blade_smoothness = log_dimensionless_jerk(blade_speed_.values(), 1.0 / blade_speed_.width());
 }
 
 Attempt::Weights Attempt::weights() const {

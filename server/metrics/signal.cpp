@@ -4,43 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
-#include <numbers>
 
 #include "server/metrics/wavelet.hpp"
 
 namespace eti::metrics {
-namespace {
-
-// In-place radix-2 transform (Cooley & Tukey 1965); the size is a power of two.
-void fourier_transform(std::vector<std::complex<double>>& data) {
-    const std::size_t n = data.size();
-    for (std::size_t i = 1, j = 0; i < n; ++i) {
-        std::size_t bit = n >> 1;
-        for (; (j & bit) != 0; bit >>= 1) {
-            j ^= bit;
-        }
-        j ^= bit;
-        if (i < j) {
-            std::swap(data[i], data[j]);
-        }
-    }
-    for (std::size_t length = 2; length <= n; length *= 2) {
-        const double angle = -2.0 * std::numbers::pi / static_cast<double>(length);
-        for (std::size_t k = 0; k < length / 2; ++k) {
-            const std::complex<double> turn = std::polar(1.0, angle * static_cast<double>(k));
-            for (std::size_t start = 0; start < n; start += length) {
-                const std::complex<double> odd = turn * data[start + k + length / 2];
-                data[start + k + length / 2] = data[start + k] - odd;
-                data[start + k] += odd;
-            }
-        }
-    }
-}
-
-}  // namespace
-
 void PeakCounter::add(double value) {
     if (!started_) {
         started_ = true;
@@ -72,45 +40,18 @@ double rocking(std::span<const double> curve) {
     return largest;
 }
 
-double spectral_arc_length(std::span<const double> speed, double rate) {
-    constexpr double highest_frequency = 10.0;  // [Hz]
-    constexpr double least_magnitude = 0.05;    // of the spectrum's largest
-    if (speed.size() < 4) {
+double log_dimensionless_jerk(std::span<const double> speed, double rate) {
+    const double peak = speed.empty() ? 0.0 : *std::max_element(speed.begin(), speed.end());
+    if (speed.size() < 4 || !(peak > 0.0)) {
         return std::numeric_limits<double>::quiet_NaN();
     }
-    std::size_t size = 16;  // zero padding by four octaves, as in the authors' program
-    for (std::size_t reached = 1; reached < speed.size(); reached *= 2) {
-        size *= 2;
+    double squares = 0.0;
+    for (std::size_t i = 1; i + 1 < speed.size(); ++i) {
+        const double jerk = (speed[i - 1] - 2.0 * speed[i] + speed[i + 1]) * rate * rate;
+        squares += jerk * jerk / rate;
     }
-    std::vector<std::complex<double>> spectrum(size);
-    std::copy(speed.begin(), speed.end(), spectrum.begin());
-    fourier_transform(spectrum);
-
-    const std::size_t bins = std::min(
-        size / 2, static_cast<std::size_t>(highest_frequency * static_cast<double>(size) / rate) + 1);
-    std::vector<double> magnitude;
-    double largest = 0.0;
-    for (std::size_t i = 0; i < bins; ++i) {
-        magnitude.push_back(std::abs(spectrum[i]));
-        largest = std::max(largest, magnitude.back());
-    }
-    if (largest <= 0.0) {
-        return std::numeric_limits<double>::quiet_NaN();
-    }
-    std::size_t first = bins;
-    std::size_t last = 0;
-    for (std::size_t i = 0; i < bins; ++i) {
-        magnitude[i] /= largest;
-        if (magnitude[i] >= least_magnitude) {
-            first = std::min(first, i);
-            last = i;
-        }
-    }
-    double length = 0.0;
-    for (std::size_t i = first + 1; i <= last; ++i) {
-        length += std::hypot(1.0 / static_cast<double>(last - first), magnitude[i] - magnitude[i - 1]);
-    }
-    return -length;
+    const double duration = static_cast<double>(speed.size()) / rate;
+    return -std::log(std::pow(duration, 3) / (peak * peak) * squares);
 }
 
 void BinnedSeries::merge() {

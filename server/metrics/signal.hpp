@@ -31,11 +31,12 @@ class PeakCounter {
 /// Largest absolute difference between a curve and its wavelet-denoised self.
 [[nodiscard]] double rocking(std::span<const double> curve);
 
-/// Smoothness of a speed profile sampled at `rate` [Hz]: minus the arc length of its normalised
-/// Fourier magnitude spectrum up to where the magnitude last exceeds 0.05, at most 10 Hz
-/// (Balasubramanian et al. 2012, IEEE Trans Biomed Eng 59:2126; adaptive bound as in 2015,
-/// J NeuroEng Rehabil 12:112). NaN for fewer than 4 samples or a speed of zero throughout.
-[[nodiscard]] double spectral_arc_length(std::span<const double> speed, double rate);
+/// Smoothness of a speed profile sampled at `rate` [Hz]: minus the logarithm of its dimensionless jerk, the
+/// integral of the squared second derivative of speed times duration^3 over the greatest speed squared
+/// (Hogan & Sternad 2009, J Mot Behav 41:529; logarithm as in Balasubramanian et al. 2015, J NeuroEng
+/// Rehabil 12:112). A minimum-jerk movement has -ln 204.8. NaN for fewer than 4 samples or a speed of zero
+/// throughout; infinite where speed changes evenly.
+[[nodiscard]] double log_dimensionless_jerk(std::span<const double> speed, double rate);
 
 /// A time series on a uniform grid, each sample the mean over its bin. When `capacity` samples are
 /// exceeded, neighbours merge and the bins double, so memory stays bounded however long a run is.

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "common/math/random.hpp"
 
@@ -77,29 +78,25 @@ TEST(PeakCounter, RampsAndBordersAreNoPeaks) {
     EXPECT_EQ(count(fall, 5.0), 0);
 }
 
-// A Gaussian speed profile has the Gaussian spectrum exp(ln(0.05) x^2) over x = f / f(0.05), whatever its
-// width, so its arc length is one integral.
-TEST(SpectralArcLength, GaussianProfileMatchesTheIntegral) {
-    const double exponent = std::log(0.05);
-    double expected = 0.0;
-    constexpr int slices = 100'000;
-    for (int i = 0; i < slices; ++i) {
-        const double x = (i + 0.5) / slices;
-        expected -= std::hypot(1.0, 2 * exponent * x * std::exp(exponent * x * x)) / slices;
-    }
-    for (const double width : {0.1, 0.2, 0.4}) {
-        std::vector<double> speed;
-        for (int i = -90; i <= 90; ++i) {
-            const double t = i / 30.0;
-            speed.push_back(std::exp(-0.5 * t * t / (width * width)));
+// v = 30 A / T (s^2 - 2 s^3 + s^4): greatest speed 1.875 A / T, integral of the squared jerk 720 A^2 / T^5,
+// so that the dimensionless jerk is 720 / 1.875^2 = 204.8 whatever its size and duration (Flash & Hogan
+// 1985).
+TEST(LogDimensionlessJerk, OfAMinimumJerkMovement) {
+    for (const double duration : {1.0, 2.0, 5.0}) {
+        for (const double way : {0.01, 0.1}) {
+            std::vector<double> speed;
+            const int samples = static_cast<int>(30.0 * duration);
+            for (int i = 0; i < samples; ++i) {
+                const double s = (i + 0.5) / samples;
+                speed.push_back(30.0 * way / duration * s * s * (1.0 - s) * (1.0 - s));
+            }
+            // The jerk is largest at both ends, where a sample is lost.
+            EXPECT_NEAR(log_dimensionless_jerk(speed, 30.0), -std::log(204.8), 12.0 / samples) << duration;
         }
-        // The bound falls on a bin of 1/4096 of the rate: a relative error of up to (30 / 4096) / f(0.05),
-        // and f(0.05) is 0.39 / width.
-        EXPECT_NEAR(spectral_arc_length(speed, 30.0), expected, 2.0 * 30.0 / 4096.0 * width / 0.39);
     }
 }
 
-TEST(SpectralArcLength, SubmovementsAndTremorCountAsLessSmooth) {
+TEST(LogDimensionlessJerk, SubmovementsAndTremorCountAsLessSmooth) {
     std::vector<double> one, two, shaky;
     for (int i = 0; i <= 180; ++i) {
         const double t = i / 30.0;
@@ -108,10 +105,32 @@ TEST(SpectralArcLength, SubmovementsAndTremorCountAsLessSmooth) {
         two.push_back(bell(2) + bell(4));
         shaky.push_back(bell(3) + 0.3 * std::abs(std::sin(9 * t)) * bell(3));
     }
-    EXPECT_LT(spectral_arc_length(two, 30.0), spectral_arc_length(one, 30.0) - 0.5);
-    EXPECT_LT(spectral_arc_length(shaky, 30.0), spectral_arc_length(one, 30.0));
-    EXPECT_TRUE(std::isnan(spectral_arc_length(std::vector<double>(50, 0.0), 30.0)));
-    EXPECT_TRUE(std::isnan(spectral_arc_length(std::vector<double>{1.0}, 30.0)));
+    EXPECT_LT(log_dimensionless_jerk(two, 30.0), log_dimensionless_jerk(one, 30.0) - 0.5);
+    EXPECT_LT(log_dimensionless_jerk(shaky, 30.0), log_dimensionless_jerk(one, 30.0) - 0.5);
+    EXPECT_TRUE(std::isnan(log_dimensionless_jerk(std::vector<double>(50, 0.0), 30.0)));
+    EXPECT_TRUE(std::isnan(log_dimensionless_jerk(std::vector<double>{1.0}, 30.0)));
+}
+
+// Movements of 4 to 20 s, cut off anywhere: a sample more or less hardly matters.
+TEST(LogDimensionlessJerk, ASampleMoreHardlyMatters) {
+    std::mt19937 random(7);
+    const auto between = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    for (int movement = 0; movement < 200; ++movement) {
+        const double duration = between(4.0, 20.0);
+        std::vector<double> speed(static_cast<std::size_t>(30.0 * duration));
+        for (int part = 0; part < static_cast<int>(duration); ++part) {
+            const double at = between(0.0, duration), width = between(0.2, 0.9), height = between(0.2, 1.0);
+            for (std::size_t i = 0; i < speed.size(); ++i) {
+                const double x = (static_cast<double>(i) / 30.0 - at) / width;
+                speed[i] += height * std::exp(-2.0 * x * x);
+            }
+        }
+        const double whole = log_dimensionless_jerk(speed, 30.0);
+        speed.pop_back();
+        EXPECT_NEAR(log_dimensionless_jerk(speed, 30.0) / whole, 1.0, 0.02) << movement;
+    }
 }
 
 TEST(BinnedSeries, AveragesOverBinsAndBridgesGaps) {
