@@ -109,8 +109,9 @@ int main(int argc, char** argv) {
     bool repair = false;
     check_command->add_flag(
         "--repair", repair,
-        "Clear the mark that a killed recording leaves and cut off incomplete rows, so that any "
-        "HDF5 program opens the file");
+        "Make a file that any HDF5 program opens: clear the mark that a killed recording leaves, keep what "
+        "each "
+        "series still holds, name what is lost. A file that changes so is kept as FILE.before-repair");
 
     CLI::App* const export_command = app.add_subcommand("export", "Write every series as CSV");
     export_command->add_option("FILE", file, "Session file")->required();

@@ -2,20 +2,80 @@
 // Copyright the NeoETI authors
 #include "client/review/summary.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <limits>
+#include <span>
 
 #include "common/model/parameters_json.hpp"
+#include "common/model/run.hpp"
 
 namespace eti::review {
 
 namespace {
 
-nlohmann::ordered_json outcome_json(const session::SummaryRecord& record) {
+nlohmann::ordered_json outcome_json(const Summary& summary, const session::SummaryRecord& record) {
     nlohmann::ordered_json out;
-    out["success"] = record.outcome.success;
+    out["success"] = summary.outcome_known(record) ? nlohmann::ordered_json(record.outcome.success)
+                                                   : nlohmann::ordered_json(nullptr);
     out["reason"] = record.outcome.reason;
     out["parameters"] = parameters_to_json(record.parameters);
     return out;
+}
+
+double seconds(const session::StepRecord& step) {
+    return 1e-9 * static_cast<double>(step.time_ns);
+}
+
+/// What the last steps tell of the tube.
+std::string tube_so_far(std::span<const session::StepRecord> steps) {
+    const auto past = [](const session::StepRecord& step) { return step.tube_depth_past_glottis > 0.0f; };
+    const auto last = std::find_if(steps.rbegin(), steps.rend(), past);
+    if (last == steps.rend()) {
+        return "the tube had not passed the glottis";
+    }
+    if (last != steps.rbegin()) {
+        return fmt::format("the tube had passed the glottis and left the trachea again at {:.1f} s",
+                           seconds(*(last - 1)));
+    }
+    const auto before = std::find_if_not(last, steps.rend(), past);
+    return fmt::format("the tube passed the glottis at {:.1f} s and lay {:.0f} mm beyond it",
+                       seconds(*(before - 1)),
+                       1e3 * static_cast<double>(steps.back().tube_depth_past_glottis));
+}
+
+/// A run that nobody summed up, from what its steps say.
+void sum_up(Summary& summary, std::span<const session::StepRecord> steps) {
+    for (const ParameterField& field : parameter_fields) {
+        summary.run.parameters.*field.value = std::numeric_limits<double>::quiet_NaN();
+    }
+    const std::string_view ends =
+        summary.live ? "the session is still being recorded, up to now" : "the recording ends";
+    if (steps.empty()) {
+        summary.run.outcome.reason = fmt::format("{} before the first step", ends);
+        return;
+    }
+    const session::StepRecord& last = steps.back();
+    summary.run.outcome.reason = fmt::format("{} at {:.1f} s, before the run was summed up; {}", ends,
+                                             seconds(last), tube_so_far(steps));
+    summary.run.parameters = last.parameters;
+    if (!last.attempt_running) {
+        return;
+    }
+    session::SummaryRecord open{last.attempt, {false, summary.run.outcome.reason}, last.parameters};
+    summary.open_attempt = last.attempt;
+    // Between attempts a step holds the run so far.
+    const auto outside = std::find_if(steps.rbegin(), steps.rend(),
+                                      [](const session::StepRecord& step) { return !step.attempt_running; });
+    if (last.attempt > 1 && outside != steps.rend()) {
+        constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+        const RunPart parts[] = {{outside->parameters, {outside->parameters.time_s, unknown, unknown}, false},
+                                 {last.parameters, {last.parameters.time_s, unknown, unknown}, false}};
+        summary.run.parameters = combine(parts);
+        summary.run.parameters.head_elevation_deg = unknown;  // which passage was the last is not recorded
+    }
+    summary.attempts.push_back(std::move(open));
 }
 
 }  // namespace
@@ -38,22 +98,18 @@ Summary summarise(const std::filesystem::path& file) {
         }
     }
     if (!summary.has_run) {
-        summary.run.outcome = {false, summary.live ? "the session is still being recorded"
-                                                   : "the recording ended before the run was summed up"};
-        for (const ParameterField& field : parameter_fields) {
-            summary.run.parameters.*field.value = std::numeric_limits<double>::quiet_NaN();
-        }
+        sum_up(summary, reader.steps());
     }
     return summary;
 }
 
 nlohmann::ordered_json to_json(const Summary& summary) {
-    nlohmann::ordered_json out = outcome_json(summary.run);
+    nlohmann::ordered_json out = outcome_json(summary, summary.run);
     out["attempts"] = nlohmann::ordered_json::array();
     for (const session::SummaryRecord& attempt : summary.attempts) {
         nlohmann::ordered_json entry;
         entry["attempt"] = attempt.attempt;
-        entry.update(outcome_json(attempt));
+        entry.update(outcome_json(summary, attempt));
         out["attempts"].push_back(std::move(entry));
     }
     out["file"] = summary.file.string();

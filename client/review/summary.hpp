@@ -19,15 +19,21 @@ struct Summary {
     bool finished = false;  ///< recorded to its end
     bool live = false;      ///< being recorded
     std::uint64_t lost_records = 0;
-    bool has_run = false;        ///< whether the file holds a summary of the run
-    session::SummaryRecord run;  ///< success is false and the parameters are NaN if not
+    bool has_run = false;  ///< whether the file holds a summary of the run
+    /// Without a summary the outcome is unknown: the reason says what is known, and the parameters are those
+    /// of the last step. NaN for means over several attempts, whose weights a file does not hold.
+    session::SummaryRecord run;
     std::vector<session::SummaryRecord> attempts;
+    std::uint32_t open_attempt = 0;  ///< the attempt that went on as the recording ended; 0: none
+    [[nodiscard]] bool outcome_known(const session::SummaryRecord& record) const {
+        return record.attempt == 0 ? has_run : record.attempt != open_attempt;
+    }
 };
 
 /// Throws hdf5::Error.
 [[nodiscard]] Summary summarise(const std::filesystem::path& file);
 
-/// One object; NaN becomes null.
+/// One object; NaN becomes null, and so does the success of what is not known.
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
 
 /// For people to read: the twelve parameters of the paper first, then the others; a column for the run

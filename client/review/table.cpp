@@ -28,6 +28,10 @@ std::string column_title(const session::SummaryRecord& record) {
     return record.attempt == 0 ? "run" : fmt::format("attempt {}", record.attempt);
 }
 
+std::string_view outcome_word(const Summary& summary, const session::SummaryRecord& record) {
+    return !summary.outcome_known(record) ? "unknown" : record.outcome.success ? "success" : "no success";
+}
+
 void add_rows(std::string& out, std::span<const session::SummaryRecord* const> columns,
               std::size_t label_width, bool in_paper) {
     for (const ParameterField& field : parameter_fields) {
@@ -72,11 +76,11 @@ std::string to_table(const Summary& summary) {
         out += fmt::format("Lost          {} records, because the disk could not follow\n",
                            summary.lost_records);
     }
-    out += fmt::format("Outcome       {}: {}\n", summary.run.outcome.success ? "success" : "no success",
-                       summary.run.outcome.reason);
+    out +=
+        fmt::format("Outcome       {}: {}\n", outcome_word(summary, summary.run), summary.run.outcome.reason);
     for (const session::SummaryRecord& attempt : summary.attempts) {
-        out += fmt::format("Attempt {:<5} {}: {}\n", attempt.attempt,
-                           attempt.outcome.success ? "success" : "no success", attempt.outcome.reason);
+        out += fmt::format("Attempt {:<5} {}: {}\n", attempt.attempt, outcome_word(summary, attempt),
+                           attempt.outcome.reason);
     }
     std::size_t first = 0;
     do {

@@ -3,14 +3,32 @@
 #include "common/session/check.hpp"
 
 #include <fmt/format.h>
-#include <algorithm>
 
+#include "common/session/damage.hpp"
 #include "common/session/liveness.hpp"
 #include "common/session/reader.hpp"
 #include "common/session/superblock.hpp"
 #include "common/session/survey.hpp"
 
 namespace eti::session {
+
+namespace {
+
+void name_damage(const TableState::Series& series, std::size_t rows, std::vector<std::string>& out) {
+    const Condition& found = series.condition;
+    if (!found.there) {
+        out.push_back(words_of({series.path, 0, rows}));
+        return;
+    }
+    for (const RowRange& range : found.lost) {
+        out.push_back(words_of({series.path, range.first, range.count}));
+    }
+    if (found.stated < rows) {
+        out.push_back(words_of({series.path, found.stated, rows - found.stated}));
+    }
+}
+
+}  // namespace
 
 CheckResult check(const std::filesystem::path& path) {
     const SessionReader reader(path);
@@ -37,24 +55,32 @@ CheckResult check(const std::filesystem::path& path) {
     }
 
     for (const TableState& state : survey(reader.root())) {
-        const std::size_t most =
-            std::max_element(state.lengths.begin(), state.lengths.end(),
-                             [](const Length& a, const Length& b) { return a.stated < b.stated; })
-                ->stated;
-        if (!reader.live() && !state.equal()) {
-            result.damage.push_back(
-                fmt::format("{}: {} of {} rows are whole", state.what, state.common, most));
-        } else {
+        if (reader.live() || state.whole()) {
             result.remarks.push_back(fmt::format("{} {}", state.common, state.what));
+            continue;
+        }
+        result.damage.push_back(fmt::format("{}: {} of {} are whole before the first damage", state.what,
+                                            state.common, state.most));
+        for (const TableState::Series& series : state.series) {
+            name_damage(series, state.most, result.damage);
         }
     }
+    const std::vector<Damage> lost_before = read_damage(reader.root());
+    for (const Damage& lost : lost_before) {
+        result.remarks.push_back("before a repair: " + words_of(lost));
+    }
     try {
-        (void)reader.scene();
+        if (!known_lost(lost_before, "scene")) {
+            (void)reader.scene();
+        }
+    } catch (const hdf5::Error& error) {
+        result.damage.push_back(error.what());
+    }
+    try {
         (void)reader.deformations();
         (void)reader.fluids();
     } catch (const hdf5::Error& error) {
         result.damage.push_back(error.what());
-        result.repairable = false;
     }
     return result;
 }

@@ -18,9 +18,11 @@ struct CheckResult {
 /// Reads everything in a session file. Throws hdf5::Error for what is no session file at all.
 [[nodiscard]] CheckResult check(const std::filesystem::path& path);
 
-/// Clears the mark of a killed writer and cuts data sets to their common, readable length, so that
-/// any HDF5 program opens the file and finds series of equal length. Says what it did. Leaves a file
-/// alone that a running program writes. Throws hdf5::Error when it cannot mend the file.
+/// Makes a file that any HDF5 program opens and whose series are of equal length. A mark of a killed writer
+/// is cleared in place. Where rows are damaged, what every series still holds goes into a new file, which
+/// names in `damage` what is lost; it takes the old one's place, which is kept as FILE.before-repair. Says
+/// what it did. Leaves a file alone that a running program writes. Throws hdf5::Error when it cannot mend
+/// the file.
 [[nodiscard]] std::vector<std::string> repair(const std::filesystem::path& path);
 
 }  // namespace eti::session

@@ -3,6 +3,7 @@
 #include "common/session/liveness.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace eti::session {
@@ -34,8 +35,17 @@ void LiveMark::clear() {
     }
 }
 
+std::optional<int> LiveMark::deleted() const {
+    struct stat status {};
+    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || status.st_nlink > 0) {
+        return std::nullopt;
+    }
+    return descriptor_;
+}
+
 bool being_written(const std::filesystem::path& path) {
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int descriptor =
+        ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would wait for a writer
     if (descriptor < 0) {
         return false;
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 namespace eti::session {
 
@@ -19,6 +20,8 @@ class LiveMark {
 
     void set(const std::filesystem::path& path);
     void clear();
+    /// Whether the file has been deleted since; its descriptor then, else nothing.
+    [[nodiscard]] std::optional<int> deleted() const;
 
   private:
     int descriptor_ = -1;

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <limits>
+#include <optional>
 
 #include "common/hdf5/file.hpp"
 #include "common/session/check.hpp"
+#include "common/session/damage.hpp"
 #include "common/session/layout.hpp"
 #include "common/session/liveness.hpp"
 #include "common/session/reader.hpp"
@@ -25,126 +28,362 @@ namespace {
 using hdf5::Group;
 using hdf5::Handle;
 
-bool cut(const Group& root, const std::string& path, std::size_t rows) {
-    const Handle data_set(H5Dopen2(root.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
-    const Handle space(data_set ? H5Dget_space(data_set.get()) : -1, H5Sclose);
-    const int rank = space ? H5Sget_simple_extent_ndims(space.get()) : -1;
-    if (rank < 1) {
-        return false;
-    }
-    std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
-    H5Sget_simple_extent_dims(space.get(), extent.data(), nullptr);
-    extent[0] = rows;
-    return H5Dset_extent(data_set.get(), extent.data()) >= 0;
-}
+/// A series as it will be written: what could be read, made up elsewhere.
+struct Column {
+    std::string path;
+    std::string units, description;
+    Handle type;
+    hdf5::Shape row_shape;
+    std::size_t row_bytes = 0;
+    Condition condition;
+    std::vector<std::byte> image;
 
-/// Cuts longer data sets in place; false if the file's structure does not let it.
-bool cut_to_common(const std::filesystem::path& path, const std::vector<TableState>& states,
-                   std::vector<std::string>& done) {
-    hdf5::File file = hdf5::File::open(path, hdf5::Access::modify);
-    for (const TableState& state : states) {
-        for (const Length& length : state.lengths) {
-            if (length.stated == state.common) {
-                continue;
-            }
-            if (!cut(file.root(), length.path, state.common)) {
-                return false;
-            }
-            done.push_back(
-                fmt::format("cut {} from {} to {} rows", length.path, length.stated, state.common));
+    [[nodiscard]] bool lost(std::size_t row) const {
+        return row >= condition.stated || std::ranges::any_of(condition.lost, [&](const RowRange& range) {
+                   return row >= range.first && row < range.first + range.count;
+               });
+    }
+    template <class T>
+    [[nodiscard]] T value(std::size_t row) const {
+        T value;
+        std::memcpy(&value, image.data() + row * row_bytes, sizeof(T));
+        return value;
+    }
+    template <class T>
+    void set(std::size_t row, T value) {
+        std::memcpy(image.data() + row * row_bytes, &value, sizeof(T));
+    }
+};
+
+struct Salvaged {
+    std::vector<Column> columns;
+    std::size_t rows = 0;
+    [[nodiscard]] Column& at(std::string_view path) {
+        return *std::ranges::find(columns, path, &Column::path);
+    }
+    [[nodiscard]] bool lost(std::size_t row) const {
+        return std::ranges::any_of(columns, [&](const Column& column) { return column.lost(row); });
+    }
+};
+
+/// A row that says nothing: NaN, 0 or an empty text.
+template <class Field>
+std::vector<std::byte> nothing(std::size_t bytes) {
+    std::vector<std::byte> row(bytes);
+    constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+    if constexpr (std::is_same_v<Field, double>) {
+        constexpr double none = std::numeric_limits<double>::quiet_NaN();
+        std::memcpy(row.data(), &none, sizeof(none));
+    } else if constexpr (!std::is_integral_v<Field> && !std::is_same_v<Field, std::string>) {
+        for (std::size_t at = 0; at + sizeof(float) <= bytes; at += sizeof(float)) {
+            std::memcpy(row.data() + at, &not_a_number, sizeof(float));
         }
     }
-    file.close();
-    return true;
+    return row;
 }
 
-/// The first `rows` rows of one data set, whatever its type.
-void copy_rows(const Group& from, const Group& to, const std::string& path, std::size_t rows,
-               std::size_t chunk) {
-    const Handle source(H5Dopen2(from.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
-    const Handle type(source ? H5Dget_type(source.get()) : -1, H5Tclose);
-    const Handle space(source ? H5Dget_space(source.get()) : -1, H5Sclose);
-    const int rank = space ? H5Sget_simple_extent_ndims(space.get()) : -1;
-    if (!type || rank < 1) {
-        throw hdf5::Error(fmt::format("{}: not a readable data set", from.at(path)));
+/// Times and numbers of steps that were lost lie on the line between their neighbours.
+template <class T>
+void bridge(Column& column, std::size_t rows) {
+    std::optional<std::size_t> before;
+    for (std::size_t row = 0; row < rows;) {
+        if (!column.lost(row)) {
+            before = row++;
+            continue;
+        }
+        std::size_t after = row;
+        while (after < rows && column.lost(after)) {
+            ++after;
+        }
+        double slope = 0.0;
+        if (before && after < rows) {
+            slope = (static_cast<double>(column.value<T>(after)) -
+                     static_cast<double>(column.value<T>(*before))) /
+                    static_cast<double>(after - *before);
+        } else if (before && *before > 0) {
+            slope = static_cast<double>(column.value<T>(*before)) -
+                    static_cast<double>(column.value<T>(*before - 1));
+        } else if (after + 1 < rows && !column.lost(after + 1)) {
+            slope =
+                static_cast<double>(column.value<T>(after + 1)) - static_cast<double>(column.value<T>(after));
+        }
+        const bool forwards = before.has_value();
+        const std::size_t from = before.value_or(std::min(after, rows - 1));
+        const double start = forwards || after < rows ? static_cast<double>(column.value<T>(from)) : 0.0;
+        for (; row < after; ++row) {
+            const double along = static_cast<double>(row) - static_cast<double>(from);
+            column.set<T>(row, static_cast<T>(std::max(0.0, start + slope * along)));
+        }
     }
-    std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
-    H5Sget_simple_extent_dims(space.get(), extent.data(), nullptr);
-    const hdf5::Shape row_shape(extent.begin() + 1, extent.end());
-    const std::string units = text_of(from, path, "units"), description = text_of(from, path, "description");
+}
+
+/// Of a write that a kill cut short some series have a chunk more than others: those rows are left out.
+void leave_out_unfinished(Salvaged& table, std::size_t chunk) {
+    std::size_t finished = table.rows;
+    for (const Column& column : table.columns) {
+        if (column.condition.whole()) {
+            finished = std::min(finished, column.condition.stated);
+        }
+    }
+    if (table.rows - finished <= chunk) {
+        table.rows = finished;
+    }
+}
+
+/// `chunk`: rows in each of the table's chunks.
+template <class Record, class Visit>
+Salvaged salvage_table(const Group& root, std::size_t chunk, const Visit& visit) {
+    Salvaged table;
+    std::vector<std::vector<std::byte>> fills;
+    visit([&](const std::string& path, const hdf5::Label& label, auto field, std::size_t width) {
+        using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
+        if (std::is_floating_point_v<Field> && !root.has(path)) {
+            return;  // a measure that is newer than the file
+        }
+        Column& column = table.columns.emplace_back();
+        column.path = path;
+        column.units = label.units;
+        column.description = label.description;
+        column.type = Cell<Field>::type(width);
+        column.row_shape = Cell<Field>::shape(width);
+        column.row_bytes = Cell<Field>::bytes(width);
+        column.condition = examine(root, path);
+        table.rows = std::max(table.rows, column.condition.end());
+        fills.push_back(nothing<Field>(column.row_bytes));
+    });
+    leave_out_unfinished(table, chunk);
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        Column& column = table.columns[i];
+        try {
+            column.image = salvage(root, column.path, column.type.get(), column.row_shape, table.rows,
+                                   column.condition, fills[i]);
+        } catch (const hdf5::Error&) {  // another type or shape than it had
+            column.condition = {};
+            column.image = salvage(root, column.path, column.type.get(), column.row_shape, table.rows,
+                                   column.condition, fills[i]);
+        }
+        if (column.path.ends_with("/time_ns") || column.path == "inputs/step") {
+            bridge<std::uint64_t>(column, table.rows);
+        }
+    }
+    return table;
+}
+
+/// Keeps the times of which all rows are there, and their rows.
+void keep_whole_times(const std::string& group, Salvaged& times, Salvaged& rows,
+                      std::vector<Damage>& damage) {
+    Column& first = times.at(group + "/first_row");
+    Column& count = times.at(group + "/row_count");
+    std::vector<std::size_t> kept_times, kept_rows;
+    std::vector<bool> row_lost(rows.rows);
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+        row_lost[row] = rows.lost(row);
+    }
+    for (std::size_t i = 0; i < times.rows; ++i) {
+        const std::uint64_t from = first.value<std::uint64_t>(i), n = count.value<std::uint32_t>(i);
+        const bool whole = !times.lost(i) && from <= rows.rows && n <= rows.rows - from &&
+                           std::none_of(row_lost.begin() + static_cast<std::ptrdiff_t>(from),
+                                        row_lost.begin() + static_cast<std::ptrdiff_t>(from + n),
+                                        [](bool lost) { return lost; });
+        if (!whole) {
+            if (!damage.empty() && damage.back().path == group &&
+                damage.back().first + damage.back().count == i) {
+                ++damage.back().count;
+            } else {
+                damage.push_back({group, i, 1});
+            }
+            continue;
+        }
+        first.set<std::uint64_t>(i, kept_rows.size());
+        kept_times.push_back(i);
+        for (std::uint64_t row = from; row < from + n; ++row) {
+            kept_rows.push_back(row);
+        }
+    }
+    const auto keep = [](Salvaged& table, const std::vector<std::size_t>& kept) {
+        for (Column& column : table.columns) {
+            std::vector<std::byte> image(kept.size() * column.row_bytes);
+            for (std::size_t i = 0; i < kept.size(); ++i) {
+                std::memcpy(image.data() + i * column.row_bytes,
+                            column.image.data() + kept[i] * column.row_bytes, column.row_bytes);
+            }
+            column.image = std::move(image);
+        }
+        table.rows = kept.size();
+    };
+    keep(times, kept_times);
+    keep(rows, kept_rows);
+}
+
+void list_damage(const Salvaged& table, std::vector<Damage>& damage) {
+    for (const Column& column : table.columns) {
+        for (const RowRange& range : column.condition.lost) {
+            if (range.first < table.rows) {
+                damage.push_back({column.path, range.first, std::min(range.count, table.rows - range.first)});
+            }
+        }
+        if (column.condition.stated < table.rows) {
+            damage.push_back({column.path, column.condition.stated, table.rows - column.condition.stated});
+        }
+    }
+}
+
+void write_table(const Group& root, const Salvaged& salvaged, std::size_t chunk) {
     Table table(chunk);
-    table.create_column(to, path, type.get(), row_shape, {units, description});
-    table.open(to);
-    const auto bytes = read_rows_as(from, path, type.get(), row_shape, rows);
-    const std::size_t row_bytes = rows == 0 ? 0 : bytes.size() / rows;
-    for (std::size_t i = 0; i < rows; ++i) {
-        std::memcpy(table.next_cell(), bytes.data() + i * row_bytes, row_bytes);
+    for (const Column& column : salvaged.columns) {
+        table.create_column(root, column.path, column.type.get(), column.row_shape,
+                            {column.units, column.description});
+    }
+    table.open(root);
+    for (std::size_t row = 0; row < salvaged.rows; ++row) {
+        for (const Column& column : salvaged.columns) {
+            std::memcpy(table.next_cell(), column.image.data() + row * column.row_bytes, column.row_bytes);
+        }
     }
     if (!table.write_all()) {
-        throw hdf5::Error(fmt::format("{}: cannot be written: {}", to.at(path), table.error()));
+        throw hdf5::Error(fmt::format("{}: cannot be written: {}", root.place(), table.error()));
     }
 }
 
-/// Writes what is whole into a new file, which then takes the damaged one's place.
-void rewrite(const std::filesystem::path& path, const std::vector<TableState>& states) {
-    const std::filesystem::path unfinished = path.string() + ".unfinished." + std::to_string(::getpid());
+std::size_t tube_nodes_of(const Group& root) {
     try {
-        const SessionReader from(path);
-        hdf5::File to = hdf5::File::create(unfinished);
-        write_head(to.root(), from.info(), from.scene(), from.lost_records());
-        for (const TableState& state : states) {
-            for (const Length& length : state.lengths) {
-                copy_rows(from.root(), to.root(), length.path, state.common, step_chunk);
-            }
-        }
-        link_time_axis(to.root());
-        to.close();
-        std::filesystem::rename(unfinished, path);
-    } catch (...) {
-        std::error_code ignored;
-        std::filesystem::remove(unfinished, ignored);
-        throw;
+        return std::max<std::size_t>(root.open("scene").open("tube").integer("nodes"), 1);
+    } catch (const hdf5::Error&) {
+        const hdf5::Shape shape = examine(root, "tools/tube_nodes").row_shape;
+        return shape.size() == 2 ? shape[0] : 1;
     }
+}
+
+/// Writes all that can be read of `from` into a new file `to`. Returns what is lost.
+std::vector<Damage> rewrite(const SessionReader& from, const std::filesystem::path& to) {
+    const Group& root = from.root();
+    std::vector<Damage> damage;
+    SceneRecord scene;
+    try {
+        scene = from.scene();
+    } catch (const hdf5::Error&) {
+        scene.tube_nodes = tube_nodes_of(root);
+        damage.push_back({"scene", 0, 1});
+    }
+    hdf5::File file = hdf5::File::create(to);
+    write_head(file.root(), from.info(), scene, from.lost_records());
+    const auto plain = [&](const Salvaged& table, std::size_t chunk) {
+        list_damage(table, damage);
+        write_table(file.root(), table, chunk);
+    };
+    const std::size_t nodes = tube_nodes_of(root);
+    plain(salvage_table<StepRecord>(root, step_chunk,
+                                    [nodes](const auto& column) { step_columns(nodes, column); }),
+          step_chunk);
+    plain(
+        salvage_table<CommandRecord>(root, small_chunk, [](const auto& column) { command_columns(column); }),
+        small_chunk);
+    plain(salvage_table<EventRecord>(root, small_chunk, [](const auto& column) { event_columns(column); }),
+          small_chunk);
+    plain(
+        salvage_table<SummaryRecord>(root, small_chunk, [](const auto& column) { summary_columns(column); }),
+        small_chunk);
+    const auto listed = [&](const char* group, Salvaged times, Salvaged rows, std::size_t rows_chunk) {
+        keep_whole_times(group, times, rows, damage);
+        write_table(file.root(), rows, rows_chunk);
+        write_table(file.root(), times, small_chunk);
+    };
+    listed("deformation",
+           salvage_table<MovedFrames>(root, small_chunk,
+                                      [](const auto& column) { moved_frames_columns(column); }),
+           salvage_table<MovedFrame>(root, moved_frame_chunk,
+                                     [](const auto& column) { moved_frame_columns(column); }),
+           moved_frame_chunk);
+    if (root.has("fluid")) {
+        listed("fluid",
+               salvage_table<FluidRows>(root, small_chunk,
+                                        [](const auto& column) { fluid_rows_columns(column); }),
+               salvage_table<FluidParticle>(root, fluid_chunk,
+                                            [](const auto& column) { fluid_columns(column); }),
+               fluid_chunk);
+    }
+    link_time_axis(file.root());
+    if (!damage.empty()) {
+        write_damage(file.root(), damage);
+    }
+    if (from.finished() && !file.root().open("meta").change_integer("finished", 1)) {
+        throw hdf5::Error(fmt::format("{}: cannot be written", to.string()));
+    }
+    file.close();
+    return damage;
+}
+
+/// Whatever ends the repair, no unfinished file stays.
+struct Unfinished {
+    std::filesystem::path path;
+    ~Unfinished() {
+        std::error_code ignored;
+        std::filesystem::remove(path, ignored);
+    }
+};
+
+bool scene_is_whole(const SessionReader& reader) {
+    try {
+        (void)reader.scene();
+        return true;
+    } catch (const hdf5::Error&) {
+        return known_lost(read_damage(reader.root()), "scene");
+    }
+}
+
+std::filesystem::path kept_as(const std::filesystem::path& path) {
+    std::filesystem::path kept = path.string() + ".before-repair";
+    std::error_code error;
+    for (int number = 2; std::filesystem::exists(kept, error); ++number) {
+        kept = fmt::format("{}.before-repair.{}", path.string(), number);
+    }
+    return kept;
 }
 
 }  // namespace
 
 std::vector<std::string> repair(const std::filesystem::path& path) {
+    hdf5::require_plain_file(path);
     if (being_written(path)) {
         throw hdf5::Error(
             fmt::format("{}: a running program is recording into this file; end it first", path.string()));
     }
-    hdf5::require_plain_file(path);
-    std::vector<std::string> done;
     const auto superblock = read_superblock(path);
     if (!superblock) {
         throw hdf5::Error(
             fmt::format("{}: not a session file, or its first bytes are destroyed", path.string()));
     }
-    if (superblock->marked_open || superblock->stated_size != superblock->actual_size) {
-        if (!mend_superblock(path)) {
-            throw hdf5::Error(fmt::format("{}: cannot be changed: {}", path.string(), std::strerror(errno)));
+    const Unfinished copy{fmt::format("{}.unfinished.{}", path.string(), ::getpid())};
+    const Unfinished rewritten{fmt::format("{}.rewritten.{}", path.string(), ::getpid())};
+    std::filesystem::copy_file(path, copy.path);
+    std::vector<std::string> done;
+    const bool marked = superblock->marked_open || superblock->stated_size != superblock->actual_size;
+    const auto clear_mark = [&](const std::filesystem::path& of) {
+        if (!mend_superblock(of)) {
+            throw hdf5::Error(fmt::format("{}: cannot be changed: {}", of.string(), std::strerror(errno)));
         }
+    };
+    if (marked) {
+        clear_mark(copy.path);
         done.push_back("cleared the mark of the killed writer and stated the file's size");
     }
-
-    std::vector<TableState> states;
     {
-        const SessionReader reader(path);  // refuses what is no session
-        states = survey(reader.root());
-    }
-    if (std::all_of(states.begin(), states.end(), [](const TableState& s) { return s.equal(); })) {
-        return done;
-    }
-    const bool readable =
-        std::all_of(states.begin(), states.end(), [](const TableState& s) { return s.readable(); });
-    if (!readable || !cut_to_common(path, states, done)) {
-        rewrite(path, states);
-        for (const TableState& state : states) {
-            done.push_back(fmt::format("kept the first {} {}", state.common, state.what));
+        const SessionReader reader(copy.path);  // refuses what is no session
+        const auto states = survey(reader.root());
+        if (std::ranges::all_of(states, &TableState::whole) && scene_is_whole(reader)) {
+            if (marked) {
+                clear_mark(path);
+            }
+            return done;
         }
-        done.push_back("wrote what is whole into a new file in place of the damaged one");
+        for (const Damage& lost : rewrite(reader, rewritten.path)) {
+            done.push_back(words_of(lost));
+        }
     }
+    const std::filesystem::path kept = kept_as(path);
+    std::filesystem::rename(path, kept);
+    std::filesystem::rename(rewritten.path, path);
+    done.push_back(fmt::format("wrote what can be read into a new file; the old one is {}", kept.string()));
     return done;
 }
 

@@ -83,35 +83,107 @@ std::size_t chunk_rows(const Opened& opened) {
     return std::max<std::size_t>(chunk[0], 1);
 }
 
-}  // namespace
+/// A stated length may be damaged, too: so many chunks in a row are missing in no file of ours.
+constexpr std::size_t most_missing_chunks = 20'000;
 
-std::size_t stated_rows(const hdf5::Group& root, const std::string& path) {
-    return open(root, path).extent[0];
-}
-
-std::size_t readable_rows(const hdf5::Group& root, const std::string& path) {
-    const Opened opened = open(root, path);
-    const std::size_t rows = opened.extent[0];
-    const std::size_t step = chunk_rows(opened);
+/// Stops at the first damaged chunk where nothing else is asked for.
+Condition condition_of(const Opened& opened, bool until_first) {
+    Condition condition{
+        true, opened.extent[0], hdf5::Shape(opened.extent.begin() + 1, opened.extent.end()), {}};
+    const std::size_t rows = opened.extent[0], step = chunk_rows(opened);
     std::vector<std::byte> buffer(std::min(step, rows) * row_bytes(opened));
     for (std::size_t first = 0; first < rows; first += step) {
-        if (!has_chunk(opened, first) ||
-            !read(opened, opened.type.get(), first, std::min(step, rows - first), buffer.data())) {
-            return first;
+        const std::size_t count = std::min(step, rows - first);
+        if (has_chunk(opened, first) && read(opened, opened.type.get(), first, count, buffer.data())) {
+            continue;
+        }
+        if (!condition.lost.empty() && condition.lost.back().first + condition.lost.back().count == first) {
+            condition.lost.back().count += count;
+        } else {
+            condition.lost.push_back({first, count});
+        }
+        if (until_first) {
+            break;
+        }
+        if (condition.lost.back().count > most_missing_chunks * step) {
+            condition.lost.back().count = rows - condition.lost.back().first;
+            break;
         }
     }
-    return rows;
+    return condition;
 }
 
-std::vector<std::byte> read_rows_as(const hdf5::Group& root, const std::string& path, hid_t type,
-                                    const hdf5::Shape& row_shape, std::size_t rows) {
-    const Opened opened = open(root, path);
+void require_rows(const hdf5::Group& root, const std::string& path, const Opened& opened, hid_t type,
+                  const hdf5::Shape& row_shape) {
     const hdf5::Shape found(opened.extent.begin() + 1, opened.extent.end());
     if (found != row_shape || H5Tget_class(opened.type.get()) != H5Tget_class(type) ||
         H5Tget_size(opened.type.get()) != H5Tget_size(type) || H5Tis_variable_str(opened.type.get()) > 0) {
         throw hdf5::Error(
             fmt::format("{}: its rows have another type or shape than this program records", root.at(path)));
     }
+}
+
+}  // namespace
+
+std::size_t Condition::end() const {
+    std::size_t end = stated;
+    for (auto range = lost.rbegin(); range != lost.rend() && range->first + range->count == end; ++range) {
+        end = range->first;
+    }
+    return end;
+}
+
+std::size_t readable_rows(const hdf5::Group& root, const std::string& path) {
+    return condition_of(open(root, path), true).prefix();
+}
+
+Condition examine(const hdf5::Group& root, const std::string& path) {
+    try {
+        return condition_of(open(root, path), false);
+    } catch (const hdf5::Error&) {
+        return {};
+    }
+}
+
+std::vector<std::byte> salvage(const hdf5::Group& root, const std::string& path, hid_t type,
+                               const hdf5::Shape& row_shape, std::size_t rows, const Condition& condition,
+                               std::span<const std::byte> fill) {
+    const std::size_t bytes = fill.size();
+    std::vector<std::byte> image(rows * bytes);
+    const auto fill_rows = [&](std::size_t first, std::size_t past) {
+        for (std::size_t row = first; row < past; ++row) {
+            std::ranges::copy(fill, image.begin() + static_cast<std::ptrdiff_t>(row * bytes));
+        }
+    };
+    if (!condition.there) {
+        fill_rows(0, rows);
+        return image;
+    }
+    const Opened opened = open(root, path);
+    require_rows(root, path, opened, type, row_shape);
+    std::size_t done = 0;
+    const auto read_to = [&](std::size_t past) {
+        past = std::min(past, rows);
+        if (past > done && !read(opened, type, done, past - done, image.data() + done * bytes)) {
+            fill_rows(done, past);
+        }
+        done = std::max(done, past);
+    };
+    for (const RowRange& range : condition.lost) {
+        read_to(range.first);
+        const std::size_t past = std::min(range.first + range.count, rows);
+        fill_rows(std::min(range.first, rows), past);
+        done = std::max(done, past);
+    }
+    read_to(condition.stated);
+    fill_rows(done, rows);
+    return image;
+}
+
+std::vector<std::byte> read_rows_as(const hdf5::Group& root, const std::string& path, hid_t type,
+                                    const hdf5::Shape& row_shape, std::size_t rows) {
+    const Opened opened = open(root, path);
+    require_rows(root, path, opened, type, row_shape);
     std::vector<std::byte> bytes(rows * row_bytes(opened));
     if (rows > 0 && !read(opened, type, 0, rows, bytes.data())) {
         throw hdf5::Error(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,31 @@ namespace eti::session {
 /// damaged chunk. Throws hdf5::Error where `path` is no data set.
 [[nodiscard]] std::size_t readable_rows(const hdf5::Group& root, const std::string& path);
 
-/// Rows that a data set says it has. Throws hdf5::Error.
-[[nodiscard]] std::size_t stated_rows(const hdf5::Group& root, const std::string& path);
+/// Rows `first` to `first + count - 1` of a data set.
+struct RowRange {
+    std::size_t first = 0, count = 0;
+};
+
+/// How much of a data set can be read.
+struct Condition {
+    bool there = false;          ///< the data set can be opened
+    std::size_t stated = 0;      ///< rows that it says it has
+    hdf5::Shape row_shape;       ///< extents behind the row's index
+    std::vector<RowRange> lost;  ///< of those, the rows of chunks that cannot be read, in order
+    [[nodiscard]] bool whole() const { return there && lost.empty(); }
+    [[nodiscard]] std::size_t prefix() const { return lost.empty() ? stated : lost.front().first; }
+    /// One past the last row that can be read.
+    [[nodiscard]] std::size_t end() const;
+};
+
+/// Reads a data set chunk by chunk. Does not throw: a data set that cannot be opened is not there.
+[[nodiscard]] Condition examine(const hdf5::Group& root, const std::string& path);
+
+/// The first `rows` rows as memory image of `type`, as far as they can be read; `fill` makes up each of the
+/// others. Throws hdf5::Error if the rows have another shape.
+[[nodiscard]] std::vector<std::byte> salvage(const hdf5::Group& root, const std::string& path, hid_t type,
+                                             const hdf5::Shape& row_shape, std::size_t rows,
+                                             const Condition& condition, std::span<const std::byte> fill);
 
 /// The first `rows` rows as memory image of `type`. Throws hdf5::Error, also if the rows have another shape.
 [[nodiscard]] std::vector<std::byte> read_rows_as(const hdf5::Group& root, const std::string& path,

@@ -53,13 +53,9 @@ std::vector<EqualLength> tables(bool liquid) {
 
 }  // namespace
 
-bool TableState::equal() const {
-    return std::all_of(lengths.begin(), lengths.end(), [&](const Length& l) { return l.stated == common; });
-}
-
-bool TableState::readable() const {
-    return std::all_of(lengths.begin(), lengths.end(),
-                       [](const Length& l) { return l.stated == l.readable; });
+bool TableState::whole() const {
+    return std::ranges::all_of(
+        series, [&](const Series& s) { return s.condition.whole() && s.condition.stated == common; });
 }
 
 std::vector<TableState> survey(const Group& root) {
@@ -72,8 +68,9 @@ std::vector<TableState> survey(const Group& root) {
             if (parameter && !root.has(path)) {
                 continue;  // newer than the file
             }
-            state.lengths.push_back({path, stated_rows(root, path), readable_rows(root, path)});
-            state.common = std::min(state.common, state.lengths.back().readable);
+            const Condition& found = state.series.emplace_back(path, examine(root, path)).condition;
+            state.common = std::min(state.common, found.prefix());
+            state.most = std::max(state.most, found.stated);
         }
         states.push_back(std::move(state));
     }

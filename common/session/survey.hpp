@@ -7,26 +7,24 @@
 #include <vector>
 
 #include "common/hdf5/group.hpp"
+#include "common/session/rows.hpp"
 
 namespace eti::session {
 
-/// Rows of one data set.
-struct Length {
-    std::string path;
-    std::size_t stated = 0;
-    std::size_t readable = 0;  ///< before the first damaged chunk
-};
-
 /// Data sets that must be of one length.
 struct TableState {
+    struct Series {
+        std::string path;
+        Condition condition;
+    };
     const char* what = "";
-    std::vector<Length> lengths;
-    std::size_t common = 0;  ///< rows that all have, whole
-    [[nodiscard]] bool equal() const;
-    [[nodiscard]] bool readable() const;
+    std::vector<Series> series;
+    std::size_t common = 0;  ///< rows that all have, whole, before the first damage
+    std::size_t most = 0;    ///< rows that at least one says it has
+    [[nodiscard]] bool whole() const;
 };
 
-/// Reads every series of a session file. Throws hdf5::Error where a data set is missing.
+/// Reads every series of a session file.
 [[nodiscard]] std::vector<TableState> survey(const hdf5::Group& root);
 
 }  // namespace eti::session

@@ -32,6 +32,7 @@ void Table::create_column(const hdf5::Group& root, const std::string& path, hid_
     H5Pset_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data());
     H5Pset_shuffle(creation.get());
     H5Pset_deflate(creation.get(), deflate_level);
+    H5Pset_fletcher32(creation.get());  // what a disk has changed is told, not read
     const hdf5::Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
     H5Pset_create_intermediate_group(links.get(), 1);
     const hdf5::Handle data_set(

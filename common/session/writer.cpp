@@ -3,6 +3,7 @@
 #include "common/session/writer.hpp"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -65,6 +66,7 @@ struct SessionWriter::Impl {
     void finish();
     void fail(const std::string& reason);
     void warn_of_losses();
+    void warn_of_deletion();
 
     template <class T>
     bool push(Ring<T>& ring, const T& record) {
@@ -109,6 +111,7 @@ struct SessionWriter::Impl {
     std::deque<FluidRows> fluid_waiting;
     std::uint64_t lost_reported = 0;
     Clock::time_point warned_at{};
+    bool said_deleted = false;
     std::uint64_t last_time_ns = 0;
     LiveMark live;
 
@@ -176,6 +179,7 @@ void SessionWriter::Impl::run() {
             continue;
         }
         warn_of_losses();
+        warn_of_deletion();
         if (const auto why = write(last)) {
             fail(*why);
         }
@@ -280,6 +284,21 @@ void SessionWriter::Impl::warn_of_losses() {
     event_columns(appending(event_table, EventRecord{last_time_ns, "recording", text}));
     if (settings.on_warning) {
         settings.on_warning(text);
+    }
+}
+
+void SessionWriter::Impl::warn_of_deletion() {
+    const std::optional<int> descriptor = said_deleted ? std::nullopt : live.deleted();
+    if (!descriptor) {
+        return;
+    }
+    said_deleted = true;
+    if (settings.on_error) {
+        settings.on_error(
+            fmt::format("{}: was deleted while it was recorded, and is gone when this program ends. Remedy: "
+                        "before that, run: "
+                        "cp /proc/{}/fd/{} NEW_NAME, then: eti-review check --repair NEW_NAME",
+                        path.string(), ::getpid(), *descriptor));
     }
 }
 

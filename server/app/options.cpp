@@ -17,7 +17,12 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--scenario", options.scenario, "Scenario by name or path")->capture_default_str();
     app.add_option("--operator", options.operator_name,
                    "Scripted operator by name or path; without it the hands come over the bus");
-    app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)");
+    app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)")
+        ->check([](const std::string& file) {
+            return file.empty()
+                       ? std::string("names no file; give one, or leave the option out to record nothing")
+                       : std::string();
+        });
     bus::add_options(app, options.bus);
     app.add_flag("--fast", options.fast, "Simulate as fast as possible instead of by the clock");
     app.add_flag("!--no-dds", options.with_bus, "Run without the bus");

@@ -197,7 +197,7 @@ void Attempt::refresh_curves() {
     parameters_.blade_smoothness = log_dimensionless_jerk(blade_speed_.values(), 1.0 / blade_speed_.width());
 }
 
-Attempt::Weights Attempt::weights() const {
+RunPart::Weights Attempt::weights() const {
     return {parameters_.time_s, view_.seconds(), tube_speed_.seconds()};
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/model/parameters.hpp"
+#include "common/model/run.hpp"
 #include "server/metrics/airway_watch.hpp"
 #include "server/metrics/glottic_view.hpp"
 #include "server/metrics/signal.hpp"
@@ -82,10 +83,6 @@ class SpeedMeter {
 /// The parameters of one attempt as they grow.
 class Attempt {
   public:
-    struct Weights {
-        double time = 0.0, view = 0.0, tube = 0.0;  ///< [s] that the means were taken over
-    };
-
     Attempt(double weight_kg, double time_limit);
 
     void add(const Moment& moment);
@@ -95,7 +92,7 @@ class Attempt {
     /// Works out rocking and smoothness; about 0.5 ms for an attempt of 30 s.
     void refresh_curves();
 
-    [[nodiscard]] Weights weights() const;
+    [[nodiscard]] RunPart::Weights weights() const;
     [[nodiscard]] bool passed_glottis() const { return passed_glottis_; }
     [[nodiscard]] bool glottis_seen() const { return seen_; }
     [[nodiscard]] bool epiglottis_seen() const { return epiglottis_seen_; }

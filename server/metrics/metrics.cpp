@@ -31,75 +31,7 @@ double unknown() {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
-// Mean over parts, weighted; parts without a value or without weight do not count.
-class WeightedMean {
-  public:
-    void add(double value, double weight) {
-        if (!std::isnan(value) && weight > 0.0) {
-            sum_ += value * weight;
-            weight_ += weight;
-        }
-    }
-    [[nodiscard]] double value(double otherwise) const { return weight_ > 0.0 ? sum_ / weight_ : otherwise; }
-
-  private:
-    double sum_ = 0.0, weight_ = 0.0;
-};
-
-double combine(const ParameterField& field, std::span<const RunPart> parts, const RunPart* passage) {
-    double value = field.start;
-    WeightedMean mean;
-    for (const RunPart& part : parts) {
-        const double of_attempt = part.parameters.*field.value;
-        switch (field.combine) {
-            case Combine::greatest:
-                value = std::fmax(value, of_attempt);
-                break;
-            case Combine::least:
-                value = std::fmin(value, of_attempt);
-                break;
-            case Combine::sum:
-                value += of_attempt;
-                break;
-            case Combine::time_mean:
-                mean.add(of_attempt, part.weights.time);
-                break;
-            case Combine::view_mean:
-                mean.add(of_attempt, part.weights.view);
-                break;
-            case Combine::tube_mean:
-                mean.add(of_attempt, part.weights.tube);
-                break;
-            case Combine::passage:
-            case Combine::last:
-                value = of_attempt;
-                break;
-        }
-    }
-    if (field.combine == Combine::passage) {
-        return passage != nullptr ? passage->parameters.*field.value : unknown();
-    }
-    return mean.value(value);
-}
-
 }  // namespace
-
-Parameters combine(std::span<const RunPart> parts) {
-    // The last passage of the glottis; without one, the best view.
-    const RunPart* passage = nullptr;
-    for (const RunPart& part : parts) {
-        if (passage == nullptr || part.passed_glottis ||
-            (!passage->passed_glottis &&
-             part.parameters.glottic_opening_max_percent > passage->parameters.glottic_opening_max_percent)) {
-            passage = &part;
-        }
-    }
-    Parameters run;
-    for (const ParameterField& field : parameter_fields) {
-        run.*field.value = combine(field, parts, passage);
-    }
-    return run;
-}
 
 void Metrics::begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit,
                     const std::optional<Physiology>& physiology) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/model/parameters.hpp"
+#include "common/model/run.hpp"
 #include "common/model/tools.hpp"
 #include "server/metrics/attempt.hpp"
 #include "server/metrics/glottic_view.hpp"
@@ -104,7 +105,7 @@ class Metrics {
     double attempt_began_ = 0.0, next_refresh_ = 0.0;
     Story attempt_story_, run_story_;
     std::vector<AttemptSummary> attempts_;
-    std::vector<Attempt::Weights> weights_;  // one per attempt that has ended
+    std::vector<RunPart::Weights> weights_;  // one per attempt that has ended
     std::vector<bool> passed_;               // glottis passed, one per attempt that has ended
     int entries_between_ = 0;                // into the oesophagus, while no attempt was going on
     int main_stem_between_ = 0;
@@ -112,13 +113,5 @@ class Metrics {
     Live live_;
     std::vector<Event> events_;
 };
-
-/// Parameters of several attempts taken together; see Metrics::run().
-struct RunPart {
-    Parameters parameters;
-    Attempt::Weights weights;
-    bool passed_glottis = false;
-};
-[[nodiscard]] Parameters combine(std::span<const RunPart> parts);
 
 }  // namespace eti::metrics

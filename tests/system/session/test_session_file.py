@@ -25,6 +25,7 @@ RECORD_SESSION = os.environ.get("ETI_RECORD_SESSION", support.BIN.parent / "test
 STEPS_PER_SECOND = 180
 KEPT_AFTER = 1.0      # [s]: a killed program loses at most the last second
 KILLS = int(os.environ.get("ETI_KILLS", 6))
+DAMAGED = int(os.environ.get("ETI_DAMAGED", 40))
 
 # What the writer makes up: value(step, channel) = 0.1 sin(0.01 step + channel), in float32. The argument
 # reaches 180 and is rounded twice to 24 bits, so it is off by 2 * 180 * 2**-24 = 2e-5, the value by 0.1 times
@@ -60,6 +61,23 @@ class SessionFile(support.Case):
     def repair(self):
         done = self.review("check", self.file, "--repair")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def assert_nothing_is_lost_in_silence(self):
+        """What a repaired file holds is what was recorded; what it lacks stands in its list of damage."""
+        with h5py.File(self.file, "r") as file:
+            steps = file["inputs/step"][:]
+            numpy.testing.assert_array_equal(steps, numpy.arange(len(steps)))
+            named = {}
+            if "damage" in file:
+                for path, (first, count) in zip(file["damage/path"].asstr(), file["damage/rows"]):
+                    named.setdefault(path, set()).update(range(first, first + count))
+            for path, channel in (("inputs/laryngoscope_pose", 0), ("tools/proxy_pose", 30), ("tools/shell_force", 40)):
+                found = file[path][:, :3]
+                expected = numpy.stack([value(steps, channel + axis) for axis in range(3)], axis=1)
+                lost = numpy.isnan(found).all(axis=1)
+                self.assertEqual(set(numpy.flatnonzero(lost)), named.get(path, set()), path)
+                numpy.testing.assert_allclose(found[~lost], expected[~lost], rtol=0, atol=TOLERANCE, err_msg=path)
+            return len(steps)
 
     def assert_h5dump_reads_everything(self):
         # Without --header it reads and prints every value.
@@ -143,6 +161,12 @@ class SessionFile(support.Case):
         before = self.file.read_bytes()
         summary = json.loads(self.review("summary", self.file, "--json").stdout)
         self.assertFalse(summary["finished"])
+        self.assertIsNone(summary["success"], "killed is not failed")
+        self.assertIn("the recording ends at", summary["reason"])
+        self.assertIn("unknown: the recording ends", self.review("summary", self.file).stdout)
+        # The made-up steps say what the parameters were.
+        last = round(summary["duration_s"] * STEPS_PER_SECOND)
+        self.assertAlmostEqual(summary["parameters"]["gum_force_n"]["max"], float(value(last, 130)), delta=TOLERANCE)
         self.assertGreater(summary["duration_s"], 0.4)
         self.assertEqual(self.file.read_bytes(), before, "reading changed the file")
 
@@ -240,29 +264,77 @@ class SessionFile(support.Case):
                         self.assertIn(str(self.file), done.stderr)
                 self.assertEqual(self.review("check", self.file).returncode, 1, "a cut file is not sound")
                 if self.review("check", self.file, "--repair").returncode == 0:
-                    repaired.append(self.assert_h5py_finds_the_numbers(0)[0])
+                    repaired.append(self.assert_nothing_is_lost_in_silence())
                     self.assertEqual(self.review("check", self.file).returncode, 0)
         # Rows are written in the order of time, so a longer rest holds no fewer of them.
         self.assertEqual(repaired, sorted(repaired))
         self.assertGreater(repaired[-1], 1000, "what 95 % of the file holds")
 
-    def test_flipped_bytes_are_survived(self):
-        self.record(300)
-        whole = bytearray(self.file.read_bytes())
+    def damage(self, whole, chance, trial):
+        """Flipped bits, or a block of zeros; every third hits the beginning, where the structure lies thickest."""
+        damaged = bytearray(whole)
+        if trial % 4 == 3:
+            at = 4096 * chance.randrange(len(whole) // 4096)
+            damaged[at:at + 4096] = bytes(4096)
+            return damaged
+        reach = 4096 if trial % 3 == 0 else len(whole)
+        for _ in range(1 + trial % 8):
+            damaged[chance.randrange(reach)] ^= 1 << chance.randrange(8)
+        return damaged
+
+    def test_damaged_files_lose_nothing_in_silence(self):
+        self.record(1000, 20)
+        whole = self.file.read_bytes()
         chance = random.Random(7)
-        noticed = 0
-        for trial in range(60):
+        repaired = 0
+        for trial in range(DAMAGED):
             with self.subTest(trial=trial):
-                damaged = bytearray(whole)
-                # Every third trial hits the beginning, where the structure lies thickest.
-                reach = 4096 if trial % 3 == 0 else len(whole)
-                for _ in range(1 + trial % 8):
-                    damaged[chance.randrange(reach)] ^= 1 << chance.randrange(8)
-                self.file.write_bytes(damaged)
-                for arguments in (("summary",), ("check",), ("check", "--repair")):
-                    done = self.review(arguments[0], self.file, *arguments[1:])
-                    noticed += done.returncode
-        self.assertGreater(noticed, 0)
+                self.file.write_bytes(self.damage(whole, chance, trial))
+                self.review("summary", self.file)
+                self.review("check", self.file)
+                if self.review("check", self.file, "--repair").returncode == 0:
+                    repaired += 1
+                    self.assertEqual(self.assert_nothing_is_lost_in_silence(), 1000)
+        self.assertGreater(repaired, DAMAGED // 2)
+
+    def test_one_flipped_bit_costs_one_chunk_of_one_series(self):
+        self.record(500)
+        with h5py.File(self.file, "r") as file:
+            chunk = file["tools/proxy_pose"].id.get_chunk_info(2)
+            rows = file["tools/proxy_pose"].chunks[0]
+        damaged = bytearray(self.file.read_bytes())
+        damaged[chunk.byte_offset + chunk.size // 2] ^= 1
+        self.file.write_bytes(damaged)
+        check = self.review("check", self.file)
+        self.assertEqual(check.returncode, 1)
+        words = f"tools/proxy_pose: rows {2 * rows} to {3 * rows - 1} are lost"
+        self.assertIn(words, check.stderr)
+        self.repair()
+        self.assertEqual(self.assert_nothing_is_lost_in_silence(), 500)
+        with h5py.File(self.file, "r") as file:
+            self.assertEqual(list(file["damage/path"].asstr()), ["tools/proxy_pose"])
+            numpy.testing.assert_array_equal(file["damage/rows"], [[2 * rows, rows]])
+            self.assertEqual(file["meta"].attrs["finished"], 1)
+        self.assertEqual(Path(f"{self.file}.before-repair").read_bytes(), damaged, "the old file is kept as it was")
+        again = self.review("check", self.file)
+        self.assertEqual(again.returncode, 0)
+        self.assertIn(f"before a repair: {words}", again.stdout)
+
+    def test_a_pipe_is_no_session(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        for command in (("summary",), ("check",), ("check", "--repair")):
+            self.assert_refused(support.run("eti-review", command[0], pipe, *command[1:], timeout=10), pipe,
+                                "not a regular file")
+
+    def test_a_file_deleted_while_it_is_recorded_is_told(self):
+        process = self.start(1000, 1)
+        self.assertEqual(process.stdout.readline(), "recording\n")
+        time.sleep(0.5)
+        self.file.unlink()
+        _, said = process.communicate(timeout=60)
+        self.assertIn("was deleted while it was recorded", said)
+        self.assertIn(f"cp /proc/{process.pid}/fd/", said)
 
     def test_summary_says_every_parameter(self):
         self.record(200)

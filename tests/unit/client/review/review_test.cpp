@@ -72,14 +72,43 @@ TEST_F(Review, JsonHasTheDesignsNamesAndNullForWhatDoesNotExist) {
     }
 }
 
-TEST_F(Review, ASessionWithoutASummaryHasNoNumbersOfItsOwn) {
-    record(10, {});
+// Two attempts; the recording ends in the second, after the tube has passed the glottis.
+TEST_F(Review, ASessionWithoutASummaryIsSummedUpFromItsSteps) {
+    {
+        session::SessionWriter writer(path, session::sample::info(), session::sample::scene(), {});
+        for (std::uint64_t i = 0; i < 360; ++i) {
+            session::StepRecord step = session::sample::step(i);
+            step.attempt = i < 100 ? 1 : 2;
+            step.attempt_running = i < 90 || i >= 100;
+            step.tube_depth_past_glottis = i < 180 ? -0.01f : 0.012f;
+            step.parameters = {};
+            step.parameters.gum_force_max_n = i < 100 ? 3.0 : 2.0;
+            step.parameters.gum_force_mean_n = i < 100 ? 0.5 : 1.0;
+            step.parameters.time_s = i < 90 ? static_cast<double>(i) / 180.0 : i < 100 ? 0.5 : 1.5;
+            step.parameters.tube_speed_mean_cm_per_s = 7.0;
+            step.parameters.attempts = 1;
+            writer.push(step);
+        }
+        EXPECT_TRUE(writer.close());
+    }
     const Summary summary = summarise(path);
     EXPECT_FALSE(summary.has_run);
+    EXPECT_EQ(summary.open_attempt, 2u);
     const auto json = to_json(summary);
-    EXPECT_FALSE(json.at("success").get<bool>());
-    EXPECT_TRUE(json.at("parameters").at("time_s").is_null());
-    EXPECT_NE(to_table(summary).find("before the run was summed up"), std::string::npos);
+    EXPECT_TRUE(json.at("success").is_null());
+    EXPECT_TRUE(json.at("attempts")[0].at("success").is_null());
+    EXPECT_EQ(json.at("reason"),
+              "the recording ends at 2.0 s, before the run was summed up; the tube passed the glottis at 1.0 "
+              "s and lay "
+              "12 mm beyond it");
+    const auto& run = json.at("parameters");
+    EXPECT_EQ(run.at("gum_force_n").at("max").get<double>(), 3.0);
+    EXPECT_NEAR(run.at("gum_force_n").at("mean").get<double>(), (0.5 * 0.5 + 1.5 * 1.0) / 2.0, 1e-12);
+    EXPECT_EQ(run.at("time_s").get<double>(), 2.0);
+    EXPECT_EQ(run.at("attempts").get<double>(), 2.0);
+    EXPECT_TRUE(run.at("tube_speed_cm_per_s").at("mean").is_null()) << "its weights are not recorded";
+    EXPECT_EQ(json.at("attempts")[0].at("parameters").at("gum_force_n").at("max").get<double>(), 2.0);
+    EXPECT_NE(to_table(summary).find("unknown: the recording ends"), std::string::npos);
 }
 
 TEST_F(Review, TableShowsThePapersParametersFirst) {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/hdf5/group.hpp"
+
+namespace eti::session {
+
+/// Rows of a series that a repair could not read. In `deformation` and `fluid` they are times, numbered as
+/// before the repair, which left them out; elsewhere they stayed, as NaN, 0 or empty texts, with times and
+/// numbers of steps on the line between their neighbours. Of the scene, `path` alone counts.
+struct Damage {
+    std::string path;
+    std::size_t first = 0, count = 0;
+};
+
+/// "tools/proxy_pose: rows 315 to 359 are lost".
+[[nodiscard]] std::string words_of(const Damage& damage);
+
+[[nodiscard]] bool known_lost(const std::vector<Damage>& damage, std::string_view path);
+
+/// The group `damage` of a repaired session file. Both throw hdf5::Error; a file without it has none.
+void write_damage(const hdf5::Group& root, const std::vector<Damage>& damage);
+[[nodiscard]] std::vector<Damage> read_damage(const hdf5::Group& root);
+
+}  // namespace eti::session
