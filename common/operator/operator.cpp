@@ -72,11 +72,16 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
         s.until_view_percent = until->number("view_percent", s.until_view_percent, {0, 100});
         s.until_tube_depth = until->number("tube_depth_mm", s.until_tube_depth, {0, 200, millimetre});
         s.until_tube_aside = until->number("tube_aside_mm", s.until_tube_aside, {0, 50, millimetre});
+        s.until_blade_past = until->number("blade_past_mm", s.until_blade_past, {0, 50, millimetre});
         s.until_time = until->number("time_s", s.until_time, {0, 3600});
         until->finish();
     }
     if (s.until_tube_aside >= 0.0f && !s.steer) {
         map.refuse("until", "'tube_aside_mm' in a stage that does not steer", "'steer: on' beside it");
+    }
+    if (s.until_blade_past >= 0.0f && (tool == Tool::tube || s.keep)) {
+        map.refuse("until", "'blade_past_mm' in a stage that takes no blade to a landmark",
+                   "it in a stage of the laryngoscope that says where its 'tip' goes");
     }
     s.timeout = map.number("timeout_s", s.timeout, {0, 600});
     s.abort_on_timeout = map.flag("abort_on_timeout", s.abort_on_timeout);

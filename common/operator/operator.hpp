@@ -57,6 +57,7 @@ struct Stage {
     float until_view_percent = -1.0f;
     float until_tube_depth = -1.0f;  ///< [m] past the glottis
     float until_tube_aside = -1.0f;  ///< [m], of the tip from the line it is steered along
+    float until_blade_past = -1.0f;  ///< [m], of the laryngoscope's tip past tip_at, along the blade
     float until_time = -1.0f;        ///< [s] since the start of the run
     float timeout = 10.0f;           ///< [s]
     bool abort_on_timeout = false;   ///< give up: the rest of the track is skipped up to the last stage

@@ -155,14 +155,22 @@ RigidTransform TrackPlayer::between(float share) const {
     return {rotation, at_share - rotation * led_};
 }
 
+// How far the blade's tip, where the shell leaves it, lies beyond what the stage aims at.
+float TrackPlayer::blade_past(const Stage& stage, const Observation& observation) const {
+    const Vec3f aim = observation.proxy.inverse() * at(observation.landmarks, stage.tip_at);
+    return tip_.translation.z() - aim.z();
+}
+
 bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observation) {
     const float size = size_of(observation, track_.weight);
-    const bool now = (stage.until_view_percent < 0.0f ||
-                      observation.glottic_opening_percent >= stage.until_view_percent) &&
-                     (stage.until_tube_depth < 0.0f ||
-                      observation.tube_depth_past_glottis >= size * stage.until_tube_depth) &&
-                     (stage.until_tube_aside < 0.0f || aside_.norm() <= stage.until_tube_aside) &&
-                     (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
+    const bool now =
+        (stage.until_view_percent < 0.0f ||
+         observation.glottic_opening_percent >= stage.until_view_percent) &&
+        (stage.until_tube_depth < 0.0f ||
+         observation.tube_depth_past_glottis >= size * stage.until_tube_depth) &&
+        (stage.until_tube_aside < 0.0f || aside_.norm() <= stage.until_tube_aside) &&
+        (stage.until_blade_past < 0.0f || blade_past(stage, observation) >= size * stage.until_blade_past) &&
+        (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
     if (!now) {
         met_since_ = -1.0;
         return false;
@@ -170,7 +178,8 @@ bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observat
     if (met_since_ < 0.0) {
         met_since_ = observation.time;
     }
-    const bool waits = stage.until_view_percent >= 0.0f || stage.until_tube_depth >= 0.0f;
+    const bool waits =
+        stage.until_view_percent >= 0.0f || stage.until_tube_depth >= 0.0f || stage.until_blade_past >= 0.0f;
     return !waits || observation.time - met_since_ >= static_cast<double>(reaction_);
 }
 
@@ -258,10 +267,10 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         const double since = observation.time - started_;
         nominal_ = between(minimum_jerk(since / duration_));
         const double waited = since - duration_;
-        // Who watches the tube go in, or lifts for a view, stops where that is reached, short of where the
-        // path leads.
-        const bool watches =
-            stage.until_tube_depth >= 0.0f || (stage.keep && stage.until_view_percent >= 0.0f);
+        // Who watches tube or blade go in, or lifts for a view, stops where that is reached, short of where
+        // the path leads.
+        const bool watches = stage.until_tube_depth >= 0.0f || stage.until_blade_past >= 0.0f ||
+                             (stage.keep && stage.until_view_percent >= 0.0f);
         if (waited >= 0.0 || watches) {
             const bool met = conditions_met(stage, observation);
             if (waited < 0.0 && met) {

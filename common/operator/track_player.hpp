@@ -43,6 +43,7 @@ class TrackPlayer {
     [[nodiscard]] RigidTransform target_of(const Stage& stage, const Observation& observation,
                                            const Landmarks& points, const RigidTransform& previous) const;
     [[nodiscard]] RigidTransform between(float share) const;
+    [[nodiscard]] float blade_past(const Stage& stage, const Observation& observation) const;
     [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
     /// How much of `time` [s] has passed since the last call, at most all of it.
     [[nodiscard]] float share_passed(const Observation& observation, double time) const;

@@ -50,7 +50,7 @@ laryngoscope:
     pivot: lower_gum
     speed_mm_per_s: 55
     hold_s: 1.5
-    until: {view_percent: 60, tube_depth_mm: 22, time_s: 12}
+    until: {view_percent: 60, tube_depth_mm: 22, blade_past_mm: 6, time_s: 12}
     timeout_s: 7
     abort_on_timeout: true
   - {stage: kept, keep: on}
@@ -91,6 +91,7 @@ tube:
     EXPECT_FLOAT_EQ(s.hold, 1.5f);
     EXPECT_FLOAT_EQ(s.until_view_percent, 60);
     EXPECT_FLOAT_EQ(s.until_tube_depth, 0.022f);
+    EXPECT_FLOAT_EQ(s.until_blade_past, 6e-3f);
     EXPECT_FLOAT_EQ(s.until_time, 12);
     EXPECT_FLOAT_EQ(s.timeout, 7);
     EXPECT_TRUE(s.abort_on_timeout);
@@ -132,6 +133,10 @@ TEST(OperatorFile, ContradictionsAreRefused) {
     EXPECT_EQ(refusal(tube + "    steer: on\n    until: {tube_aside_mm: 1}\n"), "");
     EXPECT_TRUE(says(refusal(tube + "    until: {tube_aside_mm: 1}\n"), {"tube_aside_mm", "steer"}));
     EXPECT_TRUE(says(refusal(tube + "  - {stage: second, keep: on, steer: on}\n"), {"steer", "keep"}));
+    const std::string past = "    until: {blade_past_mm: 6}\n";
+    EXPECT_EQ(refusal(stage + past), "");
+    EXPECT_TRUE(says(refusal(kept + past), {"blade_past_mm", "laryngoscope", "'tip'"}));
+    EXPECT_TRUE(says(refusal(tube + past), {"blade_past_mm", "laryngoscope", "'tip'"}));
 }
 
 TEST(OperatorFile, ScriptWithoutStagesIsRefused) {

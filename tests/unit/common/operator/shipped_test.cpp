@@ -152,10 +152,10 @@ TEST(ShippedOperators, NoLiftIsTheExpertWithoutTheLift) {
                         a.roll == b.roll && a.depth_at_lip == b.depth_at_lip &&
                         a.depth_by_rule == b.depth_by_rule)
                 << "another move in '" << a.name << "'";
-            EXPECT_TRUE(a.until_view_percent == b.until_view_percent &&
-                        a.until_tube_depth == b.until_tube_depth &&
-                        a.until_tube_aside == b.until_tube_aside && a.until_time == b.until_time &&
-                        a.abort_on_timeout == b.abort_on_timeout)
+            EXPECT_TRUE(
+                a.until_view_percent == b.until_view_percent && a.until_tube_depth == b.until_tube_depth &&
+                a.until_tube_aside == b.until_tube_aside && a.until_blade_past == b.until_blade_past &&
+                a.until_time == b.until_time && a.abort_on_timeout == b.abort_on_timeout)
                 << "another condition in '" << a.name << "'";
         }
     };

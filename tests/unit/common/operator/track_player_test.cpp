@@ -361,6 +361,48 @@ TEST_F(Playing, StopsAtTheDepthThatItSees) {
     EXPECT_LT((tip() - stopped).norm(), 1e-4f) << "it goes on";
 }
 
+// A rim that the tip pushes ahead of it, until it slips over the tip and stays where it is.
+TEST_F(Playing, FollowsWithTheBladeUntilItsTipIsPastWhatItAimsAt) {
+    Stage pass = stage_at(Landmark::epiglottis_tip);
+    pass.follow = true;
+    pass.tip_offset = {0, 0, -30e-3f};
+    pass.until_blade_past = 6e-3f;
+    begin({stage_at(Landmark::tongue_dorsum), pass, kept("hold")});
+    ASSERT_TRUE(play_until(pass.name));
+    Vec3f& rim = seen_.landmarks[static_cast<std::size_t>(Landmark::epiglottis_tip)];
+    const float slips = rim.z() - 4e-3f;
+    const auto past = [&] { return length - (pose_.inverse() * rim).z(); };
+    float fastest = 0.0f;  // [m/s]
+    for (int i = 0; i < 60'000 && player_->stage_name() == pass.name; ++i) {
+        seen_.proxy = pose_;
+        rim.z() = std::clamp(tip().z(), slips, rim.z());
+        rim.x() = 5e-3f;  // and it slides to the left
+        const Vec3f before = tip();
+        step();
+        fastest = std::max(fastest, (tip() - before).norm() / static_cast<float>(dt));
+    }
+    EXPECT_EQ(player_->stage_name(), "hold");
+    EXPECT_LE(rim.z(), slips + 1e-6f) << "the tip was never past it";
+    // Reached on the way and kept for the time of reaction.
+    EXPECT_GE(past(), 6e-3f);
+    EXPECT_LE(past(), 6e-3f + fastest * (reaction + 2.0f * static_cast<float>(dt)));
+    EXPECT_LT(past(), 25e-3f) << "it goes on to what it aims at";
+    EXPECT_GT(tip().x(), 2e-3f) << "it does not follow";
+}
+
+TEST_F(Playing, GoesOnWithoutABladeThatNeverComesPast) {
+    Stage pass = stage_at(Landmark::epiglottis_tip);
+    pass.until_blade_past = 6e-3f;
+    pass.timeout = 0.5f;
+    begin({pass, kept("hold")});
+    for (int i = 0; i < 60'000 && player_->stage_name() != "hold"; ++i) {
+        seen_.proxy = pose_;
+        step();
+    }
+    EXPECT_EQ(player_->stage_name(), "hold");
+    EXPECT_LT((tip() - landmark(Landmark::epiglottis_tip)).norm(), 1e-4f);
+}
+
 TEST_F(Playing, LiftsOnlyAsFarAsTheViewTakes) {
     Stage lift = kept("lift");
     lift.lift = 20e-3f;
