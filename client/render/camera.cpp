@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/model/blade_lens.hpp"
+
 namespace eti::render {
 namespace {
 
@@ -94,10 +96,9 @@ Camera section_camera(const Section& section, const Landmarks& rest, const Landm
     return camera;
 }
 
-Camera blade_camera(const RigidTransform& pose, float blade_length) {
+Camera blade_camera(const RigidTransform& pose, const Laryngoscope& scope) {
     Camera camera;
-    // A millimetre before the bulb, which would stand in its way, in the channel beneath the blade.
-    camera.eye = pose * Vec3f(0.0f, -4.5e-3f, blade_length - 15e-3f);
+    camera.eye = pose * lens_of(scope);
     // A little down, so that the tip shows at the picture's upper edge and what it lifts below.
     camera.target = camera.eye + pose.rotation * (0.03f * Vec3f(0.0f, -0.15f, 1.0f).normalized());
     camera.up = pose.rotation * Vec3f::UnitY();

@@ -11,6 +11,7 @@
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
 #include "common/model/landmark.hpp"
+#include "common/model/tools.hpp"
 
 namespace eti::render {
 
@@ -52,8 +53,8 @@ struct Orbit {
 [[nodiscard]] Camera section_camera(const Section& section, const Landmarks& rest, const Landmarks& now);
 
 /// On the laryngoscope's blade beside its bulb, looking along to the tip, the tongue's side up; of a wide
-/// lens. `blade_length` [m] from the tool's origin to the tip.
-[[nodiscard]] Camera blade_camera(const RigidTransform& pose, float blade_length);
+/// lens.
+[[nodiscard]] Camera blade_camera(const RigidTransform& pose, const Laryngoscope& scope);
 
 /// The trainee's eye, with as much around what it looks at as a person sees clearly.
 [[nodiscard]] Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now);

@@ -14,6 +14,6 @@ namespace eti::render {
 [[nodiscard]] std::string give_way_source();
 
 /// For a program made with that source, in use. `tool`: the laryngoscope's pose.
-void apply(const GiveWay& give_way, const RigidTransform& tool, ShaderProgram& program);
+void apply(const PlacedGiveWay& placed, ShaderProgram& program);
 
 }  // namespace eti::render

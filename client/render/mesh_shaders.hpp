@@ -56,20 +56,30 @@ uniform vec4 lip_shape;   // where it begins and is complete [m], breadth [m^2],
 vec3 held_aside(vec3 p) {
     vec3 q = (to_sight * vec4(p, 1.0)).xyz;
     float before = smoothstep(lip_shape.x, lip_shape.y, q.z) * exp(-q.x * q.x / lip_shape.z);
-    float split = 0.5 * (lip_edge.x + lip_edge.y);
-    float upper = q.y < split ? smoothstep(lip_edge.x - lip_shape.w, lip_edge.x, q.y) : 0.0;
-    float lower = q.y < split ? 0.0 : 1.0 - smoothstep(lip_edge.y, lip_edge.y + lip_shape.w, q.y);
-    return p + sight_up * before * (lip_shift.y * lower - lip_shift.x * upper);
+    float middle = 0.5 * (lip_edge.x + lip_edge.y);
+    float half_open = 0.5 * max(lip_edge.y - lip_edge.x, max(0.5 * (lip_shift.x + lip_shift.y), 1e-6));
+    float lower = smoothstep(middle - half_open, middle + half_open, q.y);
+    return p + sight_up * before *
+                   (lower * lip_shift.y * (1.0 - smoothstep(lip_edge.y, lip_edge.y + lip_shape.w, q.y)) -
+                    (1.0 - lower) * lip_shift.x * smoothstep(lip_edge.x - lip_shape.w, lip_edge.x, q.y));
 }
 #endif
 invariant gl_Position;
 void main() {
     vec4 p = model * vec4(position, 1.0);
+    normal_at = mat3(model) * normal;
 #ifdef RETRACT
-    p.xyz = held_aside(p.xyz);
+    vec3 held = held_aside(p.xyz);
+    if (held != p.xyz) {
+        // The normal turns with what lies about it.
+        const float apart = 0.2e-3;
+        vec3 aside = normalize(cross(normal_at, abs(normal_at.y) < 0.7 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
+        vec3 along = normalize(cross(normal_at, aside));
+        normal_at = cross(held_aside(p.xyz + apart * aside) - held, held_aside(p.xyz + apart * along) - held) / (apart * apart);
+        p.xyz = held;
+    }
 #endif
     world = p.xyz;
-    normal_at = mat3(model) * normal;
 #ifdef TUBE
     course_at = course;
 #else

@@ -184,9 +184,10 @@ void PatientMesh::update(const view::SceneView& scene) {
     skin(scene);
     TriangleBlocks::Slack gives_way;
     if (blade_ && scene.keys()) {
-        gives_way = [give_way = GiveWay{plate_of(scene.keys()->laryngoscope())},
-                     to_blade = blade_->inverse()](const Vec3f& centre, float radius) {
-            return give_way.moves(to_blade * centre, radius) ? GiveWay::most : 0.0f;
+        const PlacedGiveWay placed = give_way_to(scene.keys()->laryngoscope(), *blade_, scene.landmarks());
+        gives_way = [give_way = placed.give_way, to_blade = blade_->inverse()](const Vec3f& centre,
+                                                                               float radius) {
+            return give_way.moves(to_blade * centre, radius) ? give_way.reach() : 0.0f;
         };
     }
     for (Part& part : parts_) {
@@ -208,7 +209,7 @@ void PatientMesh::skin(const view::SceneView& scene) {
     const bool held = blade_ && scene.keys();
     skinning_.set("blade_held", held ? 1 : 0);
     if (held) {
-        apply(GiveWay{plate_of(scene.keys()->laryngoscope())}, *blade_, skinning_);
+        apply(give_way_to(scene.keys()->laryngoscope(), *blade_, scene.landmarks()), skinning_);
     }
     glBindVertexArray(rest_array_.name());
     capture(skinned_, vertex_count_);

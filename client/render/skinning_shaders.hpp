@@ -31,11 +31,23 @@ void main() {
     }
     vec4 p = vec4(rest_position, 1.0);
     vec3 carried = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
-    skinned_position = blade_held != 0 ? give_way(carried) : carried;
     // Normals follow the cofactors: frames that disagree shear and squeeze.
     vec3 n = vec3(dot(cross(row1.xyz, row2.xyz), rest_normal), dot(cross(row2.xyz, row0.xyz), rest_normal),
                   dot(cross(row0.xyz, row1.xyz), rest_normal));
-    skinned_normal = n * inversesqrt(max(dot(n, n), 1e-20));
+    n *= inversesqrt(max(dot(n, n), 1e-20));
+    skinned_position = carried;
+    skinned_normal = n;
+    if (blade_held != 0) {
+        skinned_position = give_way(carried);
+        if (skinned_position != carried) {
+            // It turns with what lies about it.
+            const float apart = 0.2e-3;
+            vec3 aside = normalize(cross(n, abs(n.y) < 0.7 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
+            vec3 turned = cross(give_way(carried + apart * aside) - skinned_position,
+                                give_way(carried + apart * cross(n, aside)) - skinned_position);
+            skinned_normal = dot(turned, turned) > 0.0 ? normalize(turned) : n;
+        }
+    }
 }
 )";
 

@@ -20,7 +20,7 @@ Cameras from_above(const view::SceneView& scene, const Vantage& from) {
 
 Cameras on_the_blade(const view::SceneView& scene, const Vantage& from) {
     if (scene.laryngoscope_pose() && scene.keys()) {
-        return {blade_camera(*scene.laryngoscope_pose(), scene.keys()->laryngoscope().blade_length)};
+        return {blade_camera(*scene.laryngoscope_pose(), scene.keys()->laryngoscope())};
     }
     // Nobody holds a laryngoscope yet.
     return {close_up_camera(from.eye, scene.landmarks())};

@@ -7,6 +7,7 @@
 
 #include "common/math/smoothstep.hpp"
 #include "common/math/units.hpp"
+#include "common/model/blade_lens.hpp"
 
 namespace eti {
 
@@ -25,6 +26,11 @@ float BladePlate::height(float along) const {
            lip * smoothstep(length - 8e-3f, length, along);
 }
 
+float BladePlate::outline(float along) const {
+    const float to_tip = std::clamp((length - along) / rounding, 0.0f, 1.0f);
+    return 0.5f * width(along) * (tip_width + (1.0f - tip_width) * std::sqrt(to_tip * (2.0f - to_tip)));
+}
+
 BladePlate plate_of(const Laryngoscope& scope) {
     const bool small = scope.blade == Blade::miller_0;
     return {.length = scope.blade_length,
@@ -35,30 +41,105 @@ BladePlate plate_of(const Laryngoscope& scope) {
             .crown = 1.2f * millimetre};
 }
 
+Eigen::AlignedBox3f GiveWay::where() const {
+    const bool parts = aside > 0.0f;
+    const float far = parts ? lips_fade : beside;
+    const float widest =
+        std::max({0.5f * std::max(plate.wide, plate.narrow) + gathers * edge_aside,
+                  parts ? corner + gathers * aside : 0.0f, parts ? 2.0f * aside + spare - corner : 0.0f});
+    const float lowest = std::min({plate.high - under, plate.low - under, lens.y() - gathers * most}) - far;
+    const float highest = std::max(plate.high, plate.low) + lip + far;
+    return {Vec3f(-widest, lowest, heel), Vec3f(widest, highest, plate.length + far)};
+}
+
 bool GiveWay::moves(const Vec3f& centre, float radius) const {
-    const float highest = std::max(plate.high, plate.low) + lip + clearance + softness;
-    const float lowest = std::min(plate.high, plate.low) - plate.crown + clearance - deepest - release;
-    return std::fabs(centre.x()) - radius < 0.5f * std::max(plate.wide, plate.narrow) + beside &&
-           centre.z() + radius > heel && centre.z() - radius < plate.length + beside &&
-           centre.y() - radius < highest && centre.y() + radius > lowest;
+    return where().squaredExteriorDistance(centre) <= radius * radius;
 }
 
 Vec3f GiveWay::operator()(const Vec3f& point) const {
-    const float half = 0.5f * plate.width(point.z());
-    const float across = std::fabs(point.x());
+    if (!where().contains(point)) {
+        return point;
+    }
+    Vec3f p = point;
+    const float along = smoothstep(heel, heel + beside, p.z());
+    const float crown = plate.height(p.z());
+    const float past_tip = p.z() - plate.length;
+    const float off = std::max({p.y() - crown, crown - under - p.y(), 0.0f});  // above or below
+    float of_lips = 0.0f;
+    if (aside > 0.0f) {
+        of_lips = smoothstep(heel, heel + lips_fade, p.z()) *
+                  (1.0f - smoothstep(lips_end, lips_end + lips_fade, p.z())) *
+                  (1.0f - smoothstep(0.0f, lips_fade, past_tip));
+        const float out = side * p.x() - corner;
+        p.x() += side * aside * of_lips * (1.0f - smoothstep(0.0f, lips_fade, off)) *
+                 smoothstep(-2.0f * aside - 0.5f * spare, -0.5f * spare, out) *
+                 (1.0f - smoothstep(0.0f, gathers * aside, out));
+        of_lips *= std::min(aside / spare, 1.0f);
+    }
+    const float outline = plate.outline(std::min(p.z(), plate.length - before_tip));
+    const float share = std::min(outline / edge_begins, 1.0f);
+    const float out = (std::fabs(p.x()) - outline) / share;
+    const float over = std::clamp((out + edge_begins) / (edge_begins - edge), 0.0f, 1.0f);
+    p.x() += std::copysign((1.0f - of_lips) * along * (1.0f - smoothstep(0.0f, beside, past_tip)) *
+                               (1.0f - smoothstep(0.0f, beside, off)) * share * edge_aside * over *
+                               (1.0f - smoothstep(-edge, gathers * edge_aside, out)),
+                           p.x());
+    const Vec3f lifted = off_the_face(p);
+    return p + (1.0f - of_lips) * along * (lifted - p);
+}
+
+Vec3f GiveWay::off_the_face(Vec3f p) const {
+    const float half = 0.5f * plate.width(p.z());
+    const float across = std::fabs(p.x());
     const float on_plate = (1.0f - smoothstep(half, half + beside, across)) *
-                           smoothstep(heel, heel + beside, point.z()) *
-                           (1.0f - smoothstep(plate.length, plate.length + beside, point.z()));
-    const float edge = std::min(across / half, 1.0f);
-    const float face = plate.height(point.z()) - plate.crown * 2.0f * half / plate.wide * edge * edge;
-    const float in = face + clearance - point.y();
-    const float deeper = std::clamp(in + softness, 0.0f, 2.0f * softness);
-    const float out = in > softness ? in : deeper * deeper / (4.0f * softness);
-    return point + Vec3f(0.0f, on_plate * out * (1.0f - smoothstep(deepest, deepest + release, in)), 0.0f);
+                           (1.0f - smoothstep(plate.length, plate.length + beside, p.z()));
+    const float from_middle = std::min(across / half, 1.0f);
+    const float face =
+        plate.height(p.z()) - plate.crown * 2.0f * half / plate.wide * from_middle * from_middle + clearance;
+    const float in = face - p.y();
+    if (in <= softness) {
+        const float deeper = std::max(in + softness, 0.0f);
+        p.y() += on_plate * deeper * deeper / (4.0f * softness);
+        return p;
+    }
+    // What is left of the depth: none down to the deepest, from there more and more, until it is what it was,
+    // or what it is below the lens.
+    const float beyond = std::max(in - deepest, 0.0f);
+    const float left =
+        steepest * (beyond < easing ? beyond * beyond / (2.0f * easing) : beyond - 0.5f * easing);
+    const float lens_depth = face - lens.y() + lens_spare;
+    const float from = deepest + 0.5f * easing + lens_depth / steepest;
+    const float down = lens_depth - from;
+    const float stays =
+        in + down * (1.0f - smoothstep(from, from + gathers * down, in)) *
+                 (1.0f - smoothstep(lens_wholly, lens_fade, std::hypot(p.x() - lens.x(), p.z() - lens.z())));
+    const float met = std::max(easing - std::fabs(left - stays), 0.0f);
+    p.y() += on_plate * (in - std::min(left, stays) + met * met / (4.0f * easing));
+    return p;
 }
 
 bool PlacedGiveWay::may_move(const Vec3f& centre, float radius) const {
     return give_way.moves(tool.inverse() * centre, radius);
+}
+
+PlacedGiveWay give_way_to(const Laryngoscope& scope, const RigidTransform& tool, const Landmarks& now) {
+    // Of a mouth that is open; its corners are no landmarks.
+    constexpr float corner_by_airway = 0.135f;
+    PlacedGiveWay placed{{.plate = plate_of(scope), .lens = lens_of(scope)}, tool};
+    GiveWay& give_way = placed.give_way;
+    const RigidTransform to_tool = tool.inverse();
+    const Vec3f middle = to_tool * at(now, Landmark::mouth_opening);
+    const Vec3f& gum = at(now, Landmark::upper_gum);
+    give_way.lips_end = (to_tool * gum).z();
+    give_way.side = middle.x() > 0.0f ? -1.0f : 1.0f;
+    give_way.corner = corner_by_airway * (gum - at(now, Landmark::glottis)).norm() - std::fabs(middle.x());
+    const float along = std::clamp(give_way.lips_end, GiveWay::heel, give_way.plate.length);
+    const float aside = 0.5f * give_way.plate.width(along) + GiveWay::spare - give_way.corner;
+    // A tool far from the mouth parts no lips.
+    const float half = 0.5f * give_way.plate.width(along);
+    const float passes = 1.0f - smoothstep(2.0f * half, 4.0f * half, -give_way.corner);
+    give_way.aside = passes * std::clamp(aside, 0.0f, GiveWay::most_aside);
+    return placed;
 }
 
 }  // namespace eti

@@ -157,10 +157,7 @@ TriangleMesh laryngoscope_mesh(const Laryngoscope& scope) {
         const float share = 1.0f - std::pow(1.0f - static_cast<float>(i) / stations, 1.5f);
         const float z = heel + (length - heel) * share;
         const float to_tip = length - z;
-        const float rounding = 4.0f * millimetre;
-        const float outline =
-            to_tip < rounding ? std::sqrt(1.0f - std::pow(1.0f - to_tip / rounding, 2.0f)) : 1.0f;
-        const float width = blade.width(z) * (0.45f + 0.55f * outline);
+        const float width = 2.0f * blade.outline(z);
         const float lip = smoothstep(8.0f * millimetre, 0.0f, to_tip);
         const float fade = 1.0f - smoothstep(0.75f * length, 0.93f * length, z);
         sweep.add(plate_section(width, thickness * (1.0f - 0.3f * lip), blade.crown * width / blade.wide,

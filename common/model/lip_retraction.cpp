@@ -21,9 +21,13 @@ Vec3f LipRetraction::held_aside(const Vec3f& point) const {
     if (before == 0.0f) {
         return point;
     }
-    const bool is_upper = q.y() < 0.5f * (upper_edge + lower_edge);
-    const float shift = is_upper ? -upper_shift * smoothstep(upper_edge - gather, upper_edge, q.y())
-                                 : lower_shift * (1.0f - smoothstep(lower_edge, lower_edge + gather, q.y()));
+    // From lip to lip, at the corners of the mouth, one becomes the other; of a mouth that is hardly open not
+    // all at once.
+    const float middle = 0.5f * (upper_edge + lower_edge);
+    const float half = 0.5f * std::max({lower_edge - upper_edge, 0.5f * (upper_shift + lower_shift), 1e-6f});
+    const float lower = smoothstep(middle - half, middle + half, q.y());
+    const float shift = lower * lower_shift * (1.0f - smoothstep(lower_edge, lower_edge + gather, q.y())) -
+                        (1.0f - lower) * upper_shift * smoothstep(upper_edge - gather, upper_edge, q.y());
     return point + before * std::exp(-q.x() * q.x() / breadth) * shift * axes.row(1).transpose();
 }
 

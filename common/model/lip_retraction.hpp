@@ -9,13 +9,14 @@ namespace eti {
 /// Fingers hold the lips aside for whoever looks into the mouth. What lies before the upper gum, as the eye
 /// sees it, moves off the line of sight: upper lip and nose down in the picture, lower lip and chin up. The
 /// picture and the measured view of the glottis both look past lips held so; the simulated lips stay.
-/// The shader held_aside() of client/render/shader_sources.hpp computes the same.
+/// The shader held_aside() of client/render/mesh_shaders.hpp computes the same.
 struct LipRetraction {
     /// Over this length [m] beyond a lip's edge skin gathers, and by `most` a lip gives way: less than two
     /// thirds of the former, the steepest slope of the step between, so that skin never folds over.
     static constexpr float gather = 0.030f, most = 0.018f;
-    /// Where it begins and is complete, towards the eye from the gum [m].
-    static constexpr float begins = -0.5e-3f, complete = 1.5e-3f;
+    /// Where it begins and is complete, towards the eye from the gum [m]: so near to a lip's edge that this
+    /// is held as the other is, and so far apart that gum and lip between them do not become a sheet.
+    static constexpr float begins = -0.5e-3f, complete = 5.5e-3f;
     /// A finger's breadth: twice the variance [m^2] sideways.
     static constexpr float breadth = 4e-4f;
 

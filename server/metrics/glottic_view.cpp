@@ -46,7 +46,7 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
       lips_as_scanned_(
           std::ranges::none_of(patient.surfaces, [](const Surface& s) { return s.tissue == Tissue::cloth; })),
       rest_centres_(patient.frame_rest_centre),
-      give_way_{plate_of(scope)} {
+      scope_(scope) {
     for (const Surface& surface : patient.surfaces) {
         if (is_bone(surface.tissue)) {  // inside the body, hidden anyway
             continue;
@@ -74,7 +74,7 @@ void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, c
         const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
         laryngoscope_->block(lines, std::span(&held, 1));
     }
-    const std::optional<PlacedGiveWay> pressed = PlacedGiveWay{give_way_, snapshot.proxy};
+    const std::optional<PlacedGiveWay> pressed = give_way_to(scope_, snapshot.proxy, snapshot.landmarks);
     if (lips_as_scanned_) {
         lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
     }
@@ -111,9 +111,10 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
         return view;
     }
 
+    const PlacedGiveWay pressed = give_way_to(scope_, snapshot.proxy, snapshot.landmarks);
     std::vector<Vec3f> targets;
     for (const anatomy::CarriedPoint& point : epiglottis_) {
-        targets.push_back(give_way_(skin_point(point.rest, point.skin, frames), snapshot.proxy));
+        targets.push_back(pressed(skin_point(point.rest, point.skin, frames)));
     }
     SightLines to_epiglottis(from, targets, settings_.tolerance);
     block(to_epiglottis, frames, lips, snapshot);

@@ -60,7 +60,7 @@ class GlotticViewer {
     std::vector<Vec3f> rest_centres_;
     std::vector<Occluder> surfaces_;
     std::optional<Occluder> laryngoscope_;
-    GiveWay give_way_;
+    Laryngoscope scope_;
     std::vector<anatomy::CarriedPoint> epiglottis_;
 };
 

@@ -237,7 +237,7 @@ void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
         const Vec3f centre = 0.5f * (low + high);
         float radius = block.radius + 0.5f * (high - low).norm();
         if (pressed && pressed->may_move(centre, radius)) {
-            radius += GiveWay::most;
+            radius += pressed->give_way.reach();
         }
         if (lips != nullptr && lips->moves(centre, radius)) {
             radius += lips->reach();

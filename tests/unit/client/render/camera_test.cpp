@@ -86,7 +86,7 @@ TEST(Section, IsTheMiddleUntilMovedAndStaysWithinItsLimits) {
 
 TEST(BladeCamera, RidesNearTheTipAndLooksAlongTheBlade) {
     const RigidTransform pose = RigidTransform::about({0.01f, 0.02f, 0.03f}, Vec3f::UnitX(), 0.7f);
-    const Camera camera = blade_camera(pose, 0.1f);
+    const Camera camera = blade_camera(pose, make_laryngoscope(Blade::miller_1));
     const Vec3f tip = pose * Vec3f(0.0f, 0.0f, 0.1f);
     EXPECT_LT((camera.eye - tip).norm(), 0.02f);
     const Vec3f gaze = (camera.target - camera.eye).normalized();

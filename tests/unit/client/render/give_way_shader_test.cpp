@@ -32,11 +32,10 @@ out vec4 pixel;
 void main() { pixel = vec4(place, 1.0); }
 )";
 
-std::vector<Vec3f> drawn(const std::vector<Vec3f>& points, const GiveWay& give_way,
-                         const RigidTransform& tool) {
+std::vector<Vec3f> drawn(const std::vector<Vec3f>& points, const PlacedGiveWay& give_way) {
     render::ShaderProgram program("give way", {}, render::give_way_source() + vertex, fragment);
     program.use();
-    render::apply(give_way, tool, program);
+    render::apply(give_way, program);
     const auto count = static_cast<GLsizei>(points.size());
     program.set("count", static_cast<float>(count));
 
@@ -78,19 +77,29 @@ TEST(GiveWayShader, DrawsWhatTheServerMeasures) {
     const RigidTransform tool{quaternion_from(Vec3f(0.7f, -0.4f, 1.1f)), Vec3f(0.02f, -0.05f, 0.04f)};
     for (const Blade blade : {Blade::miller_0, Blade::miller_1}) {
         const Laryngoscope scope = make_laryngoscope(blade);
-        const GiveWay give_way{plate_of(scope)};
+        // At the corner of a mouth, whose gum lies 30 mm short of the tip.
+        Landmarks mouth = unseen_landmarks();
+        const auto set = [&](Landmark which, const Vec3f& place) {
+            mouth[static_cast<std::size_t>(which)] = tool * place;
+        };
+        const float gum = scope.blade_length - 30e-3f;
+        set(Landmark::upper_gum, {9e-3f, -8e-3f, gum});
+        set(Landmark::mouth_opening, {9e-3f, 2e-3f, gum - 6e-3f});
+        set(Landmark::glottis, {9e-3f, 44e-3f, gum + 44e-3f});
+        const PlacedGiveWay give_way = give_way_to(scope, tool, mouth);
+        ASSERT_GT(give_way.give_way.aside, 1e-3f);
         Random random(3);
         std::vector<Vec3f> points;
         for (int i = 0; i < 4000; ++i) {
-            points.push_back(tool * Vec3f(0.016f * (random.uniform() - 0.5f),
-                                          0.014f * (random.uniform() - 0.3f),
+            points.push_back(tool * Vec3f(0.030f * (random.uniform() - 0.5f),
+                                          0.024f * (random.uniform() - 0.5f),
                                           (scope.blade_length + 0.01f) * random.uniform()));
         }
-        const std::vector<Vec3f> places = drawn(points, give_way, tool);
+        const std::vector<Vec3f> places = drawn(points, give_way);
         float moved = 0.0f;
         for (std::size_t i = 0; i < points.size(); ++i) {
             // Both in single precision at 0.1 m: roundings of 1e-8 m that slopes of three enlarge.
-            EXPECT_LT((places[i] - give_way(points[i], tool)).norm(), 1e-6f) << points[i].transpose();
+            EXPECT_LT((places[i] - give_way(points[i])).norm(), 1e-6f) << points[i].transpose();
             moved = std::max(moved, (places[i] - points[i]).norm());
         }
         EXPECT_GT(moved, 2e-3f) << "nothing gave way";

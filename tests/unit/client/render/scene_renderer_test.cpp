@@ -209,11 +209,11 @@ TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
         for (std::size_t v = 0; v < part.vertex_count; ++v) {
             const view::LitVertex& vertex = drawn[part.first_vertex + v];
             const Vec3f skinned = skin_point(model.mesh.vertices[v], model.skin[v], scene_.frame_maps());
-            const Vec3f pressed =
-                GiveWay{plate_of(scene_.keys()->laryngoscope())}(skinned, *scene_.laryngoscope_pose());
+            const Vec3f pressed = give_way_to(scene_.keys()->laryngoscope(), *scene_.laryngoscope_pose(),
+                                              scene_.landmarks())(skinned);
             farthest = std::max(farthest, (vertex.position - pressed).norm());
             // Where one frame carries a vertex and all its neighbours, its normal turns with them.
-            if (part.name == "tongue") {
+            if (part.name == "tongue" && pressed == skinned) {
                 most_tilted = std::max(most_tilted, (vertex.normal - expected[v].normal).norm());
             }
         }
@@ -222,6 +222,38 @@ TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
     // for.
     EXPECT_LT(farthest, 1e-6f);
     EXPECT_LT(most_tilted, 1e-4f);
+}
+
+// What gives way is lit as it lies then: a normal stays across both tangents, whose ways are known.
+TEST_F(SceneRendererTest, NormalsTurnWithWhatGivesWay) {
+    renderer_.sync(scene_);
+    const auto drawn = renderer_.meshes().patient().vertices();
+    const PlacedGiveWay give_way =
+        give_way_to(scene_.keys()->laryngoscope(), *scene_.laryngoscope_pose(), scene_.landmarks());
+    double turned = 0.0, wrong = 0.0;
+    int moved = 0;
+    for (const auto& part : renderer_.meshes().patient().parts()) {
+        const auto before = scene_.surfaces().at(part.name).vertices();
+        for (std::size_t v = 0; v < part.vertex_count; ++v) {
+            const Vec3f& place = before[v].position;
+            if ((give_way(place) - place).norm() < 0.1e-3f) {
+                continue;
+            }
+            const Vec3f& normal = before[v].normal;
+            const auto way = [&](const Vec3f& along) {
+                const Vec3f step = 0.05e-3f * along;
+                return Vec3f(give_way(place + step) - give_way(place - step));
+            };
+            const Vec3f aside = normal.unitOrthogonal();
+            const Vec3f expected = way(aside).cross(way(normal.cross(aside))).normalized();
+            turned += (expected - normal).norm();
+            wrong += (expected - drawn[part.first_vertex + v].normal).norm();
+            ++moved;
+        }
+    }
+    ASSERT_GT(moved, 20);
+    EXPECT_GT(turned / moved, 0.05);
+    EXPECT_LT(wrong, 0.25 * turned);
 }
 
 // The section looks into throat, larynx and windpipe, which are one surface with the skin.

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace eti {
 namespace {
 
@@ -56,6 +58,27 @@ TEST_F(LipRetractionTest, SkinGathersAndNeverFoldsOver) {
         }
         const Vec3f far(0.0f, side * 0.045f, 0.07f);
         EXPECT_LT((lips.held_aside(far) - far).norm(), 1e-6f);
+    }
+}
+
+// Between gum and lip, and from lip to lip at the corners, nothing changes at once: a tenth of a millimetre
+// farther on it goes at most as much farther as the steepest of the steps says, 1.5 of its height by its
+// width.
+TEST_F(LipRetractionTest, TearsNothing) {
+    set(Landmark::upper_gum, {0.0f, 0.012f, 0.060f});
+    const LipRetraction lips = lip_retraction(eye_, points_);
+    constexpr float apart = 0.1e-3f;
+    const float along = 1.5f * lips.reach() / (LipRetraction::complete - LipRetraction::begins);
+    const float across = 1.5f * (lips.upper_shift + lips.lower_shift) / 10e-3f;  // what the lips are apart
+    for (float y = -0.030f; y < 0.030f; y += apart) {
+        for (float z = 0.058f; z < 0.070f; z += apart) {
+            const Vec3f place(0.0f, y, z);
+            const Vec3f held = lips.held_aside(place);
+            EXPECT_LT((lips.held_aside(place + apart * Vec3f::UnitZ()) - held).norm(),
+                      apart * std::hypot(1.0f, 1.05f * along));
+            EXPECT_LT((lips.held_aside(place + apart * Vec3f::UnitY()) - held).norm(),
+                      apart * (1.05f + across));
+        }
     }
 }
 

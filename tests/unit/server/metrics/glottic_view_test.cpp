@@ -133,7 +133,8 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
         return normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
                normal.dot((a - c).cross(p - c)) >= 0;
     };
-    const GiveWay give_way{plate_of(make_laryngoscope(Blade::miller_1))};
+    const PlacedGiveWay give_way =
+        give_way_to(make_laryngoscope(Blade::miller_1), model.snapshot.proxy, model.snapshot.landmarks);
     for (const Surface& surface : model.patient.surfaces) {
         std::vector<Vec3d> now;
         for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
@@ -146,7 +147,7 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
                             (surface.mesh.vertices[i] - model.patient.frame_rest_centre[f]).cast<double>() +
                         frame.centre.cast<double>());
             }
-            now.push_back(give_way(sum.cast<float>(), model.snapshot.proxy).cast<double>());
+            now.push_back(give_way(sum.cast<float>()).cast<double>());
         }
         for (const Triangle& t : surface.mesh.triangles) {
             if (crosses(now[t[0]], now[t[1]], now[t[2]])) {
