@@ -12,7 +12,7 @@ if(NOT ETI_CLIENT)
 endif()
 
 # data: what several of the others read
-install(DIRECTORY deploy/scenarios deploy/operators deploy/dds deploy/calibration deploy/parts
+install(DIRECTORY deploy/scenarios deploy/operators deploy/presets deploy/dds deploy/calibration deploy/parts
         DESTINATION share/neoeti COMPONENT data)
 install(FILES deploy/security/make_lab.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
 
@@ -95,7 +95,8 @@ eti_package(server "physics server of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}" RECOMMENDS fastdds-tools SUGGESTS neoeti-doc)
 # Epoxy loads EGL and GL, these load Mesa's drivers.
 eti_package(client "trainee's and observer's views of the newborn-intubation simulator" ANY
-            DEPENDS "libegl1, libgl1, libopengl0, libgl1-mesa-dri" RECOMMENDS fastdds-tools SUGGESTS neoeti-doc)
+            DEPENDS "neoeti-data ${ours}, libegl1, libgl1, libopengl0, libgl1-mesa-dri"
+            RECOMMENDS "fastdds-tools, fonts-dejavu-core" SUGGESTS neoeti-doc)
 # Drivers of 6-DOF mice and pads load their libraries where a person asks for such a device.
 eti_package(devices "haptic loop, trackers and calibration of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}" RECOMMENDS "fastdds-tools, libspnav0" SUGGESTS "neoeti-doc, spacenavd")

@@ -76,20 +76,10 @@ void refuse_what_a_model_holds(const YamlMap& map, std::span<const std::string> 
 
 }  // namespace
 
-std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind) {
-    const std::filesystem::path given(name_or_path);
+std::vector<std::string> data_names(const std::string& kind) {
+    std::vector<std::string> names;
     std::error_code error;
-    if (std::filesystem::is_regular_file(given, error)) {
-        return given;
-    }
-    std::vector<std::string> searched, names;
-    // A name, not a path: nothing that climbs out of the data folders.
-    const bool is_name = !name_or_path.empty() && given.filename() == given && given != ".." && given != ".";
     for (const std::filesystem::path& folder : data_folders(kind)) {
-        searched.push_back(folder.string());
-        if (is_name && std::filesystem::is_regular_file(folder / (name_or_path + ".yaml"), error)) {
-            return folder / (name_or_path + ".yaml");
-        }
         for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end;
              i.increment(error)) {
             if (i->path().extension() == ".yaml") {
@@ -99,6 +89,25 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
     }
     std::sort(names.begin(), names.end());
     names.erase(std::unique(names.begin(), names.end()), names.end());
+    return names;
+}
+
+std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind) {
+    const std::filesystem::path given(name_or_path);
+    std::error_code error;
+    if (std::filesystem::is_regular_file(given, error)) {
+        return given;
+    }
+    std::vector<std::string> searched;
+    // A name, not a path: nothing that climbs out of the data folders.
+    const bool is_name = !name_or_path.empty() && given.filename() == given && given != ".." && given != ".";
+    for (const std::filesystem::path& folder : data_folders(kind)) {
+        searched.push_back(folder.string());
+        if (is_name && std::filesystem::is_regular_file(folder / (name_or_path + ".yaml"), error)) {
+            return folder / (name_or_path + ".yaml");
+        }
+    }
+    const std::vector<std::string> names = data_names(kind);
     throw InputError(fmt::format("'{}' is neither a file nor a name in {}; names there are: {}", name_or_path,
                                  fmt::join(searched, ", "),
                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));

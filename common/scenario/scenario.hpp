@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/model/liquid_kind.hpp"
 #include "common/model/live.hpp"
@@ -58,7 +59,10 @@ class InputError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Resolves a scenario or operator by name (a file `NAME.yaml` in the data folder's `kind` folder)
+/// Names that find_data_file() knows of a `kind`, sorted.
+[[nodiscard]] std::vector<std::string> data_names(const std::string& kind);
+
+/// Resolves a scenario, operator or preset by name (a file `NAME.yaml` in the data folder's `kind` folder)
 /// or by path. Throws InputError naming the places searched and the names there are.
 [[nodiscard]] std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind);
 

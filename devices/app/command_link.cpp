@@ -10,6 +10,7 @@
 
 #include "common/bus/convert.hpp"
 #include "common/model/live.hpp"
+#include "common/scenario/preset.hpp"
 #include "common/scenario/scenario.hpp"
 
 namespace eti::devices {
@@ -43,6 +44,14 @@ PadCommand command_from(const std::string& typed) {
                                      field->low, field->high));
     }
     return {field->name, value * field->per_unit};
+}
+
+std::vector<PadCommand> commands_of_preset(const std::string& name_or_path) {
+    std::vector<PadCommand> out;
+    for (const Preset::Value& value : load_preset(find_data_file(name_or_path, "presets")).values) {
+        out.push_back({value.field->name, value.value});
+    }
+    return out;
 }
 
 CommandLink::CommandLink(const bus::Options& options)

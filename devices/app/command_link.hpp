@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/command_sender.hpp"
@@ -17,6 +18,9 @@ namespace eti::devices {
 /// A command as a person types it, KEY=VALUE, e.g. "tongue_scale=1.2" or "table_angle_deg=-10". Throws
 /// InputError naming the keys there are.
 [[nodiscard]] PadCommand command_from(const std::string& typed);
+
+/// The commands of a preset by name or path. Throws InputError naming those there are.
+[[nodiscard]] std::vector<PadCommand> commands_of_preset(const std::string& name_or_path);
 
 /// The keys of command_from() with their units and ranges, for help texts.
 [[nodiscard]] std::string command_keys();

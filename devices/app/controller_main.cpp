@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -161,8 +162,15 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
             {"refused", link.refused()}};
 }
 
-int run(const ProgramOptions& options, const std::vector<std::string>& typed, const std::string& remark,
-        bool list) {
+/// What is asked for on the command line, once.
+struct Once {
+    std::string command;             ///< without a value
+    std::string preset;              ///< by name or path
+    std::vector<std::string> typed;  ///< KEY=VALUE
+};
+constexpr std::array<std::string_view, 4> plain_commands{"start", "stop", "reset", "next"};
+
+int run(const ProgramOptions& options, const Once& once, const std::string& remark, bool list) {
     if (list) {
         const nlohmann::ordered_json session = list_once(options);
         std::cout << (options.json
@@ -176,14 +184,22 @@ int run(const ProgramOptions& options, const std::vector<std::string>& typed, co
         options.json ? std::cout << noted.dump(2) << std::endl : std::cout;
         return noted["ended"] == "noted" ? 0 : 1;
     }
-    if (options.device.empty() && typed.empty()) {
-        throw InputError("neither --device, --set, --note nor --list is given; see --help");
+    if (options.device.empty() && once.typed.empty() && once.preset.empty() && once.command.empty()) {
+        throw InputError(
+            "neither --device, --set, --preset, --command, --note nor --list is given; see --help");
     }
     nlohmann::ordered_json result;
     bool well = true;
     if (options.device.empty()) {
         std::vector<PadCommand> wanted;
-        std::ranges::transform(typed, std::back_inserter(wanted), command_from);
+        if (!once.preset.empty()) {
+            wanted = commands_of_preset(once.preset);
+        }
+        if (const auto plain = std::ranges::find(plain_commands, once.command);
+            plain != plain_commands.end()) {
+            wanted.push_back({*plain, 1.0f});
+        }
+        std::ranges::transform(once.typed, std::back_inserter(wanted), command_from);
         result = set_once(options, wanted);
         well = result["accepted"] == wanted.size();
     } else {
@@ -217,23 +233,38 @@ int main(int argc, char** argv) {
         "Keys of --set: " +
         command_keys() + ". Exit status 0 only if the server accepted all.");
     add_device_options(app, options, Use::commands);
-    std::vector<std::string> typed;
+    Once once;
     auto* const device = app.get_option("--device")->required(false);
     auto* const set =
-        app.add_option("--set", typed,
+        app.add_option("--set", once.typed,
                        "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
+            ->excludes(device);
+    auto* const choice =
+        app.add_option("--preset", once.preset,
+                       "The values of this preset, by name or path; what --set says beside it counts more")
+            ->excludes(device);
+    auto* const plain =
+        app.add_option(
+               "--command", once.command,
+               "start; stop: the session ends; reset: tissue and tube back to rest; next: the session "
+               "that follows, where the server was given several scenarios")
+            ->check(CLI::IsMember(std::vector<std::string>(plain_commands.begin(), plain_commands.end())))
             ->excludes(device);
     bool list = false;
     auto* const listing =
         app.add_flag("--list", list,
                      "Print what the session says of itself, with every value that lives, and end")
             ->excludes(device)
-            ->excludes(set);
+            ->excludes(set)
+            ->excludes(choice)
+            ->excludes(plain);
     std::string remark;
     app.add_option("--note", remark,
                    "Leave this remark, of at most 200 letters, in the session's record, and end")
         ->excludes(device)
         ->excludes(set)
+        ->excludes(choice)
+        ->excludes(plain)
         ->excludes(listing)
         ->check([](const std::string& text) {
             return !text.empty() && text.size() <= msg::bound::Annotation_text
@@ -241,5 +272,5 @@ int main(int argc, char** argv) {
                        : "a remark has 1 to 200 letters";
         });
     add_bus_options(app, options);
-    return run_program(app, argc, argv, [&] { return run(options, typed, remark, list); });
+    return run_program(app, argc, argv, [&] { return run(options, once, remark, list); });
 }

@@ -73,6 +73,25 @@ class Live(support.Programs):
             before = file["skeleton/table_angle"][:][file["inputs/step"][:] < first]
             self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
 
+    def test_a_preset_is_asked_for_by_name(self):
+        place = ["--session", support.SESSION, "--domain", support.DOMAIN, "--json"]
+        self.start_server()
+        done = support.run("eti-controller", "--preset", "large_tongue", "--set", "tongue_scale=1.1", *place)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["accepted"], 3)
+        dry = support.run("eti-controller", "--preset", "secretions", *place)
+        self.assertEqual(json.loads(dry.stdout)["refused"], 1)
+        self.assertIn("saliva: standby", dry.stderr)
+        unknown = support.run("eti-controller", "--preset", "hopeless", *place)
+        self.assert_refused(unknown, "hopeless", "large_tongue", "stiff_neck")
+        self.wait_seconds(2)
+        self.stop("server")
+        with h5py.File(self.record, "r") as file:
+            asked = dict(zip((kind.decode() for kind in file["inputs/commands/kind"]),
+                             file["inputs/commands/value"][:]))  # the last one of each kind
+        numpy.testing.assert_allclose(asked["tongue_scale"], 1.1, rtol=1e-6)
+        numpy.testing.assert_allclose(asked["tissue_stiffness"], 12e3, rtol=1e-6)
+
     def test_the_tube_changes_and_a_note_is_kept(self):
         self.start_server()
         done = self.set("tube_youngs_modulus_mpa=30", "tube_curve_radius_mm=200")
