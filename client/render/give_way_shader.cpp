@@ -67,8 +67,8 @@ vec3 give_way(vec3 point) {
                   (1.0 - smoothstep(mouth.w, mouth.w + lips_fade, p.z)) *
                   (1.0 - smoothstep(0.0, lips_fade, past_tip));
         float away = mouth.x * p.x - mouth.y;
-        p.x += mouth.x * aside * of_lips * (1.0 - smoothstep(0.0, lips_fade, off)) *
-               smoothstep(-2.0 * aside - 0.5 * spare, -0.5 * spare, away) *
+        p.x += mouth.x * aside * of_lips * (1.0 - smoothstep(0.0, 1.5 * lips_fade, off)) *
+               smoothstep(-3.0 * aside - 0.5 * spare, -0.5 * spare, away) *
                (1.0 - smoothstep(0.0, gathers * aside, away));
         of_lips *= min(aside / spare, 1.0);
     }

@@ -46,9 +46,10 @@ Eigen::AlignedBox3f GiveWay::where() const {
     const float far = parts ? lips_fade : beside;
     const float widest =
         std::max({0.5f * std::max(plate.wide, plate.narrow) + gathers * edge_aside,
-                  parts ? corner + gathers * aside : 0.0f, parts ? 2.0f * aside + spare - corner : 0.0f});
-    const float lowest = std::min({plate.high - under, plate.low - under, lens.y() - gathers * most}) - far;
-    const float highest = std::max(plate.high, plate.low) + lip + far;
+                  parts ? corner + gathers * aside : 0.0f, parts ? 3.0f * aside + spare - corner : 0.0f});
+    const float lowest =
+        std::min({plate.high - under, plate.low - under, lens.y() - gathers * most}) - 1.5f * far;
+    const float highest = std::max(plate.high, plate.low) + lip + 1.5f * far;
     return {Vec3f(-widest, lowest, heel), Vec3f(widest, highest, plate.length + far)};
 }
 
@@ -71,8 +72,8 @@ Vec3f GiveWay::operator()(const Vec3f& point) const {
                   (1.0f - smoothstep(lips_end, lips_end + lips_fade, p.z())) *
                   (1.0f - smoothstep(0.0f, lips_fade, past_tip));
         const float out = side * p.x() - corner;
-        p.x() += side * aside * of_lips * (1.0f - smoothstep(0.0f, lips_fade, off)) *
-                 smoothstep(-2.0f * aside - 0.5f * spare, -0.5f * spare, out) *
+        p.x() += side * aside * of_lips * (1.0f - smoothstep(0.0f, 1.5f * lips_fade, off)) *
+                 smoothstep(-3.0f * aside - 0.5f * spare, -0.5f * spare, out) *
                  (1.0f - smoothstep(0.0f, gathers * aside, out));
         of_lips *= std::min(aside / spare, 1.0f);
     }
