@@ -35,8 +35,8 @@ Arriving unhindered(int i, vec3 at) {
 )";
 
 /// Where a point lies in the lamp's shadow map: a paraboloid shows the half of the room before the lamp as a
-/// disc that is hardly finer at its rim than in its middle (Brabec et al. 2002). Of flat coordinates a map of
-/// this lamp's cone would spend nine tenths on its rim.
+/// disc that is hardly finer at its rim than in its middle (Brabec et al. 2002). A flat map of this lamp's
+/// cone would spend nine tenths of its texels on rays more than 64 degrees from the axis.
 inline constexpr std::string_view lamp_map = R"(
 #if defined(LAMP_SHADOW) || defined(FROM_LAMP)
 uniform mat4 to_lamp;        // its third axis along the light
