@@ -7,34 +7,38 @@
 
 namespace eti::metrics {
 
-AreaSamples sample_polygon(std::span<const Vec3f> contour, int count) {
-    AreaSamples samples;
-    if (contour.size() < 3) {
-        return samples;
+std::vector<Vec3f> sample_polygon(std::span<const Vec3f> contour, int count) {
+    if (contour.size() < 3 || count < 1) {
+        return {};
     }
     Vec3f centroid = Vec3f::Zero();
     for (const Vec3f& p : contour) {
         centroid += p / static_cast<float>(contour.size());
     }
-    const int rings = std::max(
-        1, static_cast<int>(std::lround(static_cast<double>(count) / static_cast<double>(contour.size()))));
-    float total = 0.0f;
+    // Of the fan of triangles about the centroid, up to each corner.
+    std::vector<float> area{0.0f};
     for (std::size_t i = 0; i < contour.size(); ++i) {
-        const Vec3f& a = contour[i];
-        const Vec3f& b = contour[(i + 1) % contour.size()];
-        const float area = 0.5f * (a - centroid).cross(b - centroid).norm();
-        total += area;
-        for (int ring = 0; ring < rings; ++ring) {
-            // Radii that cut a fan triangle into strips of equal area, each sampled at its middle.
-            const float radius = std::sqrt((static_cast<float>(ring) + 0.5f) / static_cast<float>(rings));
-            samples.points.push_back(centroid + radius * (0.5f * (a + b) - centroid));
-            samples.weights.push_back(area / static_cast<float>(rings));
+        const Vec3f& next = contour[(i + 1) % contour.size()];
+        area.push_back(area.back() + 0.5f * (contour[i] - centroid).cross(next - centroid).norm());
+    }
+    constexpr float golden = 0.61803399f;
+    const int pairs = (count + 1) / 2;
+    std::vector<Vec3f> points;
+    for (int pair = 0; pair < pairs; ++pair) {
+        const float out = std::sqrt((static_cast<float>(pair) + 0.5f) / static_cast<float>(pairs));
+        for (const float opposite : {0.0f, 0.5f}) {
+            const float turn = 0.5f * golden * static_cast<float>(pair) + opposite;
+            const float swept = (turn - std::floor(turn)) * area.back();
+            const auto beyond = std::upper_bound(area.begin() + 1, area.end() - 1, swept);
+            const auto i = static_cast<std::size_t>(beyond - area.begin()) - 1;
+            const float whole = area[i + 1] - area[i];
+            const float along = whole > 0.0f ? std::min((swept - area[i]) / whole, 1.0f) : 0.5f;
+            const Vec3f& a = contour[i];
+            const Vec3f& b = contour[(i + 1) % contour.size()];
+            points.push_back(centroid + out * (a + along * (b - a) - centroid));
         }
     }
-    for (float& weight : samples.weights) {
-        weight = total > 0.0f ? weight / total : 1.0f / static_cast<float>(samples.weights.size());
-    }
-    return samples;
+    return points;
 }
 
 GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope)
@@ -98,15 +102,10 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
     std::vector<FrameMap> frames(rest_centres_.size());
     std::ranges::transform(snapshot.frames, rest_centres_, frames.begin(), frame_map);
     const LipRetraction lips = lip_retraction(from, snapshot.landmarks);
-    const AreaSamples samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
-    SightLines to_glottis(from, samples.points, settings_.tolerance);
+    const std::vector<Vec3f> samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
+    SightLines to_glottis(from, samples, settings_.tolerance);
     block(to_glottis, frames, lips, snapshot);
-    for (std::size_t i = 0; i < to_glottis.size(); ++i) {
-        if (!to_glottis.blocked(i)) {
-            view.opening_percent += 100.0f * samples.weights[i];
-        }
-    }
-    view.opening_percent = std::min(view.opening_percent, 100.0f);
+    view.opening_percent = to_glottis.open_percent();
     if (view.opening_percent > 0.0f) {
         return view;
     }

@@ -23,6 +23,10 @@ class SightLines {
     [[nodiscard]] std::size_t size() const { return lines_.size(); }
     [[nodiscard]] bool blocked(std::size_t line) const { return blocked_[line] != 0; }
     [[nodiscard]] bool all_blocked() const { return open_ == 0; }
+    /// Share [%] of the lines that nothing blocks; 0 without lines.
+    [[nodiscard]] float open_percent() const {
+        return lines_.empty() ? 0.0f : 100.0f * static_cast<float>(open_) / static_cast<float>(lines_.size());
+    }
 
     /// Position [m] relative to the eye, third axis towards the targets.
     [[nodiscard]] Vec3f seen_from_eye(const Vec3f& point) const { return to_eye_ * (point - eye_); }
