@@ -6,12 +6,12 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers)
+PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers panel)
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute"
-                  [render]="five minutes" [readers]="five minutes")
+                  [render]="five minutes" [readers]="five minutes" [panel]="a minute")
 PICTURES=(laryngoscope section overview)
 CHARTS=$ETI_ROOT/docs/charts
 OUT=$ETI_ROOT/out/figures
@@ -31,7 +31,7 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --list        name the files that it makes, and make none
   --help        print this
 Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, render what one
-sees against its goals, readers what a lab's own program reads and what that costs.
+sees against its goals, readers what a lab's own program reads and what that costs, panel the instructor's beside a session.
 USAGE
 }
 
@@ -123,13 +123,25 @@ readers() {
         cp "$folder/lab-readers.csv" "$CHARTS"
 }
 
+# The instructor's panel beside an expert's attempt, in a window.
+panel() {
+    local bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 96) server taken
+    "$bin/eti-server" --scenario term_enhanced --operator expert "${place[@]}" >&2 &
+    server=$!
+    "$python" -B "$ETI_ROOT/tests/bench/window_picture.py" --seconds 8 "$ETI_ROOT/docs/panel.png" \
+        "$bin/eti-client" --panel --size 1280x720 "${place[@]}" >&2
+    taken=$?
+    kill -INT $server && wait $server
+    [ $taken = 0 ]
+}
+
 measure() {
     case $1 in
         accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;
-        anatomy | pictures | render | readers) "$1" ;;
+        anatomy | pictures | render | readers | panel) "$1" ;;
     esac
 }
 
@@ -141,6 +153,7 @@ if [ $list = yes ]; then
             pictures) printf "$ETI_ROOT/docs/%s.png\n" "${PICTURES[@]}" ;;
             render) printf '%s\n' "$ETI_ROOT/docs/rendering.png" ;;
             readers) printf '%s\n' "$ETI_ROOT/docs/lab_readers.png" ;;
+            panel) printf '%s\n' "$ETI_ROOT/docs/panel.png" ;;
         esac
     done | sed "s|^$ETI_ROOT/||"
     exit 0

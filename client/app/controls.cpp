@@ -18,7 +18,8 @@ constexpr auto farewell = 500ms;
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> keys_help(bool commands) {
-    std::vector<std::pair<std::string, std::string>> out{{"h ?", "this list"}, {"Esc", "end"}};
+    std::vector<std::pair<std::string, std::string>> out{
+        {"h ?", "this list"}, {"p F1", "the instructor's panel"}, {"Esc", "end"}};
     for (const Selection& one : selections()) {
         out.emplace_back(std::string(1, one.key), fmt::format("{}: {}", one.name, one.help));
     }
@@ -84,7 +85,8 @@ void Controls::let_go(Time now) {
 
 void Controls::tend(Time now) {
     if (commands_ != nullptr) {
-        for (const bus::Refusal& refusal : commands_->take_answers()) {
+        refusals_ = commands_->take_answers();
+        for (const bus::Refusal& refusal : refusals_) {
             say(fmt::format("refused: {}", refusal.reason), now);
         }
     }

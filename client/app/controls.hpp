@@ -3,7 +3,9 @@
 #pragma once
 
 #include <chrono>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "client/app/command_keys.hpp"
 #include "client/app/drag.hpp"
@@ -34,6 +36,8 @@ class Controls {
     void drag(const Drag& mouse, const view::SceneView& scene, int width, int height);
     /// Takes the server's answers.
     void tend(Time now);
+    /// What the server refused, as of the last tend().
+    [[nodiscard]] std::span<const bus::Refusal> refusals() const { return refusals_; }
     /// Lets go of every key, as when the window closes: nothing stays on that was on while held.
     void let_go(Time now);
 
@@ -50,6 +54,7 @@ class Controls {
     bus::CommandSender* commands_;
     render::Vantage vantage_;
     CommandTyping typing_;
+    std::vector<bus::Refusal> refusals_;
     bool help_ = false;
     std::string notice_;
     Time notice_since_;

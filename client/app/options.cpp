@@ -111,6 +111,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_flag("--observe", options.observe,
                  "Watch only: publishes nothing and gives no commands; without it the trainee's "
                  "line of sight is published");
+    app.add_flag("--panel", options.panel, "Show the instructor's panel from the start (key p or F1)");
     app.add_option("--eye-offset-mm", eye_offset,
                    "The trainee's eye stands so far from where the glottis is best seen: to the patient's "
                    "left, to its back and towards its head")

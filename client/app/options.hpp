@@ -18,6 +18,7 @@ struct Options {
     bus::Options bus{.name = "eti-client", .one_of_many = true};
     bool observe = false;  ///< watch only: publishes nothing
     const Selection* selection = &default_selection();
+    bool panel = false;           ///< the instructor's, shown from the start
     bool headset = false;         ///< `--view hmd`: in a headset, not in a window
     bool left_eye_leads = false;  ///< of a headset's eyes: the one that the line of sight begins at
     Vec3f gum_in_room = hmd::Room().gum;

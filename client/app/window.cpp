@@ -103,14 +103,14 @@ int Window::height() const {
 
 void Window::on_key(int key, int scancode, int action) {
     repeating_ = action == GLFW_REPEAT;
-    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) {
+    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS && !escape_kept_) {
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
-    for (const auto& [code, arrow] :
-         {std::pair{GLFW_KEY_LEFT, key_left}, std::pair{GLFW_KEY_UP, key_up},
-          std::pair{GLFW_KEY_RIGHT, key_right}, std::pair{GLFW_KEY_DOWN, key_down}}) {
+    for (const auto& [code, silent] : {std::pair{GLFW_KEY_LEFT, key_left}, std::pair{GLFW_KEY_UP, key_up},
+                                       std::pair{GLFW_KEY_RIGHT, key_right},
+                                       std::pair{GLFW_KEY_DOWN, key_down}, std::pair{GLFW_KEY_F1, key_f1}}) {
         if (key == code) {
-            keys_.push_back({arrow, action != GLFW_RELEASE, repeating_});
+            keys_.push_back({silent, action != GLFW_RELEASE, repeating_});
         }
     }
     // Characters go down in on_character(), but come up here alone.

@@ -12,7 +12,7 @@ struct GLFWwindow;
 
 namespace eti::client {
 
-/// A key went down or up: a character in lower case, or an arrow of command_keys.hpp.
+/// A key went down or up: a character in lower case, or one of command_keys.hpp that types none.
 struct KeyEvent {
     char32_t key;
     bool down;
@@ -33,6 +33,9 @@ class Window {
     /// Nobody sees what would be drawn.
     [[nodiscard]] bool minimised() const;
     void poll_events();
+    /// Esc is somebody else's, and does not close.
+    void keep_escape(bool keep) { escape_kept_ = keep; }
+    [[nodiscard]] GLFWwindow* handle() const { return window_; }
     /// Shows frames as they come, where something else sets the pace.
     void show_at_once();
     void show_frame();
@@ -57,6 +60,7 @@ class Window {
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;
     bool repeating_ = false;
+    bool escape_kept_ = false;
     std::vector<Drag> drags_;
     double last_x_ = 0.0, last_y_ = 0.0;
     int held_ = -1;  ///< mouse button, or none

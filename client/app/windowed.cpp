@@ -12,6 +12,7 @@
 #include "client/app/controls.hpp"
 #include "client/app/session_input.hpp"
 #include "client/app/window.hpp"
+#include "client/app/window_panel.hpp"
 #include "client/render/headless_context.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
@@ -41,6 +42,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         commands.emplace(node, options.bus.name);
     }
     Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
+    WindowPanel panel(window, node, commands ? &*commands : nullptr, options.panel);
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
                           options.quality != nullptr ? *options.quality : render::affordable_quality());
@@ -51,33 +53,44 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
         const auto now = std::chrono::steady_clock::now();
         const auto next_frame = now + shortest_frame;
-        window.poll_events();
+        panel.poll_events();
         input.take_into(scene);
         if (!scene.complete()) {
             bus::refuse_other_protocol(node);
         }
         for (const KeyEvent& event : window.take_keys()) {
+            if (panel.press(event)) {
+                continue;
+            }
             event.down ? controls.press(event.key, event.repeated, scene, now)
                        : controls.release(event.key, now);
         }
+        const panel::Area area = panel.scene_area();
         for (const Drag& mouse : window.take_drags()) {
-            controls.drag(mouse, scene, window.width(), window.height());
+            if (!panel.has_mouse()) {
+                controls.drag(mouse, scene, area.width, area.height);
+            }
         }
         controls.tend(now);
+        panel.follow(scene, input, controls.refusals(), now);
         scene.update();
         if (lost(input) != was_lost) {
             was_lost = !was_lost;
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
         if (const auto shown = shown_now(controls.selection(), scene, window.minimised())) {
-            compositor.resize(window.width(), window.height());
+            compositor.resize(area.width, area.height);
             hud::Readout readout = hud::readout_of(scene, was_lost);
             controls.put_into(readout, now);
             if (!readout.keys.empty()) {
                 readout.keys.emplace_back("quality", compositor.quality().name);
             }
             compositor.draw(*shown, scene, readout, controls.vantage(), options.json);
-            compositor.target().copy_to_window();
+            // OpenGL counts rows from below.
+            compositor.target().copy_to(
+                0, {0, 0, area.width, area.height},
+                {area.x, window.height() - area.y - area.height, area.width, area.height});
+            panel.draw(now);
             window.show_frame();
         }
         input.publish_eye(scene, controls.vantage().eye);

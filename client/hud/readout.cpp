@@ -16,10 +16,6 @@ namespace {
 constexpr double verdict_for_s = 8.0;       // of simulation time
 constexpr double description_for_s = 10.0;  // likewise
 
-// The mean maxima of Xiao et al. 2020, Table 2, are 3.1-5.3 N.
-constexpr float gum_force_warning_n = 2.0f;
-constexpr float gum_force_bad_n = 4.0f;
-
 constexpr double last_seconds = 10.0;  // [s], of an attempt's time
 // Of the depth at the lip from the rule; chosen, the marks on a tube are 0.5 to 1 cm apart.
 constexpr double depth_warning_cm = 0.5, depth_bad_cm = 1.0;

@@ -17,7 +17,9 @@ enum class Link { waiting, running, finished, lost };
 /// As traffic lights have it.
 enum class Level { good, warning, bad, neutral };
 
-/// Of the force [N] on the upper gum.
+/// Limits of the force [N] on the upper gum, and what it is between them. The mean maxima of Xiao et al.
+/// 2020, Table 2, are 3.1-5.3 N.
+inline constexpr float gum_force_warning_n = 2.0f, gum_force_bad_n = 4.0f;
 [[nodiscard]] Level gum_force_level(float force);
 
 /// Of the oxygen saturation [%] and of the heart rate [1/min], by the limits that count as severe in neonatal

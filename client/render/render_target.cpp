@@ -104,11 +104,6 @@ void RenderTarget::copy_to(GLuint framebuffer, const Viewport& from, const Viewp
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void RenderTarget::copy_to_window() const {
-    const Viewport whole{0, 0, width_, height_};
-    copy_to(0, whole, whole);
-}
-
 void store_light(const Texture& texture, const Framebuffer& framebuffer, int width, int height) {
     glBindTexture(GL_TEXTURE_2D, texture.name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);

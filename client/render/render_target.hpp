@@ -31,10 +31,8 @@ class RenderTarget {
     [[nodiscard]] bool picture_has_depth() const { return !sampled_; }
     /// Reads the picture back; waits for the driver.
     [[nodiscard]] Image read() const;
-    /// Copies an area of the picture into one of a framebuffer, as large or scaled.
+    /// Copies an area of the picture into one of a framebuffer (0: a window's), as large or scaled.
     void copy_to(GLuint framebuffer, const Viewport& from, const Viewport& to) const;
-    /// Copies the picture into framebuffer 0 (a window's).
-    void copy_to_window() const;
 
   private:
     struct Sampled {

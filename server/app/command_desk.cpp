@@ -61,6 +61,12 @@ std::string CommandDesk::carry_out(const ReceivedCommand& command) {
         stopped_ = true;
         return {};
     }
+    if (command.name == "next") {
+        next_ = followed_;
+        return followed_
+                   ? ""
+                   : "no session follows this one; start the server with several: --scenario A --scenario B";
+    }
     if (command.name == "reset") {
         reset_ = true;
         return {};

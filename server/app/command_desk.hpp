@@ -14,9 +14,10 @@ namespace eti::app {
 /// Carries out commands that came over the bus and words their answers.
 class CommandDesk {
   public:
-    /// `start`: what lives, as nobody has asked for anything else.
-    explicit CommandDesk(PatientLimits limits = {}, const LiveValues& start = {})
-        : limits_(std::move(limits)), wanted_(start) {}
+    /// `start`: what lives, as nobody has asked for anything else. `followed`: another session comes after
+    /// this one.
+    explicit CommandDesk(PatientLimits limits = {}, const LiveValues& start = {}, bool followed = false)
+        : limits_(std::move(limits)), wanted_(start), followed_(followed) {}
 
     /// Checks `command` and takes it; the answer is ready afterwards.
     void handle(const ReceivedCommand& command);
@@ -28,6 +29,8 @@ class CommandDesk {
     /// What lives, as last asked for.
     [[nodiscard]] const LiveValues& wanted() const { return wanted_; }
     [[nodiscard]] bool stopped() const { return stopped_; }
+    /// The session that follows is asked for.
+    [[nodiscard]] bool next() const { return next_; }
     /// Whether a reset was asked for since last asked.
     [[nodiscard]] bool take_reset();
 
@@ -39,7 +42,9 @@ class CommandDesk {
     PatientLimits limits_;
     LiveValues wanted_;
     msg::CommandResult answer_;
+    bool followed_;
     bool stopped_ = false;
+    bool next_ = false;
     bool reset_ = false;
 };
 

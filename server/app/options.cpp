@@ -14,7 +14,13 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     CLI::App app("The physics server: simulates the patient, measures the attempt, publishes the scene.",
                  "eti-server");
     app.set_version_flag("--version", ETI_VERSION);
-    app.add_option("--scenario", options.scenario, "Scenario by name or path")->capture_default_str();
+    app.add_option(
+           "--scenario", options.scenarios,
+           "Scenario by name or path; given several times: one session after another, the next one when "
+           "the command 'next' comes or a session has ended. Their records are FILE, FILE-2, ...")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->capture_default_str();
     app.add_option("--operator", options.operator_name,
                    "Scripted operator by name or path; without it the hands come over the bus");
     app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)")

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 
@@ -13,9 +14,9 @@ namespace eti::app {
 
 /// What eti-server was asked to do.
 struct Options {
-    std::string scenario = "term";
-    std::string operator_name;     ///< empty: the hands come over the bus
-    std::filesystem::path record;  ///< empty: no session file
+    std::vector<std::string> scenarios{"term"};  ///< one session after another; never empty
+    std::string operator_name;                   ///< empty: the hands come over the bus
+    std::filesystem::path record;                ///< empty: no session file
     bus::Options bus{.name = std::string(bus::server_name)};
     bool fast = false;  ///< ignore the clock
     bool with_bus = true;

@@ -5,7 +5,9 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -74,10 +76,9 @@ struct FollowedState {
 
 class Session {
   public:
-    explicit Session(const Options& options)
-        : options_(options),
-          scenario_(load_scenario(find_data_file(options.scenario, "scenarios"))),
-          live_(options.with_bus && !options.fast) {
+    /// `followed`: another session comes after this one.
+    Session(const Options& options, const Scenario& scenario, bool followed)
+        : options_(options), scenario_(scenario), live_(options.with_bus && !options.fast) {
         std::optional<OperatorScript> script;
         if (!options.operator_name.empty()) {
             script = load_operator(find_data_file(options.operator_name, "operators"));
@@ -94,7 +95,7 @@ class Session {
         patient_ = patient_of(scenario_);
         inputs_ = parked(scenario_, patient_);
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
-        desk_ = CommandDesk(limits_of(scenario_, patient_), inputs_.live);
+        desk_ = CommandDesk(limits_of(scenario_, patient_), inputs_.live, followed);
         if (script) {
             const std::uint64_t seed = options.seed.value_or(scenario_.seed ^ script->seed);
             operator_.emplace(*script, simulation_->scope(), scenario_.tube, seed,
@@ -117,6 +118,9 @@ class Session {
         }
         start_threads();
     }
+
+    /// Whether everything was asked to end, and not this session alone.
+    [[nodiscard]] bool all_ended() const { return stop_asked() || desk_.stopped(); }
 
     int run() {
         spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps",
@@ -316,7 +320,7 @@ class Session {
     }
 
     [[nodiscard]] bool ended() {
-        if (stop_asked() || desk_.stopped()) {
+        if (all_ended() || desk_.next()) {
             return true;
         }
         if (options_.steps && simulation_->snapshot().step >= *options_.steps) {
@@ -397,6 +401,16 @@ class Session {
     bool warned_of_overflow_ = false;
 };
 
+/// The record of the session of this number: x.eti.h5, x-2.eti.h5, ...
+std::filesystem::path numbered(const std::filesystem::path& record, std::size_t number) {
+    if (record.empty() || number < 2) {
+        return record;
+    }
+    const std::string name = record.filename().string();
+    const std::size_t stem = std::min(name.find('.', 1), name.size());
+    return record.parent_path() / fmt::format("{}-{}{}", name.substr(0, stem), number, name.substr(stem));
+}
+
 }  // namespace
 
 int run_server(const Options& options) {
@@ -405,7 +419,21 @@ int run_server(const Options& options) {
                                                     : std::max(1u, std::thread::hardware_concurrency());
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     try {
-        return Session(options).run();
+        std::vector<Scenario> scenarios;
+        for (const std::string& name : options.scenarios) {
+            scenarios.push_back(load_scenario(find_data_file(name, "scenarios")));
+        }
+        int status = 0;
+        for (std::size_t i = 0; i < scenarios.size(); ++i) {
+            Options of_session = options;
+            of_session.record = numbered(options.record, i + 1);
+            Session session(of_session, scenarios[i], i + 1 < scenarios.size());
+            status = std::max(status, session.run());
+            if (session.all_ended()) {
+                break;
+            }
+        }
+        return status;
     } catch (const std::exception& error) {
         spdlog::error("{}", error.what());
         return 1;

@@ -43,7 +43,7 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
     client::Compositor compositor(window.width(), window.height(), render::qualities().front());
     compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false), {},
                     false);
-    compositor.target().copy_to_window();
+    compositor.target().copy_to(0, {0, 0, 320, 240}, {0, 0, 320, 240});
     // What the window is about to show, read from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);

@@ -47,6 +47,20 @@ TEST(CommandDesk, SuctionStaysAsAskedFor) {
     EXPECT_EQ(desk.wanted().suction, 0.0f);
 }
 
+TEST(CommandDesk, TheNextSessionIsRefusedWhereNoneFollows) {
+    CommandDesk last;
+    last.handle({"instructor", 1, "next", 1.0f});
+    EXPECT_FALSE(last.answer().accepted());
+    EXPECT_NE(last.answer().reason().to_string().find("--scenario A --scenario B"), std::string::npos);
+    EXPECT_FALSE(last.next());
+    CommandDesk followed({}, {}, true);
+    EXPECT_FALSE(followed.next());
+    followed.handle({"instructor", 1, "next", 1.0f});
+    EXPECT_TRUE(followed.answer().accepted());
+    EXPECT_TRUE(followed.next());
+    EXPECT_FALSE(followed.stopped());
+}
+
 struct Case {
     const char* name;
     float value;

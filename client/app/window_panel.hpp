@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <chrono>
+#include <span>
+
+#include "client/app/session_input.hpp"
+#include "client/app/window.hpp"
+#include "client/panel/drawing.hpp"
+#include "client/panel/model.hpp"
+#include "common/bus/bus.hpp"
+#include "common/bus/command_sender.hpp"
+
+namespace eti::client {
+
+/// The instructor's panel in a window: a key shows it beside the scene, mouse and keys are its own where it
+/// wants them.
+class WindowPanel {
+  public:
+    using Time = panel::Model::Time;
+
+    /// `commands`: null for an observer, whose panel sends nothing. All have to outlive it.
+    WindowPanel(Window& window, bus::Node& node, bus::CommandSender* commands, bool shown);
+
+    /// In place of the window's own.
+    void poll_events();
+    /// Whether a key is the panel's, or shows or hides it, and so nothing to anybody else.
+    bool press(const KeyEvent& event);
+    /// What the mouse did is the panel's.
+    [[nodiscard]] bool has_mouse() const { return shown_ && drawing_.has_mouse(); }
+
+    /// Takes in what the server says, and sends what was asked for.
+    void follow(const view::SceneView& scene, const SessionInput& input,
+                std::span<const bus::Refusal> refusals, Time now);
+    /// Of the window, what is left to the scene.
+    [[nodiscard]] panel::Area scene_area() const;
+    /// Into the window, beside the scene.
+    void draw(Time now);
+
+  private:
+    void note_programs(Time now);
+
+    Window& window_;
+    bus::Node& node_;
+    bus::CommandSender* commands_;
+    panel::Drawing drawing_;
+    panel::Model model_;
+    panel::Connection connection_;
+    Time programs_noted_{};
+    bool shown_;
+};
+
+}  // namespace eti::client

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/panel/health.hpp"
+
+#include <fmt/format.h>
+
+namespace eti::panel {
+namespace {
+
+using hud::Level;
+
+// A step of the server is late beyond its budget; near it there is nothing left for bursts.
+constexpr float load_warning = 0.85f, load_bad = 1.0f;
+constexpr float behind_warning_s = 0.1f, behind_bad_s = 0.5f;
+// Shapes come 90 or 30 times a second: so many states late, a hand and its picture part.
+constexpr double age_warning_ms = 50.0, age_bad_ms = 150.0;
+constexpr double missed_warning = 0.001, missed_bad = 0.01;  // shares
+constexpr double silence_warning_s = 0.3, silence_bad_s = 1.0;
+
+template <class Number>
+Level level_of(Number value, Number warning, Number bad) {
+    return value >= bad ? Level::bad : value >= warning ? Level::warning : Level::good;
+}
+
+HealthLine device(std::string label, msg::DevicePresence presence) {
+    switch (presence) {
+        case msg::DEVICE_HEARD:
+            return {std::move(label), "heard", Level::good};
+        case msg::DEVICE_SILENT:
+            return {std::move(label), "silent", Level::bad};
+        case msg::DEVICE_NONE:
+            break;
+    }
+    return {std::move(label), "none", Level::neutral};
+}
+
+}  // namespace
+
+std::vector<HealthLine> health_of(const view::SceneView& scene, const Connection& connection,
+                                  double silent_s) {
+    std::vector<HealthLine> out;
+    if (const auto& status = scene.status()) {
+        out.push_back({"server", status->server().to_string(), Level::neutral});
+        out.push_back({"its status came", fmt::format("{:.1f} s ago", silent_s),
+                       level_of(silent_s, silence_warning_s, silence_bad_s)});
+        out.push_back({"load", fmt::format("{:.0f} % of a step", 100.0f * status->load()),
+                       level_of(status->load(), load_warning, load_bad)});
+        out.push_back({"behind the clock", fmt::format("{:.2f} s", status->behind_s()),
+                       level_of(status->behind_s(), behind_warning_s, behind_bad_s)});
+        out.push_back(device("laryngoscope's device", status->laryngoscope()));
+        out.push_back(device("tube's device", status->tube()));
+    } else {
+        out.push_back({"server", "none heard yet", Level::bad});
+    }
+    if (connection.contested) {
+        out.push_back({"session", "two servers: end one", Level::bad});
+    }
+    if (connection.states > 0) {
+        out.push_back({"shapes' age, mean", fmt::format("{:.1f} ms", connection.state_age_mean_ms),
+                       level_of(connection.state_age_mean_ms, age_warning_ms, age_bad_ms)});
+        out.push_back(
+            {"shapes' age, most", fmt::format("{:.1f} ms", connection.state_age_max_ms), Level::neutral});
+        const double share = static_cast<double>(connection.states_missed) /
+                             static_cast<double>(connection.states + connection.states_missed);
+        out.push_back({"shapes lost", fmt::format("{} ({:.2f} %)", connection.states_missed, 100.0 * share),
+                       level_of(share, missed_warning, missed_bad)});
+    }
+    out.push_back({"messages dropped", fmt::format("{}", scene.dropped()),
+                   scene.dropped() > 0 ? Level::bad : Level::good});
+    out.push_back({"commands",
+                   fmt::format("{} sent, {} accepted, {} refused", connection.sent, connection.accepted,
+                               connection.refused),
+                   Level::neutral});
+    for (const std::string& program : connection.programs) {
+        out.push_back({"on the bus", program, Level::neutral});
+    }
+    return out;
+}
+
+}  // namespace eti::panel

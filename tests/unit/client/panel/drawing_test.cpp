@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/panel/drawing.hpp"
+
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "client/render/headless_context.hpp"
+#include "client/render/image.hpp"
+#include "client/render/render_target.hpp"
+#include "panel_scene.hpp"
+
+namespace eti {
+namespace {
+
+using namespace std::chrono_literals;
+using test::PanelScene;
+
+Presets two_presets() {
+    Presets out;
+    out.all.push_back(
+        parse_preset("description: A large stiff tongue\nset:\n  tongue_scale: 1.2\n", "large.yaml"));
+    out.all.push_back(parse_preset("description: As usual\nset:\n  tongue_scale: 1.0\n", "usual.yaml"));
+    return out;
+}
+
+class PanelDrawing : public ::testing::Test {
+  protected:
+    void draw(int width = 1280, int height = 720) {
+        render::RenderTarget target(width, height, 1);
+        target.bind_picture();
+        glClearColor(0.2f, 0.3f, 0.4f, 1.0f);
+        glClear(GL_COLOR_BUFFER_BIT);
+        one_.now += 16ms;
+        drawing_.draw(one_.model, width, height, one_.now);
+        picture_ = target.read();
+    }
+    // A page is turned to in one picture, laid out in the next, and has its scroll bar in the third.
+    void draw_settled(int width = 1280, int height = 720) {
+        for (int i = 0; i < 3; ++i) {
+            draw(width, height);
+        }
+    }
+    void click(std::string_view control) {
+        const auto place = drawing_.place(control);
+        ASSERT_TRUE(place) << control << " is nowhere";
+        press_at(static_cast<float>(place->x) + 0.5f * static_cast<float>(place->width),
+                 static_cast<float>(place->y) + 0.5f * static_cast<float>(place->height));
+    }
+    void press_at(float x, float y) {
+        for (const bool down : {false, true, false}) {
+            drawing_.point({x, y, down});
+            draw();
+        }
+    }
+    // A minute in which the blade pressed, saw, and the tube went in.
+    void live_a_minute() {
+        for (int i = 0; i < 700; ++i) {
+            const auto t = 0.1f * static_cast<float>(i);
+            one_.gum_force = 2.5f + 2.5f * std::sin(0.4f * t);
+            one_.opening = 50.0f + 40.0f * std::sin(0.2f * t);
+            one_.tube_depth = -0.03f + 0.001f * t;
+            one_.load = 0.6f + 0.1f * std::sin(2.0f * t);
+            one_.say(0.1);
+        }
+    }
+
+    render::HeadlessContext context_;
+    PanelScene one_{true, two_presets()};
+    panel::Drawing drawing_;
+    render::Image picture_;
+};
+
+TEST(PanelArea, LettersAreAFiftiethOfTheHeightOnEveryScreen) {
+    for (const auto& [width, height] :
+         {std::pair{1280, 720}, std::pair{1920, 1080}, std::pair{3840, 2160}, std::pair{720, 1280}}) {
+        EXPECT_GE(panel::text_height(height), 0.02 * height);
+        const panel::Area panel = panel::panel_area(width, height), scene = panel::scene_area(width, height);
+        EXPECT_EQ(panel.width * panel.height + scene.width * scene.height, width * height);
+        // Wide enough for a line of a slider: 27 heights of a letter.
+        EXPECT_GE(panel.width, 27 * panel::text_height(height)) << width << " x " << height;
+    }
+    EXPECT_EQ(panel::panel_area(1280, 720).x, 1280 - 27 * 15) << "beside the scene";
+    EXPECT_EQ(panel::panel_area(720, 1280).y, 640) << "below the scene";
+}
+
+TEST_F(PanelDrawing, LeavesTheSceneAlone) {
+    one_.say();
+    draw_settled();
+    const panel::Area scene = panel::scene_area(1280, 720);
+    const std::uint8_t* const first = picture_.pixel(0, 0);
+    for (int y = 0; y < scene.height; y += 7) {
+        for (int x = 0; x < scene.width; x += 7) {
+            ASSERT_EQ(picture_.pixel(x, y)[0], first[0]) << x << ", " << y;
+        }
+    }
+    EXPECT_NE(picture_.pixel(scene.width + 2, 2)[2], first[2]);
+}
+
+TEST_F(PanelDrawing, AClickOnASliderAsksForTheValueThere) {
+    one_.say();
+    draw_settled();
+    const auto place = drawing_.place("tongue_scale");
+    ASSERT_TRUE(place);
+    press_at(static_cast<float>(place->x + place->width) - 2.0f, static_cast<float>(place->y) + 5.0f);
+    ASSERT_NE(one_.at("tongue_scale").wanted, std::nullopt);
+    EXPECT_FLOAT_EQ(*one_.at("tongue_scale").wanted, 1.4f);
+    click("start of tongue_scale");
+    EXPECT_FLOAT_EQ(*one_.at("tongue_scale").wanted, 1.0f);
+}
+
+TEST_F(PanelDrawing, EverySliderOfThePaperIsInReachAndEveryOtherFoundBySearching) {
+    one_.say();
+    for (const auto& [width, height] :
+         {std::pair{1280, 720}, std::pair{1920, 1080}, std::pair{2560, 1080}, std::pair{3840, 2160}}) {
+        draw_settled(width, height);
+        for (const panel::Row& row : one_.model.rows()) {
+            if (row.group == panel::Group::paper) {
+                EXPECT_TRUE(drawing_.place(row.name)) << row.name << " at " << width << " x " << height;
+            }
+        }
+    }
+    for (const panel::Row& row : one_.model.rows()) {
+        one_.model.search = row.label;
+        draw_settled();
+        EXPECT_TRUE(drawing_.place(row.name)) << row.name;
+    }
+}
+
+TEST_F(PanelDrawing, ATabTurnsThePageAndASwitchAsksForAnAid) {
+    one_.say();
+    draw_settled();
+    click("Aids");
+    EXPECT_EQ(one_.model.page, panel::Page::aids);
+    draw();
+    click("view_axes");
+    EXPECT_EQ(one_.at("view_axes").wanted, 1.0f);
+    EXPECT_TRUE(drawing_.has_mouse());
+    drawing_.point({10.0f, 10.0f, false});
+    draw();
+    EXPECT_FALSE(drawing_.has_mouse());
+}
+
+TEST_F(PanelDrawing, APresetIsChosenFromItsList) {
+    one_.say();
+    draw_settled();
+    click("preset");
+    draw();
+    click("preset large");
+    ASSERT_NE(one_.model.chosen(), nullptr);
+    EXPECT_EQ(one_.model.chosen()->name, "large");
+    EXPECT_EQ(one_.at("tongue_scale").wanted, 1.2f);
+}
+
+TEST_F(PanelDrawing, StoppingIsAskedTwice) {
+    one_.say();
+    one_.model.page = panel::Page::session;
+    draw_settled();
+    click("Stop ...");
+    one_.model.tend(one_.now);
+    EXPECT_TRUE(one_.sent.empty());
+    draw();
+    click("Go on");
+    draw();
+    EXPECT_FALSE(drawing_.place("Stop the session"));
+    click("Stop ...");
+    draw();
+    click("Stop the session");
+    one_.model.tend(one_.now);
+    ASSERT_EQ(one_.sent.size(), 1u);
+    EXPECT_EQ(one_.sent[0].first, "stop");
+    click("Reset");
+    one_.model.tend(one_.now);
+    EXPECT_EQ(one_.sent.back().first, "reset");
+}
+
+TEST_F(PanelDrawing, AnObserversPanelTakesNoClicks) {
+    PanelScene watching(false);
+    watching.say();
+    render::RenderTarget target(1280, 720, 1);
+    const auto look = [&](const panel::Pointer& pointer) {
+        target.bind_picture();
+        drawing_.point(pointer);
+        drawing_.draw(watching.model, 1280, 720, watching.now += 16ms);
+    };
+    look({});
+    look({});
+    const auto slider = drawing_.place("tongue_scale");
+    ASSERT_TRUE(slider);
+    for (const bool down : {false, true, false}) {
+        look({static_cast<float>(slider->x + slider->width) - 2.0f, static_cast<float>(slider->y) + 5.0f,
+              down});
+    }
+    EXPECT_EQ(watching.at("tongue_scale").wanted, std::nullopt);
+    EXPECT_FALSE(drawing_.place("preset"));
+    watching.model.page = panel::Page::session;
+    look({});
+    look({});
+    EXPECT_FALSE(drawing_.place("Reset"));
+}
+
+TEST_F(PanelDrawing, OldNumbersAreDimmed) {
+    live_a_minute();
+    one_.model.page = panel::Page::health;
+    const auto brightest = [&] {
+        // Below the head, which says why.
+        int most = 0;
+        for (int y = 100; y < picture_.height; ++y) {
+            for (int x = panel::scene_area(1280, 720).width; x < picture_.width; ++x) {
+                most = std::max<int>(most, picture_.pixel(x, y)[1]);
+            }
+        }
+        return most;
+    };
+    draw_settled();
+    const int fresh = brightest();
+    one_.now += 5s;
+    draw_settled();
+    EXPECT_LT(brightest(), 0.65 * fresh);
+}
+
+// Golden pictures. Letters are made by the program and drawn pixel by pixel, so that drivers differ at the
+// edges of some of them only: of the panel's pixels, one in a thousand may differ by more than 24 levels. A
+// number that changes differs by more. ETI_RENEW_GOLDEN=1 writes them anew.
+class GoldenPicture : public PanelDrawing {
+  protected:
+    static constexpr double most_apart = 1e-3;
+
+    // Share of the panel's pixels.
+    [[nodiscard]] double apart(const render::Image& golden) const {
+        const panel::Area area = panel::panel_area(golden.width, golden.height);
+        int differ = 0;
+        for (int y = area.y; y < area.y + area.height; ++y) {
+            for (int x = area.x; x < area.x + area.width; ++x) {
+                const std::uint8_t *a = golden.pixel(x, y), *b = picture_.pixel(x, y);
+                differ +=
+                    std::abs(a[0] - b[0]) > 24 || std::abs(a[1] - b[1]) > 24 || std::abs(a[2] - b[2]) > 24;
+            }
+        }
+        return static_cast<double>(differ) / (static_cast<double>(area.width) * area.height);
+    }
+    void compare(const std::string& name) {
+        const std::filesystem::path file = std::filesystem::path(ETI_GOLDEN) / (name + ".png");
+        if (std::getenv("ETI_RENEW_GOLDEN") != nullptr) {
+            std::filesystem::create_directories(file.parent_path());
+            render::write_png(picture_, file);
+        }
+        const render::Image golden = render::read_png(file);
+        ASSERT_EQ(golden.width, picture_.width);
+        ASSERT_EQ(golden.height, picture_.height);
+        const auto seen = std::filesystem::temp_directory_path() / ("eti-panel-" + name + ".png");
+        const double share = apart(golden);
+        if (share > most_apart) {
+            render::write_png(picture_, seen);
+        }
+        EXPECT_LE(share, most_apart) << "see " << seen
+                                     << "; if it is as it should be, run this with ETI_RENEW_GOLDEN=1";
+    }
+};
+
+class PanelPage : public GoldenPicture, public ::testing::WithParamInterface<panel::Page> {};
+
+TEST_P(PanelPage, LooksAsItDid) {
+    live_a_minute();
+    one_.connection = {4.2, 11.0, 5400, 3, 12, 11, 1, false, {"eti-server lab:100", "eti-haptics lab:101"}};
+    one_.say();
+    one_.model.ask(one_.row("table_angle"), -10.0f);
+    const bus::Refusal refusals[] = {
+        {"secretion",
+         "there is no liquid in this scenario; restart it with 'saliva: standby', which has none until it is "
+         "asked for"}};
+    one_.model.hear(refusals);
+    one_.model.page = GetParam();
+    // Beside the scene, a strip of the whole picture.
+    draw_settled();
+    compare(std::string(panel::title(GetParam())));
+}
+
+TEST_P(PanelPage, LooksAsItDidUpright) {
+    live_a_minute();
+    one_.model.page = GetParam();
+    draw_settled(720, 1280);
+    compare(std::string(panel::title(GetParam())) + "_upright");
+}
+
+TEST_F(GoldenPicture, ANumberThatChangesIsSeen) {
+    one_.say();
+    draw_settled();
+    const render::Image before = picture_;
+    EXPECT_EQ(apart(before), 0.0);
+    one_.live.tongue_scale = 1.1f;
+    one_.say();
+    draw_settled();
+    EXPECT_GT(apart(before), most_apart);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pages, PanelPage, ::testing::ValuesIn(panel::pages),
+                         [](const auto& one) { return std::string(panel::title(one.param)); });
+
+}  // namespace
+}  // namespace eti
