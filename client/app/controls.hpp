@@ -6,8 +6,8 @@
 #include <string>
 
 #include "client/app/command_keys.hpp"
-#include "client/app/drag.hpp"
 #include "client/app/selection.hpp"
+#include "client/hands/drag.hpp"
 #include "client/hud/readout.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/bus/command_sender.hpp"

@@ -10,7 +10,9 @@
 
 #include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
+#include "client/app/hand_controls.hpp"
 #include "client/app/session_input.hpp"
+#include "client/app/session_sound.hpp"
 #include "client/app/window.hpp"
 #include "client/render/headless_context.hpp"
 #include "common/process/priority.hpp"
@@ -40,6 +42,11 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     if (!options.observe) {
         commands.emplace(node, options.bus.name);
     }
+    const auto sound = session_sound(options.sound, options.volume);
+    std::optional<HandControls> hands;
+    if (options.hands) {
+        hands.emplace(node, options.play, options.tutorial);
+    }
     Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
@@ -57,11 +64,16 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             bus::refuse_other_protocol(node);
         }
         for (const KeyEvent& event : window.take_keys()) {
+            if (hands && hands->key(event)) {
+                continue;
+            }
             event.down ? controls.press(event.key, event.repeated, scene, now)
                        : controls.release(event.key, now);
         }
         for (const Drag& mouse : window.take_drags()) {
-            controls.drag(mouse, scene, window.width(), window.height());
+            if (!hands || !hands->drag(mouse, controls, scene, window.width(), window.height())) {
+                controls.drag(mouse, scene, window.width(), window.height());
+            }
         }
         controls.tend(now);
         scene.update();
@@ -69,9 +81,19 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             was_lost = !was_lost;
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
-        if (const auto shown = shown_now(controls.selection(), scene, window.minimised())) {
+        const Selection& selection = hands ? hands->shown(controls.selection()) : controls.selection();
+        if (hands) {
+            (void)hands->look(scene, selection);
+        }
+        if (sound) {
+            sound->hear(cue_of(scene, was_lost));
+        }
+        if (const auto shown = shown_now(selection, scene, window.minimised())) {
             compositor.resize(window.width(), window.height());
             hud::Readout readout = hud::readout_of(scene, was_lost);
+            if (hands) {
+                hands->put_into(readout);
+            }
             controls.put_into(readout, now);
             if (!readout.keys.empty()) {
                 readout.keys.emplace_back("quality", compositor.quality().name);
@@ -95,6 +117,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
               {"messages_dropped", scene.dropped()},
               {"states_missed", input.arrival().missed()},
               {"state_age_ms", {{"mean", input.arrival().mean_ms()}, {"max", input.arrival().most_ms()}}}};
+    if (hands) {
+        result["hands"] = hands->report();
+    }
     if (commands) {
         (void)commands->take_answers();
         result["commands"] = {
