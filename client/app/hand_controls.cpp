@@ -2,11 +2,13 @@
 // Copyright the NeoETI authors
 #include "client/app/hand_controls.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "client/app/compositor.hpp"
+#include "client/app/vantage_controls.hpp"
 
 namespace eti::client {
 namespace {
@@ -27,6 +29,17 @@ std::vector<std::pair<std::string, std::string>> hand_controls_help() {
         {"z", "hand back to its start"}};
     for (const HandKey& key : hand_keys()) {
         out.emplace_back(key.caption, key.help);
+    }
+    return out;
+}
+
+std::vector<std::pair<std::string, std::string>> HandControls::help() {
+    std::vector<std::pair<std::string, std::string>> out = hand_controls_help();
+    for (auto& row : keys_help(true)) {
+        const auto same = [&](const VantageKey& key) { return key.caption == row.first; };
+        if (row.first != "mouse" && std::ranges::none_of(vantage_keys(), same)) {
+            out.push_back(std::move(row));
+        }
     }
     return out;
 }

@@ -38,6 +38,8 @@ class HandControls {
     /// What the list that is played looks at; else what is chosen.
     [[nodiscard]] const Selection& shown(const Selection& chosen) const;
     void put_into(hud::Readout& readout) const;
+    /// All keys of the window but those that move what one looks from: together they would not fit.
+    [[nodiscard]] static std::vector<std::pair<std::string, std::string>> help();
     [[nodiscard]] nlohmann::json report() const;
 
   private:

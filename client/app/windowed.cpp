@@ -95,6 +95,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
                 hands->put_into(readout);
             }
             controls.put_into(readout, now);
+            if (hands && !readout.keys.empty()) {
+                readout.keys = HandControls::help();
+            }
             if (!readout.keys.empty()) {
                 readout.keys.emplace_back("quality", compositor.quality().name);
             }

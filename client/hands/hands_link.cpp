@@ -103,7 +103,16 @@ void HandsLink::run() {
 
 void HandsLink::take_messages() {
     while (description_.take(description_message_)) {
-        seen_.apply(description_message_);
+        const bool known = seen_.keys().has_value();
+        const Laryngoscope scope = known ? seen_.keys()->laryngoscope() : Laryngoscope();
+        const Tube tube = known ? seen_.keys()->tube() : Tube();
+        // Another session's tools are taken at their start.
+        if (seen_.apply(description_message_) && known &&
+            (scope.blade_length != seen_.keys()->laryngoscope().blade_length ||
+             tube.grip_from_tip != seen_.keys()->tube().grip_from_tip ||
+             tube.curve_radius != seen_.keys()->tube().curve_radius)) {
+            hands_.reset();
+        }
     }
     if (metrics_.take_latest(metrics_message_)) {
         seen_.apply(metrics_message_);
