@@ -12,7 +12,7 @@ if(NOT ETI_CLIENT)
 endif()
 
 # data: what several of the others read
-install(DIRECTORY deploy/scenarios deploy/operators deploy/presets deploy/dds deploy/calibration deploy/parts
+install(DIRECTORY deploy/scenarios deploy/operators deploy/presets deploy/hands deploy/dds deploy/calibration deploy/parts
         DESTINATION share/neoeti COMPONENT data)
 install(FILES deploy/security/make_lab.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
 

@@ -6,13 +6,14 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers panel)
+PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers panel first_session)
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute"
-                  [render]="five minutes" [readers]="five minutes" [panel]="a minute")
+                  [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes")
 PICTURES=(laryngoscope section overview)
+LESSONS=(lesson_2 lesson_3 lesson_4 lesson_5 final)
 CHARTS=$ETI_ROOT/docs/charts
 OUT=$ETI_ROOT/out/figures
 
@@ -31,7 +32,8 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --list        name the files that it makes, and make none
   --help        print this
 Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, render what one
-sees against its goals, readers what a lab's own program reads and what that costs, panel the instructor's beside a session.
+sees against its goals, readers what a lab's own program reads and what that costs, panel the instructor's beside a session,
+first_session the steps of an intubation with mouse and keys.
 USAGE
 }
 
@@ -135,13 +137,27 @@ panel() {
     [ $taken = 0 ]
 }
 
+# An intubation with mouse and keys, as the tutorial leads through it: a picture as each lesson begins, and of the end.
+first_session() {
+    local folder=$OUT/first_session bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 95) server lesson
+    rm -rf "$folder" && mkdir -p "$folder"
+    "$bin/eti-server" --scenario term --finish-after-attempt "${place[@]}" >&2 &
+    server=$!
+    XDG_CONFIG_HOME=$folder "$bin/eti-client" --offscreen "$folder" --no-video --every 0 --hands --tutorial on \
+        --play "$ETI_ROOT/deploy/hands/term.yaml" --wait 60 "${place[@]}" >&2 || { kill -INT $server; return 1; }
+    wait $server
+    for lesson in "${LESSONS[@]}"; do
+        cp "$folder"/*_"$lesson"_0*.png "$ETI_ROOT/docs/first_session_$lesson.png" || return 1
+    done
+}
+
 measure() {
     case $1 in
         accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;
-        anatomy | pictures | render | readers | panel) "$1" ;;
+        anatomy | pictures | render | readers | panel | first_session) "$1" ;;
     esac
 }
 
@@ -152,6 +168,7 @@ if [ $list = yes ]; then
             anatomy) printf '%s\n' "$ETI_ROOT"/docs/anatomy/{phantom,cranium}.png ;;
             pictures) printf "$ETI_ROOT/docs/%s.png\n" "${PICTURES[@]}" ;;
             render) printf '%s\n' "$ETI_ROOT/docs/rendering.png" ;;
+            first_session) printf "$ETI_ROOT/docs/first_session_%s.png\n" "${LESSONS[@]}" ;;
             readers) printf '%s\n' "$ETI_ROOT/docs/lab_readers.png" ;;
             panel) printf '%s\n' "$ETI_ROOT/docs/panel.png" ;;
         esac

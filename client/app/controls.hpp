@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "client/app/command_keys.hpp"
-#include "client/app/drag.hpp"
 #include "client/app/selection.hpp"
+#include "client/hands/drag.hpp"
 #include "client/hud/readout.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/bus/command_sender.hpp"

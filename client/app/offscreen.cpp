@@ -9,6 +9,9 @@
 #include <cmath>
 #include <memory>
 
+#include <fmt/format.h>
+
+#include "client/app/hand_controls.hpp"
 #include "client/app/pictures.hpp"
 #include "client/app/session_input.hpp"
 #include "client/render/headless_context.hpp"
@@ -60,6 +63,9 @@ class Offscreen {
           compositor_(options.width, options.height,
                       options.quality != nullptr ? *options.quality : render::affordable_quality()),
           pictures_(options.offscreen, options.vantage) {
+        if (options.hands) {
+            hands_ = std::make_unique<HandControls>(node, options.play, options.tutorial);
+        }
         if (!options.video.empty()) {
             video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
                                                      options.height);
@@ -101,6 +107,10 @@ class Offscreen {
         while (end_ == End::none) {
             input_.take_into(scene_);
             best_.consider(scene_);
+            if (hands_ && hands_->look(scene_, selection())) {
+                scene_.update();
+                take_pictures(scene_, fmt::format("lesson_{}", hands_->lesson()));
+            }
             end_ = why_to_end();
             if (end_ == End::none && !draw_if_due()) {
                 input_.wait(10ms);
@@ -120,8 +130,7 @@ class Offscreen {
             scene_.update();
             take_pictures(scene_, "final");
             if (video_) {
-                compositor_.draw(options_.selection->views(scene_), scene_, readout(), options_.vantage,
-                                 false);
+                compositor_.draw(selection().views(scene_), scene_, readout(), options_.vantage, false);
                 video_->add(compositor_.target().read(),
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
@@ -164,6 +173,9 @@ class Offscreen {
             {"states_missed", input_.arrival().missed()},
             {"state_age_ms", {{"mean", input_.arrival().mean_ms()}, {"max", input_.arrival().most_ms()}}},
             {"pictures", pictures}};
+        if (hands_) {
+            report["hands"] = hands_->report();
+        }
         if (video_) {
             report["video"] = {{"file", video_->file().string()},
                                {"frames", video_->frames()},
@@ -182,8 +194,16 @@ class Offscreen {
                (input_.presence() == Presence::silent && input_.presence_for_s() > silent_for_s);
     }
 
+    [[nodiscard]] const Selection& selection() const {
+        return hands_ ? hands_->shown(*options_.selection) : *options_.selection;
+    }
+
     [[nodiscard]] hud::Readout readout() const {
-        return hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone);
+        hud::Readout out = hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone);
+        if (hands_) {
+            hands_->put_into(out);
+        }
+        return out;
     }
 
     [[nodiscard]] End why_to_end() const {
@@ -219,7 +239,7 @@ class Offscreen {
             next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         if (video_) {
-            compositor_.draw(options_.selection->views(scene_), scene_, readout(), options_.vantage, true);
+            compositor_.draw(selection().views(scene_), scene_, readout(), options_.vantage, true);
             add_to_video(tick);
             ++drawn_;
         }
@@ -244,8 +264,8 @@ class Offscreen {
 
     void take_pictures(const view::SceneView& scene, std::string_view occasion) {
         const bool live = &scene == &scene_;
-        pictures_.take(compositor_, *options_.selection, scene,
-                       live ? readout() : hud::readout_of(scene, false), occasion);
+        pictures_.take(compositor_, selection(), scene, live ? readout() : hud::readout_of(scene, false),
+                       occasion);
     }
 
     const Options& options_;
@@ -256,6 +276,7 @@ class Offscreen {
     Compositor compositor_;
     Pictures pictures_;
     BestView best_;
+    std::unique_ptr<HandControls> hands_;
     std::unique_ptr<render::Video> video_;
     render::Image last_image_;
     std::uint64_t frames_ = 0;            // that were due

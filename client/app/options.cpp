@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 
 #include "client/app/controls.hpp"
+#include "client/app/hand_controls.hpp"
 #include "client/app/hand_keys.hpp"
+#include "client/app/tutorial.hpp"
 #include "common/bus/command_line.hpp"
 #include "common/math/units.hpp"
 
@@ -90,7 +92,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         quality_names.emplace_back(one.name);
         of_qualities += fmt::format("; {}: {}", one.name, one.help);
     }
-    std::string quality = "auto";
+    std::string quality = "auto", tutorial = "auto", sound = "auto";
     std::string view(options.selection->name);
     std::string size = "960x540";
     std::string eye_offset = "0,0,0", section = "0,0,0", dominant_eye = "right";
@@ -100,6 +102,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string keys = "Keys in the window:";
     for (const auto& [key, help] : keys_help(true)) {
         keys += fmt::format("\n  {:<6} {}", key, help);
+    }
+    keys += "\nWith --hands:";
+    for (const auto& [input, help] : hand_controls_help()) {
+        keys += fmt::format("\n  {:<11} {}", input, help);
     }
     keys += "\nHand controllers, with --view hmd:";
     for (const auto& [input, help] : hands_help()) {
@@ -203,6 +209,23 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--quality", quality, of_qualities)
         ->capture_default_str()
         ->check(CLI::IsMember(quality_names));
+    app.add_flag("--hands", options.hands, "Hold blade and tube with mouse and keys, unless a device does");
+    app.add_option("--tutorial", tutorial,
+                   "With --hands, lead through a first intubation; auto: until it has been shown once")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"auto", "on", "off"}));
+    app.add_option("--play", options.play,
+                   "Move them by a list of what mouse and keys do, instead of by a person's")
+        ->needs("--hands")
+        ->check(CLI::ExistingFile);
+    app.add_option("--sound", sound,
+                   "The monitor's beep, a click where the gum is pressed too hard, suction; auto: where the "
+                   "machine has a device to play on")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"auto", "on", "off"}));
+    app.add_option("--volume", options.volume, "Of the sound, 0 to 1")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1.0));
     bus::add_options(app, options.bus);
     app.add_flag("--json", options.json, "Print what was made as one JSON object");
     try {
@@ -216,6 +239,17 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
             << "--view hmd: a headset shows it, --offscreen would draw pictures instead; leave one out\n";
         return 2;
     }
+    if (options.hands && (options.headset || options.observe)) {
+        std::cerr << fmt::format("--hands: {}; leave one out\n",
+                                 options.headset ? "in a headset the hands hold devices"
+                                                 : "who watches (--observe) holds no tool");
+        return 2;
+    }
+    // A list that is played needs no lesson; whoever learns is at a window.
+    options.tutorial =
+        options.hands && (tutorial == "on" || (tutorial == "auto" && options.play.empty() &&
+                                               options.offscreen.empty() && !tutorial_was_shown()));
+    options.sound = sound == "auto" ? std::nullopt : std::optional(sound == "on");
     options.selection = options.headset ? &default_selection() : selection_named(view);
     options.left_eye_leads = dominant_eye == "left";
     options.gum_in_room = *read_place(gum_at);

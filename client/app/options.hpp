@@ -32,6 +32,11 @@ struct Options {
     int width = 960;
     int height = 540;
     const render::Quality* quality = nullptr;  ///< none: what the driver can afford
+    bool hands = false;                        ///< mouse and keys hold blade and tube
+    bool tutorial = false;                     ///< lead through a first intubation
+    std::filesystem::path play;                ///< list of what they do; empty: a person does
+    std::optional<bool> sound;                 ///< none: where there is a device to play on
+    float volume = 0.5f;
     bool json = false;
 };
 

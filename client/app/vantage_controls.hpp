@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "client/app/drag.hpp"
+#include "client/hands/drag.hpp"
 #include "client/render/view_table.hpp"
 
 namespace eti::client {

@@ -113,6 +113,11 @@ void Window::on_key(int key, int scancode, int action) {
             keys_.push_back({silent, action != GLFW_RELEASE, repeating_});
         }
     }
+    for (const auto& [code, character] : {std::pair{GLFW_KEY_TAB, U'\t'}, std::pair{GLFW_KEY_ENTER, U'\n'}}) {
+        if (key == code && action == GLFW_PRESS) {
+            keys_.push_back({character, true, false});
+        }
+    }
     // Characters go down in on_character(), but come up here alone.
     const char* const name = action == GLFW_RELEASE ? glfwGetKeyName(key, scancode) : nullptr;
     if (name != nullptr && name[0] > 0 && name[1] == 0) {
@@ -130,6 +135,11 @@ double Window::pixels_per_unit() const {
     return units > 0 ? static_cast<double>(width()) / units : 1.0;
 }
 
+bool Window::shift_down() const {
+    return glfwGetKey(window_, GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS ||
+           glfwGetKey(window_, GLFW_KEY_RIGHT_SHIFT) == GLFW_PRESS;
+}
+
 void Window::on_button(int button, int action) {
     if (action == GLFW_RELEASE) {
         held_ = button == held_ ? -1 : held_;
@@ -138,7 +148,8 @@ void Window::on_button(int button, int action) {
         const double scale = pixels_per_unit();
         begun_ = {.from_x = static_cast<float>(scale * last_x_),
                   .from_y = static_cast<float>(scale * last_y_),
-                  .second = button == GLFW_MOUSE_BUTTON_RIGHT};
+                  .second = button == GLFW_MOUSE_BUTTON_RIGHT,
+                  .shift = shift_down()};
     }
 }
 
@@ -158,7 +169,8 @@ void Window::on_wheel(double notches) {
     const double scale = pixels_per_unit();
     drags_.push_back({.from_x = static_cast<float>(scale * last_x_),
                       .from_y = static_cast<float>(scale * last_y_),
-                      .notches = static_cast<float>(notches)});
+                      .notches = static_cast<float>(notches),
+                      .shift = shift_down()});
 }
 
 }  // namespace eti::client

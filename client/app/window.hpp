@@ -6,13 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "client/app/drag.hpp"
+#include "client/hands/drag.hpp"
 
 struct GLFWwindow;
 
 namespace eti::client {
 
-/// A key went down or up: a character in lower case, or one of command_keys.hpp that types none.
+/// A key went down or up: a character in lower case, or one of command_keys.hpp that types none; a tab or newline
+/// only goes down.
 struct KeyEvent {
     char32_t key;
     bool down;
@@ -56,6 +57,7 @@ class Window {
     void on_wheel(double notches);
     /// In pixels of the drawing area: a window's own units may be larger.
     [[nodiscard]] double pixels_per_unit() const;
+    [[nodiscard]] bool shift_down() const;
 
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;

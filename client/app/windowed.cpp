@@ -10,7 +10,9 @@
 
 #include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
+#include "client/app/hand_controls.hpp"
 #include "client/app/session_input.hpp"
+#include "client/app/session_sound.hpp"
 #include "client/app/window.hpp"
 #include "client/app/window_panel.hpp"
 #include "client/render/headless_context.hpp"
@@ -41,6 +43,11 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     if (!options.observe) {
         commands.emplace(node, options.bus.name);
     }
+    const auto sound = session_sound(options.sound, options.volume);
+    std::optional<HandControls> hands;
+    if (options.hands) {
+        hands.emplace(node, options.play, options.tutorial);
+    }
     Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
     WindowPanel panel(window, node, commands ? &*commands : nullptr, options.panel);
     view::SceneView scene;
@@ -59,7 +66,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             bus::refuse_other_protocol(node);
         }
         for (const KeyEvent& event : window.take_keys()) {
-            if (panel.press(event)) {
+            if (panel.press(event) || (hands && hands->key(event))) {
                 continue;
             }
             event.down ? controls.press(event.key, event.repeated, scene, now)
@@ -67,7 +74,8 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         }
         const panel::Area area = panel.scene_area();
         for (const Drag& mouse : window.take_drags()) {
-            if (!panel.has_mouse()) {
+            if (!panel.has_mouse() &&
+                (!hands || !hands->drag(mouse, controls, scene, area.width, area.height))) {
                 controls.drag(mouse, scene, area.width, area.height);
             }
         }
@@ -78,10 +86,23 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             was_lost = !was_lost;
             spdlog::warn(was_lost ? "the server is lost; waiting for one" : "a server is back");
         }
-        if (const auto shown = shown_now(controls.selection(), scene, window.minimised())) {
+        const Selection& selection = hands ? hands->shown(controls.selection()) : controls.selection();
+        if (hands) {
+            (void)hands->look(scene, selection);
+        }
+        if (sound) {
+            sound->hear(cue_of(scene, was_lost));
+        }
+        if (const auto shown = shown_now(selection, scene, window.minimised())) {
             compositor.resize(area.width, area.height);
             hud::Readout readout = hud::readout_of(scene, was_lost);
+            if (hands) {
+                hands->put_into(readout);
+            }
             controls.put_into(readout, now);
+            if (hands && !readout.keys.empty()) {
+                readout.keys = HandControls::help();
+            }
             if (!readout.keys.empty()) {
                 readout.keys.emplace_back("quality", compositor.quality().name);
             }
@@ -108,6 +129,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
               {"messages_dropped", scene.dropped()},
               {"states_missed", input.arrival().missed()},
               {"state_age_ms", {{"mean", input.arrival().mean_ms()}, {"max", input.arrival().most_ms()}}}};
+    if (hands) {
+        result["hands"] = hands->report();
+    }
     if (commands) {
         (void)commands->take_answers();
         result["commands"] = {

@@ -255,6 +255,10 @@ void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int hei
         top.push_back({.text = readout.scenario, .value = {}});
         top.push_back({.text = readout.description, .value = {}, .colour = grey});
     }
+    for (const std::string& line : readout.guidance) {
+        top.push_back(
+            {.text = line, .value = {}, .colour = &line == readout.guidance.data() ? green : white});
+    }
     if (!readout.notice.empty()) {
         top.push_back({.text = readout.notice, .value = {}, .colour = amber});
     }

@@ -73,6 +73,7 @@ struct Readout {
     std::string message;              ///< the server's newest
     std::string warning;              ///< of a device that fell silent; else empty
     std::string notice;               ///< what this client has to say, e.g. of a refused command
+    std::vector<std::string> guidance;  ///< what to do next, where somebody is led: a title, then sentences
     std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for
     std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };

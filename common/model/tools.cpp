@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "common/model/tools.hpp"
 
+#include <cmath>
 #include <numbers>
 
 #include "common/math/units.hpp"
@@ -40,6 +41,22 @@ float outer_diameter_of(float inner_diameter) {
     const std::size_t k = inner_diameter < table[1][0] ? 0 : 1;
     const float slope = (table[k + 1][1] - table[k][1]) / (table[k + 1][0] - table[k][0]);
     return table[k][1] + slope * (inner_diameter - table[k][0]);
+}
+
+RigidTransform along_arc(float curvature, float length) {
+    const float angle = curvature * length;
+    if (std::fabs(angle) < 1e-5f) {
+        return {Quatf::Identity(), Vec3f(0, 0, length)};
+    }
+    // Turning about -x takes +z towards +y.
+    return {Quatf(Eigen::AngleAxisf(-angle, Vec3f::UnitX())),
+            Vec3f(0, (1.0f - std::cos(angle)) / curvature, std::sin(angle) / curvature)};
+}
+
+float length_until(float curvature, const Vec3f& point) {
+    return std::fabs(curvature) < 1e-3f
+               ? point.z()
+               : std::atan2(curvature * point.z(), 1.0f - curvature * point.y()) / curvature;
 }
 
 float Tube::bending_stiffness() const {

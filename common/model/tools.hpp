@@ -56,6 +56,13 @@ struct Tube {
     [[nodiscard]] float bending_stiffness() const;  ///< E I [N m^2] of the hollow section
 };
 
+/// Where a tool with `curvature` [1/m] towards +y is `length` [m] from its origin, in its own frame, +z where
+/// it points. An arc slides along itself, so this is also the move that advances the tool by `length`.
+[[nodiscard]] RigidTransform along_arc(float curvature, float length);
+
+/// [m], along a tool with `curvature` [1/m] from its origin to where it is next to `point`, in its own frame.
+[[nodiscard]] float length_until(float curvature, const Vec3f& point);
+
 /// What a scenario says of the tube; what of it lives stands in live_fields.
 extern const std::array<Field<Tube>, 3> tube_fields;
 

@@ -75,23 +75,12 @@ TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, fl
     }
 }
 
-// Where the tool is `length` from its origin, in its own frame: on a line or on an arc that bends towards +y.
-// An arc slides along itself, so this is also the move that advances the tool by `length`.
 RigidTransform TrackPlayer::along_tool(float length) const {
-    const float angle = curvature_ * length;
-    if (std::fabs(angle) < 1e-5f) {
-        return {Quatf::Identity(), Vec3f(0, 0, length)};
-    }
-    // Turning about -x takes +z towards +y.
-    return {Quatf(Eigen::AngleAxisf(-angle, Vec3f::UnitX())),
-            Vec3f(0, (1.0f - std::cos(angle)) / curvature_, std::sin(angle) / curvature_)};
+    return along_arc(curvature_, length);
 }
 
 float TrackPlayer::length_until(const RigidTransform& pose, const Vec3f& point) const {
-    const Vec3f p = pose.inverse() * point;
-    return std::fabs(curvature_) < 1e-3f
-               ? p.z()
-               : std::atan2(curvature_ * p.z(), 1.0f - curvature_ * p.y()) / curvature_;
+    return eti::length_until(curvature_, pose.inverse() * point);
 }
 
 Vec3f TrackPlayer::tip_target(const Stage& stage, const Observation& observation,

@@ -10,11 +10,14 @@ SERVER = ("session_description", "scene", "proxy", "tissue_contacts", "tube_forc
           "fluid", "particle_state", "mesh_state", "command_result", "live_metrics", "attempt_summary",
           "session_status")
 
+TOOLS = ("laryngoscope_pose", "tube_pose")
+
 # What each role writes, besides what everybody does. The server reads all topics, others what the server writes:
 # who read commands without acknowledging them could hold up the one who gives them.
 WRITES = {
     "server": SERVER,
     "trainee": ("eye_pose", "command"),
+    "hands": ("eye_pose", "command", *TOOLS),
     "instructor": ("command", "annotation"),
     "laryngoscope": ("laryngoscope_pose",),
     "tube": ("tube_pose",),
@@ -23,6 +26,7 @@ WRITES = {
 DOES = {
     "server": "simulates, judges, records",
     "trainee": "the trainee's client: gives commands, says where the eye is",
+    "hands": "the same where mouse and keys hold the tools (eti-client --hands)",
     "instructor": "gives commands, leaves remarks",
     "laryngoscope": "the device that holds the laryngoscope",
     "tube": "the device or tracker that holds the tube",
@@ -33,7 +37,8 @@ DOES = {
 def reads(role):
     if role == "server":
         return tuple(dict.fromkeys(topic for topics in WRITES.values() for topic in topics)) + EVERYBODY
-    return SERVER + EVERYBODY
+    # Hands see whether a device holds a tool already.
+    return SERVER + EVERYBODY + (TOOLS if role == "hands" else ())
 
 
 def governance(authority):

@@ -37,7 +37,7 @@ class Packages(Case):
 
     def test_data_and_documents_are_those_of_the_tree(self):
         data = self.files["neoeti-data"]
-        for kind in ("scenarios", "operators", "presets", "dds", "calibration", "parts"):
+        for kind in ("scenarios", "operators", "presets", "hands", "dds", "calibration", "parts"):
             for file in (ROOT / "deploy" / kind).iterdir():
                 self.assertIn(f"/usr/share/neoeti/{kind}/{file.name}", data)
         for page in (ROOT / "docs").rglob("*.md"):

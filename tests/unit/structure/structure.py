@@ -53,6 +53,7 @@ LIBRARIES = (
     (re.compile(r"GLFW/"), ("client", "devices/sensor"), "GLFW"),
     (re.compile(r"(epoxy|EGL|GL|GLES\w*)/|imgui"), ("client",), "graphics"),
     (re.compile(r"openxr/"), ("client/hmd",), "OpenXR"),
+    (re.compile(r"AL/"), ("client/sound",), "OpenAL"),
     (re.compile(r"opencv2/"), ("client",), "OpenCV"),
     (re.compile(r"gdcm\w*\.h$"), ("server/patient/imaging",), "GDCM"),
     # How many threads it may use is app's to say.

@@ -3,11 +3,15 @@
 #include "client/app/options.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <vector>
 
+#include "client/app/tutorial.hpp"
 #include "common/math/units.hpp"
 
 namespace eti {
@@ -111,6 +115,39 @@ TEST(Options, PlacesTheSectionAndFogsTheLens) {
         client::Options wrong;
         ASSERT_TRUE(parse({"--fogging", text}, wrong)) << text;
     }
+}
+
+TEST(Options, LeadsWhoHoldsTheToolsTheFirstTime) {
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("eti-options-" + std::to_string(::getpid()));
+    ::setenv("XDG_CONFIG_HOME", folder.c_str(), 1);
+    client::Options first, without, again, asked;
+    ASSERT_FALSE(parse({"--hands"}, first));
+    EXPECT_TRUE(first.hands && first.tutorial);
+    ASSERT_FALSE(parse({}, without));
+    EXPECT_FALSE(without.hands || without.tutorial);
+    client::note_tutorial_shown();
+    ASSERT_FALSE(parse({"--hands"}, again));
+    EXPECT_FALSE(again.tutorial);
+    ASSERT_FALSE(parse({"--hands", "--tutorial", "on"}, asked));
+    EXPECT_TRUE(asked.tutorial);
+    std::filesystem::remove_all(folder);
+    ::unsetenv("XDG_CONFIG_HOME");
+    client::Options refused;
+    EXPECT_EQ(parse({"--hands", "--observe"}, refused), 2);
+    EXPECT_EQ(parse({"--hands", "--view", "hmd"}, refused), 2);
+    EXPECT_EQ(parse({"--volume", "1.5"}, refused), 2);
+}
+
+TEST(Options, SoundsWhereThereIsADeviceUnlessToldOtherwise) {
+    client::Options by_itself, on, off;
+    ASSERT_FALSE(parse({}, by_itself));
+    EXPECT_EQ(by_itself.sound, std::nullopt);
+    ASSERT_FALSE(parse({"--sound", "on", "--volume", "0.25"}, on));
+    EXPECT_EQ(on.sound, true);
+    EXPECT_EQ(on.volume, 0.25f);
+    ASSERT_FALSE(parse({"--sound", "off"}, off));
+    EXPECT_EQ(off.sound, false);
 }
 
 TEST(Options, RefusesWhatCannotBe) {

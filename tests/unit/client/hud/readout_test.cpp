@@ -234,7 +234,10 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
     // A letter of this font has some 15 lit pixels.
     EXPECT_GT(noticed, 10 * 26);
     readout.keys = {{"h ?", "this list"}, {"r", "tissue and tube back to rest"}};
-    EXPECT_GT(lit_pixels(readout), noticed + 10 * 30);
+    const int listed = lit_pixels(readout);
+    EXPECT_GT(listed, noticed + 10 * 30);
+    readout.guidance = {"2 of 5: blade in", "Drag with the left button"};
+    EXPECT_GT(lit_pixels(readout), listed + 10 * 30);
 }
 
 TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {

@@ -10,6 +10,7 @@ struct Drag {
     float x = 0.0f, y = 0.0f;            ///< moved by, to the right and down, with a button held
     float notches = 0.0f;                ///< of the wheel, away from oneself
     bool second = false;                 ///< the right button, not the left
+    bool shift = false;                  ///< with the shift key down
 };
 
 }  // namespace eti::client

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/hand_controls.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "client/app/compositor.hpp"
+#include "client/app/vantage_controls.hpp"
+
+namespace eti::client {
+namespace {
+
+std::optional<HandPlay> play_of(const std::filesystem::path& file) {
+    return file.empty() ? std::nullopt : std::optional(HandPlay::load(file));
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> hand_controls_help() {
+    std::vector<std::pair<std::string, std::string>> out{
+        {"Tab", "the other hand: blade or tube"},
+        {"drag left", "hold and move the tool in the picture's plane; let go, and it stays"},
+        {"drag right", "swing the hand about the tool's tip"},
+        {"wheel", "slide the tool in and out"},
+        {"shift+mouse", "move the view instead"},
+        {"z", "hand back to its start"}};
+    for (const HandKey& key : hand_keys()) {
+        out.emplace_back(key.caption, key.help);
+    }
+    return out;
+}
+
+std::vector<std::pair<std::string, std::string>> HandControls::help() {
+    std::vector<std::pair<std::string, std::string>> out = hand_controls_help();
+    for (auto& row : keys_help(true)) {
+        const auto same = [&](const VantageKey& key) { return key.caption == row.first; };
+        if (row.first != "mouse" && std::ranges::none_of(vantage_keys(), same)) {
+            out.push_back(std::move(row));
+        }
+    }
+    return out;
+}
+
+HandControls::HandControls(bus::Node& node, const std::filesystem::path& play, bool tutorial)
+    : played_(!play.empty()), link_(node, play_of(play)) {
+    if (tutorial) {
+        tutorial_.emplace();
+    }
+}
+
+bool HandControls::look(const view::SceneView& scene, const Selection& shown) {
+    if (!tutorial_ || tutorial_->finished()) {
+        return false;
+    }
+    const std::size_t before = tutorial_->lesson();
+    tutorial_->look({scene, shown.name});
+    if (tutorial_->finished()) {
+        note_tutorial_shown();
+    }
+    return tutorial_->lesson() != before;
+}
+
+const Selection& HandControls::shown(const Selection& chosen) const {
+    const render::View* const view = link_.state().view;
+    return view != nullptr ? *selection_named(view->name) : chosen;
+}
+
+bool HandControls::key(const KeyEvent& event) {
+    if (tutorial_ && !tutorial_->finished() && event.key == skip_key) {
+        tutorial_->skip();
+        if (tutorial_->finished()) {
+            note_tutorial_shown();
+        }
+        return true;
+    }
+    if (!is_hand_key(event.key)) {
+        return false;
+    }
+    if (!played_ && !event.repeated) {
+        event.down ? link_.press(event.key) : link_.release(event.key);
+    }
+    return true;
+}
+
+bool HandControls::drag(const Drag& mouse, const Controls& controls, const view::SceneView& scene, int width,
+                        int height) {
+    if (mouse.shift) {
+        return false;
+    }
+    if (played_ || !scene.complete()) {
+        return true;
+    }
+    for (const auto& [view, tile] : layout(controls.selection().views(scene), width, height)) {
+        const float x = mouse.from_x - static_cast<float>(tile.x);
+        const float y = mouse.from_y - static_cast<float>(tile.y);
+        if (x >= 0.0f && y >= 0.0f && x < static_cast<float>(tile.width) &&
+            y < static_cast<float>(tile.height)) {
+            link_.drag({mouse, view->camera(scene, controls.vantage()), static_cast<float>(tile.height)});
+        }
+    }
+    return true;
+}
+
+void HandControls::put_into(hud::Readout& readout) const {
+    if (tutorial_) {
+        tutorial_->put_into(readout);
+    }
+    const HandsState now = link_.state();
+    if (!now.holding) {
+        return;
+    }
+    const bool tube = now.chosen == Tool::tube;
+    const bool ours = now.ours[static_cast<std::size_t>(now.chosen)];
+    std::string line = fmt::format("{} in hand", tube ? "tube" : "blade");
+    if (!ours) {
+        line = fmt::format("a device holds the {}", tube ? "tube" : "blade");
+    } else if (now.held_back >= 1.0f) {
+        line += ", held back";
+    }
+    readout.guidance.push_back(line + fmt::format(" (Tab: {})", tube ? "blade" : "tube"));
+}
+
+nlohmann::json HandControls::report() const {
+    const HandsState now = link_.state();
+    nlohmann::json out{{"poses", {{"laryngoscope", now.poses[0]}, {"tube", now.poses[1]}}},
+                       {"ours", {{"laryngoscope", now.ours[0]}, {"tube", now.ours[1]}}},
+                       {"played", played_ && now.played}};
+    if (tutorial_) {
+        out["lessons_done"] = tutorial_->lesson();
+    }
+    return out;
+}
+
+}  // namespace eti::client

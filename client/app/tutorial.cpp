@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/tutorial.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "common/math/units.hpp"
+
+namespace eti::client {
+namespace {
+
+// Chosen: the blade is behind the tongue, half of the glottis shows, the tube's black band is near the cords.
+constexpr float blade_in = 3.0f * centimetre, tube_in = 15.0f * millimetre, seen_percent = 50.0f;
+
+bool looks_inside(const LessonSight& sight) {
+    return sight.view == "section" || sight.view == "all" || sight.scene.enhanced();
+}
+
+bool blade_is_in(const LessonSight& sight) {
+    const auto& scene = sight.scene;
+    return scene.metrics() && scene.metrics()->attempt_running() && scene.keys() &&
+           scene.laryngoscope_pose() &&
+           hud::blade_depth(scene.landmarks(),
+                            *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip()) > blade_in;
+}
+
+bool glottis_is_seen(const LessonSight& sight) {
+    return sight.scene.metrics() && sight.scene.metrics()->glottic_opening_percent() >= seen_percent;
+}
+
+bool tube_is_in(const LessonSight& sight) {
+    const auto& metrics = sight.scene.metrics();
+    return metrics && metrics->tube_place() == msg::TUBE_IN_TRACHEA &&
+           metrics->tube_depth_past_glottis() > tube_in;
+}
+
+bool attempt_succeeded(const LessonSight& sight) {
+    return sight.scene.attempt_report() && sight.scene.attempt_report()->outcome.success;
+}
+
+constexpr std::size_t blade_lesson = 1;
+constexpr std::array table{
+    Lesson{
+        "1 of 5: look",
+        "Press 2: the head cut open shows where the tools are. 5 is your own eye, 3 the camera on the blade.",
+        looks_inside},
+    Lesson{"2 of 5: blade in",
+           "Drag with the left button: the blade's tip follows, by the right corner of the mouth over the "
+           "tongue. "
+           "Drag its handle back to the gum with the right button, and go down behind the tongue.",
+           blade_is_in},
+    Lesson{"3 of 5: sweep and lift",
+           "Press 5 and drag the blade to the middle: it sweeps the tongue aside. Press 2, bring the tip "
+           "beneath the "
+           "epiglottis and lift along the handle with w, until the glottis is seen. Do not lever on the gum.",
+           glottis_is_seen},
+    Lesson{"4 of 5: tube through the cords",
+           "Tab takes the tube. Bring its tip to the mouth, slide it in with the wheel, aim by dragging, and "
+           "pass "
+           "the cords under sight until the black band lies between them.",
+           tube_is_in},
+    Lesson{
+        "5 of 5: the result",
+        "Tab takes the blade. Lower it with q, draw it out with the wheel, and leave the tube where it is.",
+        attempt_succeeded}};
+
+}  // namespace
+
+std::span<const Lesson> lessons() {
+    return table;
+}
+
+void Tutorial::look(const LessonSight& sight) {
+    const auto& report = sight.scene.attempt_report();
+    if (report && report->attempt != attempts_judged_) {
+        attempts_judged_ = report->attempt;
+        failed_ = report->outcome.success ? "" : report->outcome.reason;
+        if (!report->outcome.success && !finished() && lesson_ > blade_lesson) {
+            lesson_ = blade_lesson;
+        }
+    }
+    while (!finished() && table[lesson_].done(sight)) {
+        ++lesson_;
+        failed_.clear();
+    }
+}
+
+void Tutorial::skip() {
+    lesson_ += finished() ? 0 : 1;
+    failed_.clear();
+}
+
+void Tutorial::put_into(hud::Readout& readout) const {
+    if (finished()) {
+        return;
+    }
+    readout.guidance.emplace_back(table[lesson_].title);
+    if (!failed_.empty()) {
+        readout.guidance.push_back(fmt::format("That attempt: {}. Once more.", failed_));
+    }
+    readout.guidance.emplace_back(table[lesson_].text);
+    readout.guidance.emplace_back("Enter passes over a step; h lists all keys.");
+}
+
+std::filesystem::path tutorial_mark() {
+    const char* const settings = std::getenv("XDG_CONFIG_HOME");
+    const char* const home = std::getenv("HOME");
+    // A path that is not absolute is to be ignored, says the specification.
+    std::filesystem::path folder = settings != nullptr ? settings : "";
+    if (!folder.is_absolute()) {
+        folder = std::filesystem::path(home != nullptr ? home : "/") / ".config";
+    }
+    return folder / "neoeti" / "tutorial-shown";
+}
+
+bool tutorial_was_shown() {
+    std::error_code error;
+    return std::filesystem::exists(tutorial_mark(), error);
+}
+
+void note_tutorial_shown() {
+    std::error_code error;
+    std::filesystem::create_directories(tutorial_mark().parent_path(), error);
+    std::ofstream(tutorial_mark())
+        << "The client's tutorial has been shown. Without this file it is shown again.\n";
+}
+
+}  // namespace eti::client

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/hands/hands.hpp"
+
+#include <algorithm>
+
+#include "client/hands/picture_plane.hpp"
+#include "common/math/units.hpp"
+
+namespace eti::client {
+namespace {
+
+constexpr float lifting = 15e-3f;          // [m/s]
+constexpr float turning = 25.0f * degree;  // [rad/s]
+constexpr float slide_per_notch = 2e-3f;   // [m]
+constexpr float in_the_mouth = 5e-3f;      // [m], of tube past the lips
+constexpr float before_the_mouth = 0.03f;  // [m]
+
+const std::array keys{
+    HandKey{U'w', "w", "lift along the handle", lifting},
+    HandKey{U'q', "q", "lower", -lifting},
+    HandKey{U'g', "g", "tip up", 0.0f, {-turning, 0.0f, 0.0f}},
+    HandKey{U'f', "f", "tip down", 0.0f, {turning, 0.0f, 0.0f}},
+    HandKey{U'a', "a", "tip to the left", 0.0f, {0.0f, turning, 0.0f}},
+    HandKey{U'd', "d", "tip to the right", 0.0f, {0.0f, -turning, 0.0f}},
+    HandKey{U't', "t", "roll to the left", 0.0f, {0.0f, 0.0f, -turning}},
+    HandKey{U'y', "y", "roll to the right", 0.0f, {0.0f, 0.0f, turning}},
+};
+
+// The patient's left stays the tool's +x, so that the handle stands in the middle plane, on the anterior
+// side.
+Quatf pointing(const Vec3f& direction) {
+    const Vec3f z = direction.normalized();
+    const Vec3f x = (Vec3f::UnitX() - z * z.x()).normalized();
+    Mat3f axes;
+    axes.col(0) = x;
+    axes.col(1) = z.cross(x);
+    axes.col(2) = z;
+    return Quatf(axes);
+}
+
+}  // namespace
+
+std::span<const HandKey> hand_keys() {
+    return keys;
+}
+
+bool is_hand_key(char32_t key) {
+    return key == other_hand_key || key == home_key ||
+           std::ranges::find(keys, key, &HandKey::key) != keys.end();
+}
+
+RigidTransform hand_start(Tool tool, const Landmarks& now, const Laryngoscope& scope, const Tube& tube) {
+    const Vec3f& mouth = at(now, Landmark::mouth_opening);
+    const bool blade = tool == Tool::laryngoscope;
+    // The blade goes in steeply, past the upper gum; the tube's end half-way down the throat.
+    const Vec3f direction = blade ? Vec3f(0.0f, 1.0f, -0.15f) : Vec3f(0.0f, 1.0f, -1.0f);
+    const Quatf rotation = pointing(direction);
+    const Vec3f aside(blade ? -9e-3f : -16e-3f, 0.0f, 0.0f);
+    const Vec3f back = -before_the_mouth * (rotation * Vec3f::UnitZ());
+    const Vec3f tip = mouth + aside + back + (blade ? Vec3f(0.0f, 0.0f, 4e-3f) : Vec3f(0.0f, -0.02f, 0.02f));
+    const float curvature = blade ? 0.0f : 1.0f / tube.curve_radius;
+    const float length = blade ? scope.blade_length : tube.grip_from_tip;
+    const RigidTransform to_tip = along_arc(curvature, length);
+    return RigidTransform{rotation, tip} * to_tip.inverse();
+}
+
+Hands::Hands(const Laryngoscope& scope, const Tube& tube, const Landmarks& now)
+    : tools_{
+          HeldTool(scope.blade_length, 0.0f, hand_start(Tool::laryngoscope, now, scope, tube)),
+          HeldTool(tube.grip_from_tip, 1.0f / tube.curve_radius, hand_start(Tool::tube, now, scope, tube))} {}
+
+bool Hands::press(char32_t key) {
+    if (key == other_hand_key) {
+        chosen_ = chosen_ == Tool::tube ? Tool::laryngoscope : Tool::tube;
+        return true;
+    }
+    if (key == home_key) {
+        held_now().go_home();
+        return true;
+    }
+    if (std::ranges::find(keys, key, &HandKey::key) == keys.end()) {
+        return false;
+    }
+    pressed_.insert(key);
+    return true;
+}
+
+void Hands::release(char32_t key) {
+    pressed_.erase(key);
+}
+
+void Hands::drag(const HandDrag& drag, const Landmarks& now) {
+    HeldTool& tool = held_now();
+    const auto carried = [&](const Vec3f& point) {
+        return in_picture(drag.camera, drag.height, point, drag.mouse.x, drag.mouse.y);
+    };
+    tool.slide(slide_per_notch * drag.mouse.notches);
+    const float outside = tool.length_until(at(now, Landmark::mouth_opening));
+    if (drag.mouse.second) {
+        tool.swing_grip(carried(tool.pose().translation));
+    } else if (chosen_ == Tool::tube && outside < tool.length() - in_the_mouth) {
+        tool.swing_tip(tool.along(outside), carried(tool.tip()));
+    } else {
+        tool.move(carried(tool.tip()));
+    }
+}
+
+void Hands::advance(float dt, const Lead& blade, const Lead& tube) {
+    for (const char32_t key : pressed_) {
+        const HandKey& row = *std::ranges::find(keys, key, &HandKey::key);
+        held_now().lift(row.lift * dt);
+        held_now().turn(row.turn * dt);
+    }
+    tools_[static_cast<std::size_t>(Tool::laryngoscope)].advance(dt, blade);
+    tools_[static_cast<std::size_t>(Tool::tube)].advance(dt, tube);
+}
+
+}  // namespace eti::client

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/hands/hands_link.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/bus/convert.hpp"
+#include "common/process/priority.hpp"
+
+namespace eti::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto period = std::chrono::nanoseconds(1'000'000'000 / 240);
+// A device that is already there has been found by then.
+constexpr int cycles_before_writing = 240;
+constexpr std::uint64_t longest_step_ns = 50'000'000;  // of simulation time; after a gap the hand stood still
+// What a tube's resistance counts as: at 2 N fingers push no farther.
+constexpr float tube_compliance = 2e-3f;  // [m/N]
+constexpr std::size_t most_events = 1024;
+
+Lead lead_of(const msg::ProxyState& message) {
+    const RigidTransform device = bus::from_msg(message.device()), proxy = bus::from_msg(message.proxy());
+    return {device.translation - proxy.translation,
+            rotation_vector(device.rotation * proxy.rotation.conjugate())};
+}
+
+float share_of(const Lead& lead) {
+    const HandLimits limits;
+    return std::min(1.0f, std::max(lead.way.norm() / limits.lead, lead.turn.norm() / limits.lead_turn));
+}
+
+}  // namespace
+
+ToolWriter::ToolWriter(bus::Node& node, const bus::Topic<msg::ToolPose>& topic, std::string_view name)
+    : name_(name), others_(node, topic), topic_(std::in_place, node, topic) {}
+
+bool ToolWriter::ours() {
+    // One of those that are matched is our own.
+    if (!given_up_ && others_.matched() > 1) {
+        given_up_ = true;
+        topic_.reset();
+        spdlog::info("a device holds the {}: mouse and keys leave it alone", name_);
+    }
+    return !given_up_;
+}
+
+void ToolWriter::write(const RigidTransform& pose, bool suction, std::uint64_t time_ns) {
+    if (!ours()) {
+        return;
+    }
+    msg::ToolPose message;
+    message.header(bus::make_header(time_ns, ++number_));
+    message.pose(bus::to_msg(pose));
+    message.buttons(suction ? 1u : 0u);
+    topic_->publish(message);
+}
+
+HandsLink::HandsLink(bus::Node& node, std::optional<HandPlay> play)
+    : description_(node, bus::topics::session_description),
+      proxy_(node, bus::topics::proxy),
+      metrics_(node, bus::topics::live_metrics),
+      tube_force_(node, bus::topics::tube_force),
+      blade_writer_(node, bus::topics::laryngoscope_pose, "laryngoscope"),
+      tube_writer_(node, bus::topics::tube_pose, "tube"),
+      play_(std::move(play)),
+      thread_([this] { run(); }) {}
+
+HandsLink::~HandsLink() {
+    ending_ = true;
+    thread_.join();
+}
+
+void HandsLink::put(const Event& event) {
+    const std::scoped_lock lock(mutex_);
+    if (events_.size() < most_events) {
+        events_.push_back(event);
+    }
+}
+
+HandsState HandsLink::state() const {
+    const std::scoped_lock lock(mutex_);
+    return state_;
+}
+
+void HandsLink::run() {
+    // Microseconds of work: the drawing beside it would keep it waiting until the hand counts as silent.
+    if (const std::string refused = become_real_time(priority::loop); !refused.empty()) {
+        spdlog::debug("the hands' thread: {}", refused);
+    }
+    auto next = std::chrono::steady_clock::now();
+    while (!ending_) {
+        cycle();
+        next = std::max(next + period, std::chrono::steady_clock::now());
+        std::this_thread::sleep_until(next);
+    }
+}
+
+void HandsLink::take_messages() {
+    while (description_.take(description_message_)) {
+        const bool known = seen_.keys().has_value();
+        const Laryngoscope scope = known ? seen_.keys()->laryngoscope() : Laryngoscope();
+        const Tube tube = known ? seen_.keys()->tube() : Tube();
+        // Another session's tools are taken at their start.
+        if (seen_.apply(description_message_) && known &&
+            (scope.blade_length != seen_.keys()->laryngoscope().blade_length ||
+             tube.grip_from_tip != seen_.keys()->tube().grip_from_tip ||
+             tube.curve_radius != seen_.keys()->tube().curve_radius)) {
+            hands_.reset();
+        }
+    }
+    if (metrics_.take_latest(metrics_message_)) {
+        seen_.apply(metrics_message_);
+    }
+    if (proxy_.take_latest(proxy_message_) && seen_.apply(proxy_message_)) {
+        blade_lead_ = lead_of(proxy_message_);
+    }
+    if (tube_force_.take_latest(force_message_)) {
+        tube_lead_.way = -tube_compliance * bus::from_msg(force_message_.force());
+    }
+}
+
+void HandsLink::cycle() {
+    take_messages();
+    const std::uint64_t now_ns = seen_.simulation_time_ns();
+    const std::uint64_t passed = now_ns > time_ns_ ? std::min(now_ns - time_ns_, longest_step_ns) : 0;
+    time_ns_ = now_ns;
+    std::vector<Event> events;
+    {
+        const std::scoped_lock lock(mutex_);
+        events.swap(events_);
+    }
+    if (!seen_.keys() || !seen_.metrics()) {
+        return;
+    }
+    if (!hands_) {
+        hands_.emplace(seen_.keys()->laryngoscope(), seen_.keys()->tube(), seen_.landmarks());
+    }
+    const float dt = 1e-9f * static_cast<float>(passed);
+    for (const Event& event : events) {
+        if (const auto* const press = std::get_if<Press>(&event)) {
+            (void)hands_->press(press->key);
+        } else if (const auto* const release = std::get_if<Release>(&event)) {
+            hands_->release(release->key);
+        } else {
+            hands_->drag(std::get<HandDrag>(event), seen_.landmarks());
+        }
+    }
+    if (++cycles_seen_ == cycles_before_writing && blade_writer_.ours() && tube_writer_.ours()) {
+        spdlog::info("mouse and keys hold laryngoscope and tube");
+    }
+    if (cycles_seen_ > cycles_before_writing) {
+        if (play_) {
+            play_->advance(dt, *hands_, seen_, {});
+        }
+        hands_->advance(dt, blade_lead_, tube_lead_);
+        blade_writer_.write(hands_->held(Tool::laryngoscope).pose(), false, now_ns);
+        tube_writer_.write(hands_->held(Tool::tube).pose(), false, now_ns);
+    }
+    const std::scoped_lock lock(mutex_);
+    state_.holding = cycles_seen_ > cycles_before_writing;
+    state_.chosen = hands_->chosen();
+    state_.ours = {!blade_writer_.given_up(), !tube_writer_.given_up()};
+    state_.held_back = share_of(hands_->chosen() == Tool::tube ? tube_lead_ : blade_lead_);
+    state_.poses = {blade_writer_.written(), tube_writer_.written()};
+    if (play_) {
+        state_.played = play_->finished();
+        state_.play_step = play_->step_name();
+        state_.view = play_->view();
+    }
+}
+
+}  // namespace eti::client

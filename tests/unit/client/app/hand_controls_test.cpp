@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/hand_controls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "client/app/command_keys.hpp"
+
+namespace eti {
+namespace {
+
+TEST(HandControls, HelpNamesEveryKeyOfTheHandsTheViewsAndTheCommandsOnce) {
+    std::set<std::string> named;
+    for (const auto& [key, help] : client::HandControls::help()) {
+        EXPECT_TRUE(named.insert(key).second) << key;
+        EXPECT_FALSE(help.empty()) << key;
+    }
+    for (const client::HandKey& row : client::hand_keys()) {
+        EXPECT_TRUE(named.contains(std::string(row.caption))) << row.caption;
+    }
+    for (const client::Selection& row : client::selections()) {
+        EXPECT_TRUE(named.contains(std::string(1, row.key))) << row.key;
+    }
+    for (const client::CommandKey& row : client::command_keys()) {
+        EXPECT_TRUE(named.contains(std::string(row.caption))) << row.caption;
+    }
+    // What fits a window of 540 pixels, at 15 a line.
+    EXPECT_LE(named.size(), 35u);
+}
+
+}  // namespace
+}  // namespace eti
