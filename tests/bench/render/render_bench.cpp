@@ -257,7 +257,8 @@ class Bench {
                     picture, options_.out / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
                                                         attempt.script.name, moment_names[m], view.name));
             }
-            if (m == best && view.lips_aside) {
+            // Of a picture of two eyes side by side each pixel lies elsewhere than in one camera's raster.
+            if (m == best && view.lips_aside && view.cameras(scene, {}).size() == 1) {
                 const Raster raster =
                     raster_of(held_aside(shapes, lip_retraction(camera.eye, scene.landmarks())), camera,
                               options_.width, options_.height);
