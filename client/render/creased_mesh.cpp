@@ -3,7 +3,10 @@
 #include "client/render/creased_mesh.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace eti::render {
 
@@ -59,6 +62,63 @@ CreasedMesh creased(const TriangleMesh& mesh, float angle) {
         }
     }
     return result;
+}
+
+CreasedMesh with_edges_of(CreasedMesh mesh, const std::function<float(const Vec3f&)>& longest) {
+    for (bool changed = true; changed;) {
+        changed = false;
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+        const auto halved = [&](std::uint32_t a, std::uint32_t b) {
+            const view::LitVertex &p = mesh.vertices[a], &q = mesh.vertices[b];
+            // Sums do not depend on the order, so that copies of an edge get the same middle.
+            const Vec3f middle = 0.5f * (p.position + q.position);
+            return (p.position - q.position).norm() > longest(middle);
+        };
+        const auto middle_of = [&](std::uint32_t a, std::uint32_t b) {
+            const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
+            const auto [known, made] = middles.try_emplace(std::minmax(a, b), next);
+            if (made) {
+                const view::LitVertex p = mesh.vertices[a], q = mesh.vertices[b];
+                mesh.vertices.push_back(
+                    {0.5f * (p.position + q.position), (p.normal + q.normal).normalized()});
+            }
+            return known->second;
+        };
+        std::vector<Triangle> finer;
+        for (const Triangle& t : mesh.triangles) {
+            std::array<bool, 3> cut{};  // edge k from corner k to the next
+            for (std::size_t k = 0; k < 3; ++k) {
+                cut[k] = halved(t[k], t[(k + 1) % 3]);
+            }
+            const auto count = std::ranges::count(cut, true);
+            if (count == 0) {
+                finer.push_back(t);
+                continue;
+            }
+            changed = true;
+            // Turned so that the first edge is cut, and of two the next one, too.
+            std::size_t first = 0;
+            while (!cut[first] || (count == 2 && !cut[(first + 1) % 3])) {
+                ++first;
+            }
+            const std::uint32_t a = t[first], b = t[(first + 1) % 3], c = t[(first + 2) % 3];
+            const std::uint32_t ab = middle_of(a, b);
+            if (count == 1) {
+                finer.insert(finer.end(), {{a, ab, c}, {ab, b, c}});
+                continue;
+            }
+            const std::uint32_t bc = middle_of(b, c);
+            finer.push_back({ab, b, bc});
+            if (count == 2) {
+                finer.insert(finer.end(), {{a, ab, bc}, {a, bc, c}});
+            } else {
+                const std::uint32_t ca = middle_of(c, a);
+                finer.insert(finer.end(), {{a, ab, ca}, {ab, bc, ca}, {ca, bc, c}});
+            }
+        }
+        mesh.triangles = std::move(finer);
+    }
+    return mesh;
 }
 
 }  // namespace eti::render

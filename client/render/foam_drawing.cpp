@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "client/render/drawing.hpp"
 #include "client/render/foam_shaders.hpp"
 #include "client/render/light_shaders.hpp"
+#include "client/render/shadow_pass.hpp"
 
 namespace eti::render {
 namespace {
@@ -22,9 +24,9 @@ constexpr float brighter = 1.3f;
 }  // namespace
 
 FoamDrawing::FoamDrawing()
-    : program_("foam", {}, source::foam_vertex,
-               std::string(source::foam_inputs) + std::string(source::lighting) +
-                   std::string(source::foam_fragment)) {
+    : programs_("foam", std::string(source::lamp_map) + std::string(source::foam_vertex),
+                std::string(source::foam_inputs) + source::lighting + std::string(source::through_mouth) +
+                    std::string(source::foam_fragment)) {
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, bubbles_.name());
     glEnableVertexAttribArray(0);
@@ -50,21 +52,24 @@ void FoamDrawing::upload(std::span<const view::Bubble> bubbles) {
                  GL_STREAM_DRAW);
 }
 
-void FoamDrawing::draw(const Camera& camera, const Eigen::Matrix4f& projection, const Lighting& lighting,
-                       const Eigen::Vector4f& clip_plane, float lift, int height, const Vec3f& liquid) {
+void FoamDrawing::draw(const Drawing& drawing, const ShadowPass& shadows, float lift, const Vec3f& liquid) {
     if (count_ == 0) {
         return;
     }
-    program_.use();
-    lighting.apply(program_, camera.eye);
-    program_.set("origin", origin_);
-    program_.set("view", camera.view());
-    program_.set("projection", projection);
-    program_.set("to_world", Eigen::Matrix4f(camera.view().inverse()));
-    program_.set("clip_plane", clip_plane);
-    program_.set("lift", lift);
-    program_.set("height", static_cast<float>(height));
-    program_.set("tint", Vec3f(brighter * liquid));
+    const Camera& camera = drawing.camera;
+    ShaderProgram& program = programs_.with(shadows.defines(drawing, drawing.lamplit()));
+    program.use();
+    drawing.lighting.apply(program, camera.eye);
+    drawing.lighting.apply_mouth(program, drawing.scene.landmarks());
+    shadows.apply(drawing, program);
+    program.set("origin", origin_);
+    program.set("view", camera.view());
+    program.set("projection", camera.projection(drawing.viewport.aspect()));
+    program.set("to_world", Eigen::Matrix4f(camera.view().inverse()));
+    program.set("clip_plane", drawing.clip_plane);
+    program.set("lift", lift);
+    program.set("height", static_cast<float>(drawing.viewport.height));
+    program.set("tint", Vec3f(brighter * liquid));
     glEnable(GL_PROGRAM_POINT_SIZE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -4,13 +4,14 @@
 
 #include <span>
 
-#include "client/render/camera.hpp"
 #include "client/render/gl_object.hpp"
-#include "client/render/lighting.hpp"
-#include "client/render/shader_program.hpp"
+#include "client/render/shader_family.hpp"
 #include "client/view/liquid_foam.hpp"
 
 namespace eti::render {
+
+struct Drawing;
+class ShadowPass;
 
 /// Draws foam on a liquid, a shaded point a bubble.
 class FoamDrawing {
@@ -20,14 +21,12 @@ class FoamDrawing {
     /// Eight bytes a bubble.
     void upload(std::span<const view::Bubble> bubbles);
 
-    /// Over the bound framebuffer, after the liquid; its viewport is `height` pixels high. `lift` [m] from
-    /// the particles to the surface that is seen; `liquid` is what that scatters back, and shells have its
-    /// colour.
-    void draw(const Camera& camera, const Eigen::Matrix4f& projection, const Lighting& lighting,
-              const Eigen::Vector4f& clip_plane, float lift, int height, const Vec3f& liquid);
+    /// Over the bound framebuffer, after the liquid. `lift` [m] from the particles to the surface that is
+    /// seen; `liquid` is what that scatters back, and shells have its colour.
+    void draw(const Drawing& drawing, const ShadowPass& shadows, float lift, const Vec3f& liquid);
 
   private:
-    ShaderProgram program_;
+    ShaderFamily programs_;
     VertexArray array_;
     Buffer bubbles_;
     GLsizei count_ = 0;

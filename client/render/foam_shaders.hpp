@@ -16,10 +16,23 @@ uniform vec4 clip_plane;
 uniform float lift;         // [m], of the surface over the particles
 uniform float height;       // of the picture, pixels
 out vec3 world;
+#ifdef ROOM_SHADOW
+uniform mat4 room_lookup;
+out vec3 room_at;
+#endif
+#ifdef LAMP_SHADOW
+out vec3 lamp_at;
+#endif
 flat out vec3 centre;
 flat out vec2 size;         // radius [m], share of the point that it covers
 void main() {
     world = origin + bubble.xyz;
+#ifdef ROOM_SHADOW
+    room_at = (room_lookup * vec4(world, 1.0)).xyz;
+#endif
+#ifdef LAMP_SHADOW
+    lamp_at = lamp_texel(world);
+#endif
     vec4 p = view * vec4(world, 1.0);
     p.z += lift;
     centre = p.xyz;
@@ -57,10 +70,14 @@ void main() {
     vec3 n = mat3(to_world) * outward;
     vec3 v = normalize(eye - world);
     float cover = size.y * (0.30 + 0.62 * squared * squared * (1.0 - 0.5 * smoothstep(0.8, 1.0, squared)));
-    vec3 sum = tint * ambient(n);
+    float open = open_at(world);
+    vec3 sum = tint * open * ambient(n);
     vec3 glint = vec3(0.0);
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
+#ifndef ROOM_SHADOW
+        light.colour *= i == 0 ? open : 1.0;
+#endif
         sum += tint * light.colour * (0.25 + 0.35 * max(dot(n, light.direction), 0.0));
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
         float nh8 = pow(nh, 8.0);

@@ -24,6 +24,15 @@ void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
     }
 }
 
+void Lighting::apply_mouth(ShaderProgram& program, const Landmarks& now) {
+    const Vec3f upper = at(now, Landmark::upper_gum), lower = at(now, Landmark::lower_gum);
+    const Vec3f middle = 0.5f * (upper + lower);
+    constexpr float least = 0.5e-3f;  // [m], of a mouth that is closed
+    const float half = std::max(0.5f * (upper - lower).norm(), least);
+    program.set("mouth", Eigen::Vector4f(middle.x(), middle.y(), middle.z(), half));
+    program.set("inward", Vec3f((at(now, Landmark::glottis) - middle).normalized()));
+}
+
 bool Light::reaches(const Vec3f& centre, float radius) const {
     // A step of eight bits near black, of the brightest reflection that tissue has.
     constexpr float unseen = 0.002f;

@@ -8,6 +8,7 @@
 #include "client/render/camera.hpp"
 #include "client/render/shader_program.hpp"
 #include "common/math/transform.hpp"
+#include "common/model/landmark.hpp"
 
 namespace eti::render {
 
@@ -32,6 +33,8 @@ struct Lighting {
 
     /// Sets the program's uniforms; the program must be in use.
     void apply(ShaderProgram& program, const Vec3f& eye) const;
+    /// The same for programs that ask how much of the room's light comes in through the mouth.
+    static void apply_mouth(ShaderProgram& program, const Landmarks& now);
 };
 
 /// Of the lamp's bulb in the laryngoscope's frame [m].

@@ -97,8 +97,9 @@ void main() {
 }
 )";
 
-/// Goes before the lighting: the surface's place is computed.
+/// Goes before the lighting: the surface's place is computed, and where it lies in shadow maps.
 inline constexpr std::string_view liquid_surface_inputs = R"(
+#define LOOKED_UP
 in vec2 at;
 vec3 world;
 layout(location = 0, index = 1) out vec4 transmitted;   // of what was drawn before
@@ -116,6 +117,9 @@ uniform float radius;           // [m]
 uniform vec3 extinction;        // [1/mm]
 uniform float deepest;          // [mm]
 uniform vec3 albedo;
+#ifdef ROOM_SHADOW
+uniform mat4 room_lookup;
+#endif
 vec3 place(vec2 where) {
     float z = texture(depth, where).r;
     vec2 aside = vec2(projection[2][0], projection[2][1]);  // of a lens that is not centred
@@ -150,17 +154,27 @@ void main() {
     vec3 n = mat3(to_world) * normalize(cross(slope(p, vec2(aside.x, 0.0), vec2(next_pixel.x, 0.0)),
                                              slope(p, vec2(0.0, aside.y), vec2(0.0, next_pixel.y))));
     world = (to_world * vec4(p, 1.0)).xyz;
+#ifdef ROOM_SHADOW
+    room_at = (room_lookup * vec4(world, 1.0)).xyz;
+#endif
+#ifdef LAMP_SHADOW
+    lamp_at = lamp_texel(world);
+#endif
     vec3 v = normalize(eye - world);
+    float open = open_at(world);
     float through = texture(thickness, at).r;
     float edge = smoothstep(0.05, 0.5, through);
     float nv = clamp(dot(n, v), 0.0, 1.0);
     // Less at the rim than a smooth sphere's: what is mirrored there is the throat, not the room.
     float fresnel = 0.02 + 0.35 * pow(1.0 - nv, 5.0);
     vec3 clear = exp(-extinction * min(through, deepest));
-    vec3 scattered = 1.2 * albedo * ambient(n);
-    vec3 mirrored = fresnel * 1.5 * ambient(reflect(-v, n));
-    for (int i = 0; i < 2; ++i) {
+    vec3 scattered = 1.2 * albedo * open * ambient(n);
+    vec3 mirrored = fresnel * 1.5 * open * ambient(reflect(-v, n));
+    for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
+#ifndef ROOM_SHADOW
+        light.colour *= i == 0 ? open : 1.0;
+#endif
         scattered += albedo * light.colour * (0.10 + 0.20 * max(dot(n, light.direction), 0.0));
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
         float nh8 = pow(nh, 8.0);

@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "client/render/drawing.hpp"
 #include "client/render/light_shaders.hpp"
 #include "client/render/liquid_shaders.hpp"
+#include "client/render/shadow_pass.hpp"
 #include "client/render/tone_shaders.hpp"
 
 namespace eti::render {
@@ -119,9 +121,9 @@ LiquidSurface::LiquidSurface()
     : spheres_("liquid's spheres", {}),
       thickness_("liquid's thickness", {"THICKNESS"}),
       smooth_("liquid's smoothing", {}, source::quad_vertex, source::smooth_fragment),
-      surface_("liquid's surface", {}, source::quad_vertex,
-               std::string(source::liquid_surface_inputs) + std::string(source::lighting) +
-                   std::string(source::liquid_surface_fragment)) {
+      surface_("liquid's surface", std::string(source::quad_vertex),
+               std::string(source::liquid_surface_inputs) + std::string(source::lamp_map) + source::lighting +
+                   std::string(source::through_mouth) + std::string(source::liquid_surface_fragment)) {
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
     glEnableVertexAttribArray(0);
@@ -218,11 +220,13 @@ void LiquidSurface::smooth(float sphere_pixels_at_one_metre) {
     }
 }
 
-void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const Eigen::Vector4f& clip_plane,
-                         int x, int y, int width, int height) {
+void LiquidSurface::draw(const Drawing& drawing, const ShadowPass& shadows) {
     if (empty()) {
         return;
     }
+    const Camera& camera = drawing.camera;
+    const Eigen::Vector4f& clip_plane = drawing.clip_plane;
+    const auto [x, y, width, height] = drawing.viewport;
     GLint bound = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
     const int part = height >= halved_from ? 2 : 1;
@@ -260,26 +264,29 @@ void LiquidSurface::draw(const Camera& camera, const Lighting& lighting, const E
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_SRC1_COLOR);
-    surface_.use();
-    lighting.apply(surface_, camera.eye);
-    surface_.set("projection", projection);
-    surface_.set("to_world", Eigen::Matrix4f(camera.view().inverse()));
-    surface_.set("next_pixel", Eigen::Vector2f(1.0f / static_cast<float>(layer_width),
-                                               1.0f / static_cast<float>(layer_height)));
-    surface_.set("sphere_pixels", projection(1, 1) * radius_ * static_cast<float>(layer_height));
-    surface_.set("radius", radius_);
-    surface_.set("extinction", look_.extinction);
-    surface_.set("deepest", look_.deepest);
-    surface_.set("albedo", look_.albedo);
-    surface_.set("depth", 0);
-    surface_.set("thickness", 1);
+    ShaderProgram& surface = surface_.with(shadows.defines(drawing, drawing.lamplit()));
+    surface.use();
+    drawing.lighting.apply(surface, camera.eye);
+    drawing.lighting.apply_mouth(surface, drawing.scene.landmarks());
+    shadows.apply(drawing, surface);
+    surface.set("projection", projection);
+    surface.set("to_world", Eigen::Matrix4f(camera.view().inverse()));
+    surface.set("next_pixel", Eigen::Vector2f(1.0f / static_cast<float>(layer_width),
+                                              1.0f / static_cast<float>(layer_height)));
+    surface.set("sphere_pixels", projection(1, 1) * radius_ * static_cast<float>(layer_height));
+    surface.set("radius", radius_);
+    surface.set("extinction", look_.extinction);
+    surface.set("deepest", look_.deepest);
+    surface.set("albedo", look_.albedo);
+    surface.set("depth", 0);
+    surface.set("thickness", 1);
     bind(GL_TEXTURE1, layers_->thickness);
     bind(GL_TEXTURE0, layers_->depth);
     draw_quad();
     glDisable(GL_BLEND);
     glDepthMask(GL_TRUE);
     glScissor(x, y, width, height);
-    foam_.draw(camera, projection, lighting, clip_plane, 0.9f * radius_, height, look_.albedo);
+    foam_.draw(drawing, shadows, 0.9f * radius_, look_.albedo);
     glEnable(GL_CULL_FACE);
 }
 

@@ -11,12 +11,15 @@
 #include "client/render/camera.hpp"
 #include "client/render/foam_drawing.hpp"
 #include "client/render/gl_object.hpp"
-#include "client/render/lighting.hpp"
 #include "client/render/liquid_look.hpp"
+#include "client/render/shader_family.hpp"
 #include "client/render/shader_program.hpp"
 #include "client/view/liquid_detail.hpp"
 
 namespace eti::render {
+
+struct Drawing;
+class ShadowPass;
 
 /// Draws liquid particles as one wet, translucent surface, in screen space (van der Laan et al. 2009): depths
 /// of spheres, smoothed where they belong to one surface, then lit as a surface whose normals are those of
@@ -38,10 +41,10 @@ class LiquidSurface {
     /// The particles as points, their places in attribute 0, by the program in use.
     void draw_particles() const;
 
-    /// Draws over the bound framebuffer's pixels from (x, y) on, which are not farther than the liquid; after
-    /// everything opaque. What lies beyond `clip_plane` is left out.
-    void draw(const Camera& camera, const Lighting& lighting, const Eigen::Vector4f& clip_plane, int x, int y,
-              int width, int height);
+    /// Draws over those of the bound framebuffer's pixels that are not farther than the liquid; after
+    /// everything opaque. Tissue and blade throw their shadows on it, and of the room's light it gets what
+    /// comes in through the mouth.
+    void draw(const Drawing& drawing, const ShadowPass& shadows);
 
   private:
     /// Pictures of the liquid alone.
@@ -64,7 +67,8 @@ class LiquidSurface {
     void draw_quad() const;
 
     Spheres spheres_, thickness_;
-    ShaderProgram smooth_, surface_;
+    ShaderProgram smooth_;
+    ShaderFamily surface_;
     VertexArray array_, string_array_, no_attributes_;
     Buffer positions_, strings_;
     FoamDrawing foam_;

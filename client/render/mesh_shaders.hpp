@@ -2,14 +2,18 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <string>
 #include <string_view>
+
+#include "client/render/light_shaders.hpp"
 
 namespace eti::render::source {
 
 /// All meshes. Defines: TUBE (course in place of colour), TISSUE (with relief and rest position), FILM
 /// (of liquid, with TISSUE), ROOM_SHADOW
-/// and LAMP_SHADOW (also look into that light's shadow map), RETRACT (lips held aside, see LipRetraction).
-inline constexpr std::string_view mesh_vertex = R"(
+/// and LAMP_SHADOW (also look into that light's shadow map), RETRACT (lips held aside, see LipRetraction);
+/// FROM_LAMP: into the lamp's shadow map. LIT_AT_VERTICES: calls light_vertex(), which goes after it.
+inline const std::string mesh_vertex = std::string(lamp_map) + R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 #ifdef TUBE
@@ -40,11 +44,10 @@ out vec3 world;
 out vec3 normal_at;
 #ifdef ROOM_SHADOW
 uniform mat4 room_lookup;
-out vec4 room_at;
+out vec3 room_at;
 #endif
 #ifdef LAMP_SHADOW
-uniform mat4 lamp_lookup;
-out vec4 lamp_at;
+out vec3 lamp_at;
 #endif
 #ifdef RETRACT
 uniform mat4 to_sight;
@@ -61,6 +64,9 @@ vec3 held_aside(vec3 p) {
     float lower = q.y < split ? 0.0 : 1.0 - smoothstep(lip_edge.y, lip_edge.y + lip_shape.w, q.y);
     return p + sight_up * before * (lip_shift.y * lower - lip_shift.x * upper);
 }
+#endif
+#ifdef LIT_AT_VERTICES
+void light_vertex();
 #endif
 invariant gl_Position;
 void main() {
@@ -86,13 +92,22 @@ void main() {
     label_at = relief.z;
 #endif
 #ifdef ROOM_SHADOW
-    room_at = room_lookup * p;
+    room_at = (room_lookup * p).xyz;
 #endif
 #ifdef LAMP_SHADOW
-    lamp_at = lamp_lookup * p;
+    lamp_at = lamp_texel(p.xyz);
 #endif
+#ifdef FROM_LAMP
+    vec4 at = in_lamp_map(p.xyz);
+    gl_ClipDistance[0] = at.w;
+    gl_Position = vec4(at.xy, 2.0 * at.z - 1.0, 1.0);
+#else
     gl_ClipDistance[0] = dot(clip_plane, p);
     gl_Position = view_projection * p;
+#endif
+#ifdef LIT_AT_VERTICES
+    light_vertex();
+#endif
 }
 )";
 

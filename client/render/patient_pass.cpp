@@ -13,8 +13,13 @@
 namespace eti::render {
 
 PatientPass::PatientPass()
-    : tissue_("tissue", std::string(source::mesh_vertex),
-              std::string(source::mesh_inputs) + source::lighting + std::string(source::tissue_fragment)),
+    : tissue_("tissue", source::mesh_vertex,
+              std::string(source::mesh_inputs) + source::lighting + std::string(source::tissue_light) +
+                  std::string(source::tissue_fragment)),
+      lit_at_vertices_("tissue lit at vertices",
+                       std::string(source::lights) + std::string(source::tissue_light) + source::mesh_vertex +
+                           std::string(source::tissue_lit_vertex),
+                       std::string(source::shadows) + std::string(source::tissue_lit_fragment)),
       flat_("flat tissue", std::string(source::mesh_vertex), std::string(source::flat_fragment)) {}
 
 ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& shadows, bool lamplit,
@@ -42,6 +47,10 @@ ShaderProgram& PatientPass::program(const Drawing& drawing, const ShadowPass& sh
     }
     if (filmed) {
         defines.emplace_back("FILM");
+    }
+    if (drawing.quality.lit_at_vertices && !drawing.view.lens) {
+        defines.emplace_back("LIT_AT_VERTICES");
+        return lit_at_vertices_.with(defines);
     }
     return tissue_.with(defines);
 }

@@ -22,7 +22,7 @@ class PatientPass {
     void draw_parts(const Drawing& drawing, PatientMesh& patient, const ShadowPass& shadows,
                     const Light* lamp, bool reached);
 
-    ShaderFamily tissue_, flat_;
+    ShaderFamily tissue_, lit_at_vertices_, flat_;
 };
 
 }  // namespace eti::render

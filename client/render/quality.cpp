@@ -20,6 +20,7 @@ constexpr std::array ladder{
         .shadow_size = 512,
         .coarse_shadows = true,
         .shadow_taps = 1,
+        .lit_at_vertices = true,
         .refraction = false,
         .fine = false},
     Quality{.name = "medium",
@@ -28,6 +29,7 @@ constexpr std::array ladder{
             .shadow_size = 1024,
             .coarse_shadows = false,
             .shadow_taps = 2,
+            .lit_at_vertices = false,
             .refraction = true,
             .fine = true},
     Quality{.name = "high",
@@ -36,6 +38,7 @@ constexpr std::array ladder{
             .shadow_size = 2048,
             .coarse_shadows = false,
             .shadow_taps = 4,
+            .lit_at_vertices = false,
             .refraction = true,
             .fine = true},
 };

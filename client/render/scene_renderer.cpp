@@ -134,9 +134,7 @@ void SceneRenderer::run(Pass pass, const Drawing& drawing) {
             break;
         case Pass::liquid:
             if (!drawing.ids()) {
-                const Viewport& area = drawing.viewport;
-                liquid_.draw(drawing.camera, drawing.lighting, drawing.clip_plane, area.x, area.y, area.width,
-                             area.height);
+                liquid_.draw(drawing, shadows_);
             }
             break;
         case Pass::glottis:

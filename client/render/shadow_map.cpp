@@ -10,12 +10,6 @@
 #include "client/render/camera.hpp"
 
 namespace eti::render {
-namespace {
-
-// What lies nearer to a lamp than this [m] is the lamp's own glass.
-constexpr float lamp_near_plane = 1.2e-3f;
-
-}  // namespace
 
 ShadowMap::ShadowMap(int size, Beyond beyond) : size_(size) {
     glBindTexture(GL_TEXTURE_2D, depth_.name());
@@ -41,20 +35,14 @@ ShadowMap::ShadowMap(int size, Beyond beyond) : size_(size) {
     }
 }
 
-void ShadowMap::begin(const Eigen::Matrix4f& clip, std::uint64_t state) {
-    clip_ = clip;
+void ShadowMap::begin(const Eigen::Matrix4f& into_light, std::uint64_t state) {
+    into_light_ = into_light;
     state_ = state;
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     glViewport(0, 0, size_, size_);
     glDisable(GL_SCISSOR_TEST);
     glDepthMask(GL_TRUE);
     glClear(GL_DEPTH_BUFFER_BIT);
-}
-
-Eigen::Matrix4f ShadowMap::lookup() const {
-    Eigen::Matrix4f half = 0.5f * Eigen::Matrix4f::Identity();
-    half.col(3) = Eigen::Vector4f(0.5f, 0.5f, 0.5f, 1.0f);
-    return half * clip_;
 }
 
 void ShadowMap::bind_texture(GLenum unit) const {
@@ -75,15 +63,12 @@ Eigen::Matrix4f parallel_clip(const Light& light, const Vec3f& centre, float rad
     return parallel * from_light.view();
 }
 
-Eigen::Matrix4f cone_clip(const Light& lamp, float reach) {
+Eigen::Matrix4f into_lamp(const Light& lamp) {
     Camera from_lamp;
     from_lamp.eye = lamp.position;
-    from_lamp.target = lamp.position + lamp.direction;
+    from_lamp.target = lamp.position - lamp.direction;
     from_lamp.up = lamp.direction.unitOrthogonal();
-    from_lamp.vertical_field = 2.0f * std::acos(std::clamp(lamp.cos_outer, 0.1f, 0.99f));
-    from_lamp.near_plane = lamp_near_plane;
-    from_lamp.far_plane = reach;
-    return from_lamp.projection(1.0f) * from_lamp.view();
+    return from_lamp.view();
 }
 
 }  // namespace eti::render

@@ -21,30 +21,28 @@ class ShadowMap {
 
     [[nodiscard]] int size() const { return size_; }
 
-    /// Whether it must be drawn anew for this light and this state of the scene.
-    [[nodiscard]] bool stale(const Eigen::Matrix4f& clip, std::uint64_t state) const {
-        return state_ != state || clip_ != clip;
+    /// Whether it must be drawn anew for this light's matrix and this state of the scene.
+    [[nodiscard]] bool stale(const Eigen::Matrix4f& into_light, std::uint64_t state) const {
+        return state_ != state || into_light_ != into_light;
     }
     /// Binds the map for drawing, cleared; bind another framebuffer afterwards.
-    void begin(const Eigen::Matrix4f& clip, std::uint64_t state);
-    /// World to clip coordinates of what was last drawn into it.
-    [[nodiscard]] const Eigen::Matrix4f& clip() const { return clip_; }
-    /// World to map coordinates 0-1 (homogeneous).
-    [[nodiscard]] Eigen::Matrix4f lookup() const;
+    void begin(const Eigen::Matrix4f& into_light, std::uint64_t state);
+    /// From the world, as it was last drawn.
+    [[nodiscard]] const Eigen::Matrix4f& into_light() const { return into_light_; }
     void bind_texture(GLenum unit) const;
 
   private:
     int size_;
     Framebuffer framebuffer_;
     Texture depth_;
-    Eigen::Matrix4f clip_ = Eigen::Matrix4f::Zero();
+    Eigen::Matrix4f into_light_ = Eigen::Matrix4f::Zero();
     std::uint64_t state_ = 0;
 };
 
 /// From a light far away over `radius` [m] around `centre`, as if its rays were parallel.
 [[nodiscard]] Eigen::Matrix4f parallel_clip(const Light& light, const Vec3f& centre, float radius);
 
-/// From a lamp into its cone, as far as `reach` [m].
-[[nodiscard]] Eigen::Matrix4f cone_clip(const Light& lamp, float reach);
+/// Into a lamp's own coordinates [m], the third along its light.
+[[nodiscard]] Eigen::Matrix4f into_lamp(const Light& lamp);
 
 }  // namespace eti::render

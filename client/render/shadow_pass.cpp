@@ -14,7 +14,12 @@ namespace eti::render {
 namespace {
 
 constexpr float room_radius = 0.15f;  // [m], a head and the hand before it
-constexpr float lamp_reach = 0.10f;   // [m], beyond it the lamp gives less than a thousandth
+constexpr float room_depth = 4.0f * room_radius;
+constexpr float lamp_reach = 0.10f;  // [m], beyond it the lamp gives less than a thousandth
+// What lies nearer to the lamp than this [m] is its own glass.
+constexpr float lamp_glass = 1.2e-3f;
+// Coarse faces lie up to some tenths of a millimetre before those that are drawn [m].
+constexpr float coarse_room_bias = 0.43e-3f, coarse_lamp_bias = 0.3e-3f;
 
 constexpr GLenum room_unit = GL_TEXTURE3, lamp_unit = GL_TEXTURE4;
 
@@ -68,29 +73,37 @@ ShadowPass::ShadowPass(const Quality& quality)
     : taps_(quality.shadow_taps),
       room_(quality.shadow_size, Beyond::lit),
       lamp_(quality.shadow_size, Beyond::dark),
-      depth_("depth", {}, source::mesh_vertex, source::flat_fragment),
-      depth_retracted_("depth with lips held aside", {"RETRACT"}, source::mesh_vertex,
-                       source::flat_fragment) {}
+      depth_("depth", source::mesh_vertex, std::string(source::flat_fragment)) {}
 
 void ShadowPass::draw(const Drawing& drawing, SceneMeshes& meshes) {
     const Light& room = drawing.lighting.lights[0];
     if (drawing.view.has(Pass::room_shadow)) {
-        fill(room_, parallel_clip(room, drawing.camera.target, room_radius), drawing, meshes, Coarse::far_off,
-             drawing.view.lips_aside);
+        const Eigen::Matrix4f clip = parallel_clip(room, drawing.camera.target, room_radius);
+        fill(room_, clip, {nullptr, Coarse::far_off, coarse_room_bias, room_depth, clip, nullptr}, drawing,
+             meshes);
     }
     if (lamp_shadow_of(drawing)) {
-        fill(lamp_, cone_clip(drawing.lighting.lights[1], lamp_reach), drawing, meshes, Coarse::close,
-             drawing.view.lips_aside);
+        const Light& lamp = drawing.lighting.lights[1];
+        const Eigen::Matrix4f into = into_lamp(lamp);
+        // The half of a cube that lies before it.
+        Eigen::Matrix4f half = Eigen::Matrix4f::Identity();
+        half.topLeftCorner<2, 2>() /= lamp_reach;
+        half(2, 2) = 2.0f / lamp_reach;
+        half(2, 3) = -1.0f;
+        fill(lamp_, into,
+             {"FROM_LAMP", Coarse::close, coarse_lamp_bias, lamp_reach - lamp_glass, half * into, &lamp},
+             drawing, meshes);
     }
 }
 
-void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing& drawing,
-                      SceneMeshes& meshes, Coarse coarse, bool lips_aside) {
+void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const Caster& caster,
+                      const Drawing& drawing, SceneMeshes& meshes) {
+    const bool lips_aside = drawing.view.lips_aside;
     const std::uint64_t state = state_of(drawing, meshes, lips_aside);
-    if (!map.stale(clip, state)) {
+    if (!map.stale(into_light, state)) {
         return;
     }
-    map.begin(clip, state);
+    map.begin(into_light, state);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
     glDisable(GL_BLEND);
@@ -98,9 +111,19 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing
     // Slope-scaled bias against a surface shading itself; 4 steps cover half a texel's slope of 60 deg.
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(2.5f, 4.0f);
-    ShaderProgram& program = lips_aside ? depth_retracted_ : depth_;
+    ShaderProgram::Defines defines;
+    if (caster.define != nullptr) {
+        defines.emplace_back(caster.define);
+        glEnable(GL_CLIP_DISTANCE0);
+    }
+    if (lips_aside) {
+        defines.emplace_back("RETRACT");
+    }
+    ShaderProgram& program = depth_.with(defines);
     program.use();
-    program.set("view_projection", clip);
+    program.set("view_projection", into_light);
+    program.set("to_lamp", into_light);
+    program.set("lamp_depths", Eigen::Vector2f(lamp_glass, lamp_reach));
     program.set("clip_plane", no_clipping);
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     if (lips_aside) {
@@ -108,15 +131,14 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing
     }
     PatientMesh& patient = meshes.patient();
     if (drawing.quality.coarse_shadows) {
-        // Coarse faces lie up to some tenths of a millimetre before those that are drawn: of the room's map
-        // of 0.6 m, and of the lamp's at 20 mm, a quarter to a half of one.
-        glPolygonOffset(2.5f, 12000.0f);
-        patient.draw(coarse);
+        constexpr float steps = 16777216.0f;  // of a depth of 24 bits
+        glPolygonOffset(2.5f, steps * caster.bias / caster.depth);
+        patient.draw(caster.coarse);
     } else {
         const LipRetraction* const lips = lips_aside ? &drawing.lips : nullptr;
         const Vec3f from = drawing.lighting.lights[0].position;
         for (std::size_t part = 0; part < patient.parts().size(); ++part) {
-            patient.draw(patient.visible(part, {clip, from, no_clipping, lips}));
+            patient.draw(patient.visible(part, {caster.box, from, no_clipping, lips}, caster.lamp));
         }
     }
     if (meshes.blade() && drawing.scene.laryngoscope_pose()) {
@@ -124,6 +146,7 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing
         meshes.blade()->draw();
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
+    glDisable(GL_CLIP_DISTANCE0);
 }
 
 ShaderProgram::Defines ShadowPass::defines(const Drawing& drawing, bool lamplit) const {
@@ -141,13 +164,16 @@ ShaderProgram::Defines ShadowPass::defines(const Drawing& drawing, bool lamplit)
 void ShadowPass::apply(const Drawing& drawing, ShaderProgram& program) const {
     if (drawing.view.has(Pass::room_shadow)) {
         room_.bind_texture(room_unit);
-        program.set("room_map", static_cast<int>(room_unit - GL_TEXTURE0));
-        program.set("room_lookup", room_.lookup());
+        program.set("room_depth", static_cast<int>(room_unit - GL_TEXTURE0));
+        Eigen::Matrix4f half = 0.5f * Eigen::Matrix4f::Identity();
+        half.col(3) = Eigen::Vector4f(0.5f, 0.5f, 0.5f, 1.0f);
+        program.set("room_lookup", Eigen::Matrix4f(half * room_.into_light()));
     }
     if (lamp_shadow_of(drawing)) {
         lamp_.bind_texture(lamp_unit);
-        program.set("lamp_map", static_cast<int>(lamp_unit - GL_TEXTURE0));
-        program.set("lamp_lookup", lamp_.lookup());
+        program.set("lamp_depth", static_cast<int>(lamp_unit - GL_TEXTURE0));
+        program.set("to_lamp", lamp_.into_light());
+        program.set("lamp_depths", Eigen::Vector2f(lamp_glass, lamp_reach));
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include "client/render/drawing.hpp"
 #include "client/render/scene_meshes.hpp"
+#include "client/render/shader_family.hpp"
 #include "client/render/shadow_map.hpp"
 
 namespace eti::render {
@@ -24,12 +25,21 @@ class ShadowPass {
     void apply(const Drawing& drawing, ShaderProgram& program) const;
 
   private:
-    void fill(ShadowMap& map, const Eigen::Matrix4f& clip, const Drawing& drawing, SceneMeshes& meshes,
-              Coarse coarse, bool lips_aside);
+    /// What tells its two maps apart.
+    struct Caster {
+        const char* define;  ///< of the depth program, or nullptr
+        Coarse coarse;
+        float bias;           ///< [m], of coarse surfaces
+        float depth;          ///< [m], what the map spans
+        Eigen::Matrix4f box;  ///< clip coordinates of what may throw a shadow into it
+        const Light* lamp;    ///< whose reach that is, or nullptr
+    };
+    void fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const Caster& caster, const Drawing& drawing,
+              SceneMeshes& meshes);
 
     int taps_;
     ShadowMap room_, lamp_;
-    ShaderProgram depth_, depth_retracted_;
+    ShaderFamily depth_;
 };
 
 }  // namespace eti::render

@@ -6,8 +6,108 @@
 
 namespace eti::render::source {
 
-/// Tissue: light that is wrapped round by channel stands for scattering beneath the surface (red travels
-/// farthest), under a clear wet coat (Trowbridge-Reitz; visibility after Kelemen & Szirmay-Kalos 2001).
+/// What tissue throws back: light that is wrapped round by channel stands for scattering beneath the surface
+/// (red travels farthest), under a clear wet coat (Trowbridge-Reitz; visibility after Kelemen & Szirmay-Kalos
+/// 2001).
+inline constexpr std::string_view tissue_light = R"(
+struct Surface {
+    vec3 albedo;
+    vec3 n, coat;    // normals of the tissue and of the coat
+    float wet, film; // shares of a whole coat, of a whole film of liquid
+    float open;      // share of the room's light that comes so deep
+};
+float distribution(float nh, float roughness) {
+    float squared = roughness * roughness;
+    float t = nh * nh * (squared - 1.0) + 1.0;
+    return squared / (3.14159 * t * t);
+}
+vec3 thrown_back(Surface s, vec3 v, vec3 l) {
+    const vec3 wrap = vec3(0.30, 0.13, 0.09);
+    float nl = dot(s.n, l);
+    vec3 diffuse = max((nl + wrap) / ((1.0 + wrap) * (1.0 + wrap)), 0.0);
+    vec3 h = normalize(l + v);
+    float nh = clamp(dot(s.coat, h), 0.0, 1.0), lh = clamp(dot(l, h), 0.0, 1.0);
+    float grazing = 1.0 - lh;
+    float fresnel = 0.028 + 0.972 * grazing * grazing * grazing * grazing * grazing;
+    float lobes = s.wet * (1.0 + 0.5 * s.film) * distribution(nh, mix(0.11, 0.07, s.film)) + 0.35 * distribution(nh, 0.38);
+    float shine = fresnel * lobes / (4.0 * max(lh * lh, 0.1)) * clamp(dot(s.coat, l), 0.0, 1.0);
+    return s.albedo * diffuse + shine * step(0.0, nl);
+}
+// From all sides, and what the coat mirrors at its rim.
+vec3 without_lights(Surface s, vec3 v) {
+    float rim = 1.0 - clamp(dot(s.coat, v), 0.0, 1.0);
+    return s.open * (s.albedo * ambient(s.n) + (0.03 + 0.12 * s.wet) * rim * rim * rim * ambient(reflect(-v, s.coat)));
+}
+float openness(float sky) { return mix(1.0, mix(0.06, 1.0, sky), occlusion); }
+void wet_by(float film, vec3 stain, inout Surface s) {
+    s.wet = max(s.wet, film);
+    s.film = film;
+    s.albedo *= mix(vec3(1.0), stain, film);
+}
+)";
+
+/// Lights at the vertices what is seen from so far that few pixels lie between them: goes after `lights`,
+/// `tissue_light` and mesh_vertex. Defines: those of mesh_vertex, LIGHTS.
+inline constexpr std::string_view tissue_lit_vertex = R"(
+uniform vec3 eye;
+#ifdef FILM
+uniform vec3 film_stain;
+#endif
+out vec3 unshaded;    // what arrives whatever lies in the way
+#ifdef ROOM_SHADOW
+out vec3 from_room;
+#endif
+#ifdef LAMP_SHADOW
+out vec3 from_lamp;
+#endif
+void light_vertex() {
+    vec3 v = normalize(eye - world), n = normalize(normal_at);
+    Surface s = Surface(colour_at.rgb, n, n, colour_at.a, 0.0, openness(relief_at.x));
+#ifdef FILM
+    wet_by(film, film_stain, s);
+#endif
+    unshaded = without_lights(s, v);
+    Arriving room = unhindered(0, world);
+    vec3 lit = room.colour * thrown_back(s, v, room.direction);
+#ifdef ROOM_SHADOW
+    from_room = lit;
+#else
+    unshaded += s.open * lit;
+#endif
+#if LIGHTS > 1
+    Arriving lamp = unhindered(1, world);
+    lit = lamp.colour * thrown_back(s, v, lamp.direction);
+#ifdef LAMP_SHADOW
+    from_lamp = lit;
+#else
+    unshaded += lit;
+#endif
+#endif
+}
+)";
+
+/// What is left to each pixel then.
+inline constexpr std::string_view tissue_lit_fragment = R"(
+in vec3 unshaded;
+#ifdef ROOM_SHADOW
+in vec3 from_room;
+#endif
+#ifdef LAMP_SHADOW
+in vec3 from_lamp;
+#endif
+void main() {
+    vec3 sum = unshaded;
+#ifdef ROOM_SHADOW
+    sum += unshadowed(room_depth, room_at) * from_room;
+#endif
+#ifdef LAMP_SHADOW
+    sum += unshadowed(lamp_depth, lamp_at) * from_lamp;
+#endif
+    pixel = vec4(min(sum, brightest), 1.0);
+}
+)";
+
+/// Tissue, lit for each pixel; goes after `tissue_light`.
 /// FINE: relief of the coat and small vessels, fixed to the rest shape. FILM: what liquid wetted is darker,
 /// or stained, under a smoother coat.
 inline constexpr std::string_view tissue_fragment = R"(
@@ -16,8 +116,6 @@ in vec4 relief_at;   // share of the sky seen; share of mucosa
 #ifdef FILM
 in float film_at;    // share of a whole film
 uniform vec3 film_stain;
-#else
-const float film_at = 0.0;
 #endif
 #ifdef FINE
 in vec3 rest_at;
@@ -41,11 +139,6 @@ vec4 noise(vec3 x) {
                           k3 + k6 * u.x + k5 * u.y + k7 * u.x * u.y));
 }
 #endif
-float distribution(float nh, float roughness) {
-    float squared = roughness * roughness;
-    float t = nh * nh * (squared - 1.0) + 1.0;
-    return squared / (3.14159 * t * t);
-}
 void main() {
     vec3 v = normalize(eye - world);
     vec3 n = normalize(normal_at);
@@ -53,43 +146,28 @@ void main() {
     vec3 face = cross(dFdx(world), dFdy(world));
     face *= inversesqrt(max(dot(face, face), 1e-30)) * (dot(face, v) < 0.0 ? -1.0 : 1.0);
     n = normalize(mix(face, n, smoothstep(-0.1, 0.25, dot(n, face))));
-    float wet = colour_at.a, mucosa = relief_at.y;
-    vec3 albedo = colour_at.rgb;
+    Surface s = Surface(colour_at.rgb, n, n, colour_at.a, 0.0, openness(relief_at.x));
 #ifdef FILM
-    wet = max(wet, film_at);
-    albedo *= mix(vec3(1.0), film_stain, film_at);
+    wet_by(film_at, film_stain, s);
 #endif
-    vec3 coat = n;
 #ifdef FINE
     // Swellings of 1.2 mm and pores of 0.4 mm; vessels of a tenth of a millimetre's breadth.
     vec4 swell = noise(rest_at * 850.0), pore = noise(rest_at * 2600.0);
     vec3 slope = 0.10 * swell.yzw + 0.07 * pore.yzw;
-    coat = normalize(n - mix(0.6, 1.0, wet) * (1.0 - 0.6 * film_at) * (slope - dot(slope, n) * n));
+    s.coat = normalize(n - mix(0.6, 1.0, s.wet) * (1.0 - 0.6 * s.film) * (slope - dot(slope, n) * n));
     float ridge = 1.0 - abs(2.0 * noise(rest_at * 260.0 + 0.6 * swell.x).x - 1.0);
     float vessel = smoothstep(0.93, 0.995, ridge) * smoothstep(0.35, 0.7, noise(rest_at * 90.0 + 5.0).x);
-    albedo *= mix(vec3(1.0), vec3(0.80, 0.42, 0.42), 0.55 * mucosa * vessel);
-    albedo *= 0.94 + 0.12 * swell.x;
+    s.albedo *= mix(vec3(1.0), vec3(0.80, 0.42, 0.42), 0.55 * relief_at.y * vessel);
+    s.albedo *= 0.94 + 0.12 * swell.x;
 #endif
-    float open = mix(1.0, mix(0.06, 1.0, relief_at.x), occlusion);
-    vec3 sum = albedo * open * ambient(n);
-    const vec3 wrap = vec3(0.30, 0.13, 0.09);
+    vec3 sum = without_lights(s, v);
     for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
 #ifndef ROOM_SHADOW
-        light.colour *= i == 0 ? open : 1.0;
+        light.colour *= i == 0 ? s.open : 1.0;
 #endif
-        float nl = dot(n, light.direction);
-        vec3 diffuse = max((nl + wrap) / ((1.0 + wrap) * (1.0 + wrap)), 0.0);
-        vec3 h = normalize(light.direction + v);
-        float nh = clamp(dot(coat, h), 0.0, 1.0), lh = clamp(dot(light.direction, h), 0.0, 1.0);
-        float grazing = 1.0 - lh;
-        float fresnel = 0.028 + 0.972 * grazing * grazing * grazing * grazing * grazing;
-        float lobes = wet * (1.0 + 0.5 * film_at) * distribution(nh, mix(0.11, 0.07, film_at)) + 0.35 * distribution(nh, 0.38);
-        float shine = fresnel * lobes / (4.0 * max(lh * lh, 0.1)) * clamp(dot(coat, light.direction), 0.0, 1.0);
-        sum += light.colour * (albedo * diffuse + shine * step(0.0, nl));
+        sum += light.colour * thrown_back(s, v, light.direction);
     }
-    float rim = 1.0 - clamp(dot(coat, v), 0.0, 1.0);
-    sum += open * (0.03 + 0.12 * wet) * rim * rim * rim * ambient(reflect(-v, coat));
     pixel = vec4(min(sum, brightest), 1.0);
 }
 )";

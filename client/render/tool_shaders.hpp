@@ -55,7 +55,7 @@ out vec3 in_shade;    // what it looks like there
 out vec3 from_room;   // what light 0 adds
 #ifdef ROOM_SHADOW
 uniform mat4 room_lookup;
-out vec4 room_at;
+out vec3 room_at;
 #endif
 void main() {
     const vec3 n = vec3(0.0, -1.0, 0.0);
@@ -68,7 +68,7 @@ void main() {
     in_shade = albedo * ambient(n);
     from_room = albedo * light.colour * max(dot(n, light.direction), 0.0);
 #ifdef ROOM_SHADOW
-    room_at = room_lookup * vec4(position, 1.0);
+    room_at = (room_lookup * vec4(position, 1.0)).xyz;
 #endif
     gl_ClipDistance[0] = dot(clip_plane, vec4(position, 1.0));
     gl_Position = view_projection * vec4(position, 1.0);
@@ -82,7 +82,7 @@ in vec3 from_room;
 void main() {
     vec3 sum = in_shade;
 #ifdef ROOM_SHADOW
-    sum += unshadowed(room_map, room_at) * from_room;
+    sum += unshadowed(room_depth, room_at) * from_room;
 #else
     sum += from_room;
 #endif
