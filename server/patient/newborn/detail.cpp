@@ -23,8 +23,10 @@ float distance_to_line(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
 }  // namespace
 
 Detail::Detail(const Anatomy& anatomy, float spacing)
-    : coarsest_(farthest * spacing * anatomy.scale() / millimetre) {
-    const float size = anatomy.scale() / millimetre;
+    : coarsest_(farthest * spacing * anatomy.scale() / millimetre),
+      size_(anatomy.scale() / millimetre),
+      spacing_(spacing / 1e-3f) {
+    const float size = size_;
     const auto points = anatomy.landmarks();
     const auto add = [&](const Vec3f& from, const Vec3f& to, float reach, float edge) {
         parts_.push_back({from, to, reach * size, edge * spacing * size});
@@ -35,6 +37,8 @@ Detail::Detail(const Anatomy& anatomy, float spacing)
     const Vec3f& tip = at(points, Landmark::epiglottis_tip);
     const Vec3f& glottis = at(points, Landmark::glottis);
     add(tip, beside(glottis, 0.0f, 0.0f, -2.0f), 6.5e-3f, 0.3f);
+    // What the camera on the blade sees beside it: folds, valleculae, wall of the throat.
+    add(beside(tip, 0.0f, 4.0f, -2.0f), beside(glottis, 0.0f, -2.0f, 6.0f), 8e-3f, 0.36f);
     add(at(points, Landmark::vallecula), at(points, Landmark::vallecula), 6e-3f, 0.4f);
     add(glottis, at(points, Landmark::carina), 4e-3f, 0.8f);
     const Vec3f& upper_lip = at(points, Landmark::upper_lip);
@@ -62,8 +66,11 @@ Detail::Detail(const Anatomy& anatomy, float spacing)
         add(place(39.0f * side, -18.0f, 0.0f), place(39.0f * side, -16.0f, 18.0f), 9e-3f, 0.9f);
     }
     add(upper_lip, place(0.0f, 0.0f, 0.0f), 40e-3f, 2.0f);
-    // The hem of what wraps the trunk.
-    add(place(0.0f, -18.0f, -86.0f), place(0.0f, -18.0f, -100.0f), 55e-3f, 2.2f);
+    hem_ = place(0.0f, -18.0f, -84.0f);
+    down_ = (place(0.0f, -18.0f, -120.0f) - hem_).normalized();
+    clothed_ = anatomy.seen(place(0.0f, -18.0f, -110.0f)).cloth < 1.0f;
+    // Neck and shoulders down to the hem of what wraps the trunk.
+    add(hem_, place(0.0f, -18.0f, -100.0f), 55e-3f, 2.2f);
     // The mouth's inside and the throat.
     add(at(points, Landmark::upper_gum), at(points, Landmark::tongue_dorsum), 8e-3f, 0.9f);
     add(at(points, Landmark::tongue_dorsum), tip, 9e-3f, 0.9f);
@@ -76,7 +83,21 @@ float Detail::edge(const Vec3f& point) const {
         const float off = std::max(distance_to_line(point, part.from, part.to) - part.reach, 0.0f);
         finest = std::min(finest, part.edge + growth * off);
     }
+    if (clothed_) {
+        // Nobody sees the trunk within the cloth.
+        constexpr float covered = 10e-3f;
+        finest = std::max(finest, std::min(growth * (below_hem(point) - covered * size_), 1.5f * coarsest_));
+    }
     return finest;
+}
+
+float Detail::cloth_edge(const Vec3f& point) const {
+    constexpr float hem_breadth = 9e-3f, end = 40e-3f, shortest_hem = 1.4e-3f, shortest_end = 1.9e-3f;
+    const float below = below_hem(point), unit = spacing_ * size_;
+    const float to_hem = std::max(std::fabs(below) - hem_breadth * size_, 0.0f);
+    const float to_end = std::max(end * size_ - below, 0.0f);
+    return std::min(
+        {shortest_hem * unit + growth * to_hem, shortest_end * unit + growth * to_end, coarsest_});
 }
 
 }  // namespace eti::anatomy

@@ -16,8 +16,13 @@ class Detail {
 
     /// [m], edges of triangles at a point. Changes by a quarter of the way at most.
     [[nodiscard]] float edge(const Vec3f& point) const;
+    /// The same of the cloth: finest at its hem and about its far end, whose outlines one sees.
+    [[nodiscard]] float cloth_edge(const Vec3f& point) const;
 
   private:
+    /// Along the trunk [m], from the hem's middle downwards.
+    [[nodiscard]] float below_hem(const Vec3f& point) const { return (point - hem_).dot(down_); }
+
     /// Within `reach` of the line between two points edges are this long.
     struct Part {
         Vec3f from, to;  // [m]
@@ -26,6 +31,10 @@ class Detail {
     };
     std::vector<Part> parts_;
     float coarsest_;
+    float size_;     // over the term newborn's
+    float spacing_;  // over 1 mm
+    Vec3f hem_, down_;
+    bool clothed_;
 };
 
 }  // namespace eti::anatomy

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "common/math/units.hpp"
 #include "common/mesh/adaptive_isosurface.hpp"
@@ -20,9 +21,11 @@ namespace {
 // a tenth of an edge.
 constexpr int smoothing = 3;
 
-/// A surface of what is seen, as fine as it is looked at from near; its edges `finer` times what suits a
-/// place.
-TriangleMesh seen_mesh(const Anatomy& anatomy, const Detail& detail, float finer, float Seen::*organ,
+/// Edges [m] at a place.
+using Edge = std::function<float(const Vec3f&)>;
+
+/// A surface of what is seen, as fine as it is looked at from near.
+TriangleMesh seen_mesh(const Anatomy& anatomy, const Edge& edge, float Seen::*organ,
                        const std::array<Vec3f, 2>& box, std::size_t budget) {
     const float size = anatomy.scale() / millimetre;
     AdaptiveField field;
@@ -30,7 +33,7 @@ TriangleMesh seen_mesh(const Anatomy& anatomy, const Detail& detail, float finer
     field.high = box[1];
     field.coarsest = 8e-3f * size;
     field.halvings = 5;
-    field.edge = [&](const Vec3f& point) { return finer * detail.edge(point); };
+    field.edge = edge;
     field.value = [&](std::span<const Vec3f> points, std::span<float> values) {
         constexpr std::size_t grain = 256;
         parallel::for_ranges(points.size(), grain, [&](std::size_t begin, std::size_t end) {
@@ -46,9 +49,14 @@ TriangleMesh seen_mesh(const Anatomy& anatomy, const Detail& detail, float finer
     }
     // An error counts against the square of an edge, by the area of triangles of that edge.
     std::vector<float> importance(mesh.vertices.size());
-    for (std::size_t i = 0; i < importance.size(); ++i) {
-        importance[i] = std::pow(1e-3f * size / detail.edge(mesh.vertices[i]), 4.0f);
-    }
+    constexpr std::size_t grain = 256;
+    parallel::for_each(importance.size(), grain, [&](std::size_t i) {
+        importance[i] = std::pow(1e-3f * size / edge(mesh.vertices[i]), 4.0f);
+        // The cloth's other face lies within the body.
+        if (organ == &Seen::cloth && anatomy.seen(mesh.vertices[i]).body < 0.0f) {
+            importance[i] *= 1e-3f;
+        }
+    });
     return simplify_without_crossing(mesh, {.triangles = budget, .importance = importance});
 }
 
@@ -95,27 +103,31 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
         float Seen::*organ;        // or nullptr,
         const DistanceGrid* bone;  // for what is sampled on a grid
         std::array<Vec3f, 2> box;
-        float finer = 1.0f;
+        Edge edge = nullptr;
     };
     const std::array<Vec3f, 2> all = anatomy.seen_bounds();
-    // Tongue and cloth stand out against what is behind them: their outlines in the eye's view, of edges
-    // under 10 pixels, ask for more than a place in the mouth or on the trunk does.
-    constexpr float tongue_finer = 0.72f, cloth_finer = 0.6f;
+    const Edge of_place = [&](const Vec3f& p) { return detail.edge(p); };
+    const Edge of_cloth = [&](const Vec3f& p) { return detail.cloth_edge(p); };
+    // The tongue stands out against what is behind it: its outlines in the eye's view, of edges under 10
+    // pixels, ask for more than a place in the mouth does.
+    constexpr float tongue_finer = 0.6f;
+    const Edge of_tongue = [&](const Vec3f& p) { return tongue_finer * detail.edge(p); };
     // The body takes as long as all others. The hyoid hangs in the soft tissue and goes with it.
     const std::array drawn = {
-        Drawn{"body", Tissue::soft, settings.body_triangles, &Seen::body, nullptr, all},
-        Drawn{"tongue", Tissue::tongue, 16000, &Seen::tongue, nullptr, {inner_low, inner_high}, tongue_finer},
+        Drawn{"body", Tissue::soft, settings.body_triangles, &Seen::body, nullptr, all, of_place},
+        Drawn{"tongue", Tissue::tongue, 22000, &Seen::tongue, nullptr, {inner_low, inner_high}, of_tongue},
         Drawn{"epiglottis",
               Tissue::epiglottis,
               6000,
               &Seen::epiglottis,
               nullptr,
-              {tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin}},
+              {tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin},
+              of_place},
         Drawn{"skull", Tissue::skull, 16000, nullptr, &skull, {}},
         Drawn{"mandible", Tissue::mandible, 4000, nullptr, &mandible, {}},
         Drawn{"spine", Tissue::spine, 8000, nullptr, &spine, {}},
         Drawn{"hyoid", Tissue::hyoid, 1500, nullptr, &hyoid, {}},
-        Drawn{"cloth", Tissue::cloth, 16000, &Seen::cloth, nullptr, all, cloth_finer}};
+        Drawn{"cloth", Tissue::cloth, 18000, &Seen::cloth, nullptr, all, of_cloth}};
     patient.surfaces.resize(drawn.size());
     parallel::for_each(drawn.size(), 1, [&](std::size_t i) {
         const Drawn& d = drawn[i];
@@ -123,7 +135,7 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
         surface.name = d.name;
         surface.tissue = d.tissue;
         surface.mesh = d.bone != nullptr ? bone_mesh(*d.bone, d.triangles)
-                                         : seen_mesh(anatomy, detail, d.finer, d.organ, d.box, d.triangles);
+                                         : seen_mesh(anatomy, d.edge, d.organ, d.box, d.triangles);
         for (const Triangle& t : surface.mesh.triangles) {
             surface.triangle_tissue.push_back(
                 d.tissue == Tissue::soft ? anatomy.seen_tissue(middle_of(surface.mesh, t)) : d.tissue);
