@@ -17,7 +17,7 @@
 namespace eti::hud {
 namespace {
 
-constexpr float panel_width = 330.0f;
+constexpr float panel_width = 330.0f, guidance_width = 300.0f;
 constexpr float below_numbers = 182.0f, counts_width = 176.0f;
 constexpr float above_notice = 66.0f, alarm_height = 34.0f;
 
@@ -236,7 +236,7 @@ void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, int width, floa
                ImVec2(0.5f * (static_cast<float>(width) - wide), std::max(4.0f, bottom - high)), wide);
 }
 
-// Help in the middle; the scenario and a notice at the top.
+// Help in the middle; the scenario and a notice at the top; guidance at the lower left.
 void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int height) const {
     const PanelFonts fonts{small_, large_};
     const float wide = std::min(panel_width, static_cast<float>(width) - 8.0f);
@@ -255,15 +255,21 @@ void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int hei
         top.push_back({.text = readout.scenario, .value = {}});
         top.push_back({.text = readout.description, .value = {}, .colour = grey});
     }
-    for (const std::string& line : readout.guidance) {
-        top.push_back(
-            {.text = line, .value = {}, .colour = &line == readout.guidance.data() ? green : white});
-    }
     if (!readout.notice.empty()) {
         top.push_back({.text = readout.notice, .value = {}, .colour = amber});
     }
     if (!top.empty()) {
         draw_panel(list, fonts, top, ImVec2(left, 4.0f), wide);
+    }
+    // At the lower left, where no view has its tools.
+    std::vector<PanelLine> guidance;
+    for (const std::string& line : readout.guidance) {
+        guidance.push_back({.text = line, .value = {}, .colour = guidance.empty() ? green : white});
+    }
+    if (!guidance.empty()) {
+        const float narrow = std::min(guidance_width, wide);
+        const float high = panel_height(fonts, guidance, narrow);
+        draw_panel(list, fonts, guidance, ImVec2(4.0f, static_cast<float>(height) - high - 4.0f), narrow);
     }
 }
 

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "client/hud/panel.hpp"
 
+#include <cfloat>
+
 namespace eti::hud {
 namespace {
 
@@ -17,9 +19,10 @@ Font font_of(const PanelFonts& fonts, const PanelLine& line) {
     return line.large ? Font{fonts.large, fonts.large->FontSize} : Font{fonts.small, fonts.small->FontSize};
 }
 
-// Wrapped at the panel's inner width.
+// Wrapped at the panel's inner width. That as the greatest width, too, would end the measure at a line that
+// fills it.
 ImVec2 extent(const Font& font, const PanelLine& line, float inner) {
-    return font.font->CalcTextSizeA(font.size, inner, inner, line.text.c_str());
+    return font.font->CalcTextSizeA(font.size, FLT_MAX, inner, line.text.c_str());
 }
 
 }  // namespace

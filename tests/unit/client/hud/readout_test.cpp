@@ -237,7 +237,16 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
     const int listed = lit_pixels(readout);
     EXPECT_GT(listed, noticed + 10 * 30);
     readout.guidance = {"2 of 5: blade in", "Drag with the left button"};
-    EXPECT_GT(lit_pixels(readout), listed + 10 * 30);
+    const int guided = lit_pixels(readout);
+    EXPECT_GT(guided, listed + 10 * 30);
+    // A line that fills the panel to the pixel, 40 letters of 7, does not hide those that follow it.
+    readout.keys.clear();
+    readout.notice.clear();
+    readout.guidance = {"title", std::string(40, 'M') + " MMMM"};
+    const int two_lines = lit_pixels(readout);
+    readout.guidance.emplace_back("MMMM");
+    EXPECT_NEAR(lit_pixels(readout) - two_lines, two_lines / 11, two_lines / 44)
+        << "one of eleven words of four";
 }
 
 TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
