@@ -37,6 +37,11 @@ Summary summarise(const std::filesystem::path& file) {
             summary.attempts.push_back(std::move(record));
         }
     }
+    for (session::EventRecord& event : reader.events()) {
+        if (event.kind == session::note_event || event.kind == session::annotation_event) {
+            summary.remarks.push_back(std::move(event));
+        }
+    }
     if (!summary.has_run) {
         summary.run.outcome = {false, summary.live ? "the session is still being recorded"
                                                    : "the recording ended before the run was summed up"};
@@ -65,6 +70,12 @@ nlohmann::ordered_json to_json(const Summary& summary) {
     out["duration_s"] = summary.duration;
     out["finished"] = summary.finished;
     out["lost_records"] = summary.lost_records;
+    out["remarks"] = nlohmann::ordered_json::array();
+    for (const session::EventRecord& remark : summary.remarks) {
+        out["remarks"].push_back({{"time_s", 1e-9 * static_cast<double>(remark.time_ns)},
+                                  {"kind", remark.kind},
+                                  {"text", remark.text}});
+    }
     return out;
 }
 

@@ -22,6 +22,7 @@ struct Summary {
     bool has_run = false;        ///< whether the file holds a summary of the run
     session::SummaryRecord run;  ///< success is false and the parameters are NaN if not
     std::vector<session::SummaryRecord> attempts;
+    std::vector<session::EventRecord> remarks;  ///< what was written, pointed at and drawn, in words
 };
 
 /// Throws hdf5::Error.

@@ -52,6 +52,7 @@ CheckResult check(const std::filesystem::path& path) {
         (void)reader.scene();
         (void)reader.deformations();
         (void)reader.fluids();
+        (void)reader.annotations();
     } catch (const hdf5::Error& error) {
         result.damage.push_back(error.what());
         result.repairable = false;
