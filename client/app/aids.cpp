@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "client/render/annotation_pass.hpp"
 #include "client/view/airway_axes.hpp"
 #include "common/math/units.hpp"
 
@@ -62,6 +63,17 @@ void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, cons
     }
 }
 
+// What was written beside points; the points themselves lie in the scene.
+void add_words(std::vector<hud::Mark>& marks, const Projection& projection, const render::View& view,
+               const view::SceneView& scene, const render::Vantage& from) {
+    for (const render::DrawnMark& mark : render::drawn_marks(view, scene, from)) {
+        if (const auto pixel = projection.pixel(mark.points.front());
+            pixel && !mark.annotation->text.empty()) {
+            marks.push_back({*pixel, *pixel, hud::Level::neutral, mark.annotation->text, false, true});
+        }
+    }
+}
+
 void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene) {
     const view::AirwayAxes axes = view::airway_axes(scene.landmarks(), scene.live().head_elevation);
     const auto degrees = [](float angle) { return static_cast<double>(angle / degree); };
@@ -94,6 +106,9 @@ std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& 
     }
     if (look && shows_look(view)) {
         add_sight(marks, projection, *look, view.has(Overlay::line_of_sight));
+    }
+    if (view.has(render::Pass::annotations)) {
+        add_words(marks, projection, view, scene, from);
     }
     if (view.has(Overlay::gum_force) && scene.shows(&LiveValues::view_gum_force)) {
         const Vec3f gum = scene.gum_contact().value_or(at(scene.landmarks(), Landmark::upper_gum));

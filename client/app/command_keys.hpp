@@ -9,15 +9,10 @@
 #include <span>
 #include <string_view>
 
+#include "client/app/special_keys.hpp"
 #include "common/model/live.hpp"
 
 namespace eti::client {
-
-/// Arrow keys type no character; these stand for them.
-inline constexpr char32_t key_left = U'\u2190', key_up = U'\u2191', key_right = U'\u2192',
-                          key_down = U'\u2193';
-/// Nor does this one; of the area for private use.
-inline constexpr char32_t key_f1 = U'\uF704';
 
 /// What a key does to a command's value.
 enum class Stroke : std::uint8_t {

@@ -10,7 +10,27 @@
 
 namespace eti::client {
 
-std::vector<PlacedView> layout(const Views& views, int width, int height) {
+namespace {
+
+std::vector<PlacedView> rows_of_two(const Views& views, int width, int height) {
+    std::vector<PlacedView> out;
+    const int count = static_cast<int>(views.size()), rows = (count + 1) / 2;
+    for (int i = 0; i < count; ++i) {
+        const int row = i / 2, in_row = std::min(2, count - 2 * row);
+        const int left = width * (i % 2) / in_row, right = width * (i % 2 + 1) / in_row;
+        const int top = height * row / rows, bottom = height * (row + 1) / rows;
+        const render::View* const view = views[static_cast<std::size_t>(i)];
+        out.push_back({view, {view->name, left, top, right - left, bottom - top}});
+    }
+    return out;
+}
+
+}  // namespace
+
+std::vector<PlacedView> layout(const Views& views, int width, int height, Arrangement arrangement) {
+    if (arrangement == Arrangement::even) {
+        return rows_of_two(views, width, height);
+    }
     std::vector<PlacedView> out;
     const int beside = static_cast<int>(views.size()) - 1;
     const int left = beside > 0 ? width * 56 / 100 : width;
@@ -39,7 +59,7 @@ void Compositor::resize(int width, int height) {
 }
 
 void Compositor::draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
-                      const render::Vantage& from, bool measured) {
+                      const render::Vantage& from, bool measured, Arrangement arrangement) {
     std::vector<hud::Tile> tiles;
     target_.bind_picture();
     glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
@@ -56,7 +76,7 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
         std::ranges::any_of(views, [](const render::View* view) { return shows_look(*view); })) {
         look = view::look_of(scene, from.eye);
     }
-    for (const PlacedView& placed : layout(views, target_.width(), target_.height())) {
+    for (const PlacedView& placed : layout(views, target_.width(), target_.height(), arrangement)) {
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
         tile.marks = aids_of(*placed.view, scene, from, look, tile);

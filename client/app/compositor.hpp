@@ -20,8 +20,8 @@ struct PlacedView {
     const render::View* view;
     hud::Tile tile;
 };
-/// The first view takes the larger part, the others stand beside it one above the other.
-[[nodiscard]] std::vector<PlacedView> layout(const Views& views, int width, int height);
+[[nodiscard]] std::vector<PlacedView> layout(const Views& views, int width, int height,
+                                             Arrangement arrangement = Arrangement::first_large);
 
 /// Milliseconds spent drawing a view, waiting for the driver included.
 struct DrawTime {
@@ -43,7 +43,7 @@ class Compositor {
     /// The picture is then in target(), with what helps a learner where the session asks for the enhanced
     /// view. Without views it is the readout alone. `measured`: waits after each view to time it.
     void draw(const Views& views, const view::SceneView& scene, const hud::Readout& readout,
-              const render::Vantage& from, bool measured);
+              const render::Vantage& from, bool measured, Arrangement arrangement = Arrangement::first_large);
     /// What a new scene needs before it is drawn goes on beside the drawing, which shows nothing of it
     /// meanwhile; else it is waited for.
     void bake_beside() { baking_ = render::Baking::go_on; }

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <utility>
+
 #include "client/app/compositor.hpp"
 #include "client/app/vantage_controls.hpp"
 
@@ -14,10 +17,17 @@ using namespace std::chrono_literals;
 
 constexpr auto notice_for = 5s;
 constexpr auto farewell = 500ms;
+constexpr float mark_step = 4.0f;  // [pixels], between two places of a drawn line
+
+constexpr char32_t key_follow = U't', key_write = U'w', key_wipe = U'z';
+const std::vector<std::pair<std::string, std::string>> mark_keys{
+    {"w", "write a remark; Enter sends it"},
+    {"shift", "with the mouse: point, or drag and draw; what is being written stands beside"},
+    {"z", "all marks wiped away"}};
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> keys_help(bool commands) {
+std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool marks) {
     std::vector<std::pair<std::string, std::string>> out{
         {"h ?", "this list"}, {"p F1", "the instructor's panel"}, {"Esc", "end"}};
     for (const Selection& one : selections()) {
@@ -32,6 +42,12 @@ std::vector<std::pair<std::string, std::string>> keys_help(bool commands) {
             out.emplace_back(key.caption, key.help);
         }
     }
+    if (marks || !commands) {
+        out.emplace_back("t", "the trainee's eye, or one's own");
+    }
+    if (marks) {
+        out.insert(out.end(), mark_keys.begin(), mark_keys.end());
+    }
     return out;
 }
 
@@ -40,6 +56,15 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
         selection_ = chosen;
     } else if (key == U'h' || key == U'?') {
         help_ = repeated ? help_ : !help_;
+    } else if (key == key_follow && watches_ && !repeated) {
+        follows_ = !follows_;
+        if (follows_ && !scene.trainees_eye()) {
+            say("no trainee's client says where the eye is", now);
+        }
+    } else if (key == key_write && annotator_ != nullptr && !repeated) {
+        annotator_->write();
+    } else if (key == key_wipe && annotator_ != nullptr && !repeated) {
+        annotator_->wipe();
     } else if (const VantageKey* const moved = vantage_key(key)) {
         moved->press(vantage_, scene.landmarks());
     } else if (const CommandKey* const command = command_key(key)) {
@@ -59,8 +84,63 @@ void Controls::release(char32_t key, Time now) {
     }
 }
 
-void Controls::drag(const Drag& mouse, const view::SceneView& scene, int width, int height) {
-    for (const auto& [view, tile] : layout(selection_->views(scene), width, height)) {
+void Controls::follow(const view::SceneView& scene) {
+    if (follows_ && scene.trainees_eye()) {
+        own_eye_ = own_eye_ ? own_eye_ : vantage_.eye;
+        vantage_.eye = view::TraineeEye::worn(*scene.trainees_eye());
+    } else if (own_eye_) {
+        vantage_.eye = *std::exchange(own_eye_, std::nullopt);
+    }
+    if (annotator_ != nullptr) {
+        vantage_.sketch = annotator_->sketch();
+    }
+}
+
+void Controls::type(char32_t key, Time now) {
+    annotator_->press(key);
+    if (std::string trouble = annotator_->take_trouble(); !trouble.empty()) {
+        say(std::move(trouble), now);
+    }
+}
+
+void Controls::draw_mark(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now) {
+    const bool moved = std::hypot(mouse.at_x - marked_x_, mouse.at_y - marked_y_) >= mark_step;
+    if (mouse.mark == Drag::Mark::goes_on && !moved) {
+        return;
+    }
+    marked_x_ = mouse.at_x;
+    marked_y_ = mouse.at_y;
+    if (mouse.mark == Drag::Mark::ends) {
+        annotator_->end();
+    } else {
+        // In the picture in which it began.
+        for (const auto& [view, tile] :
+             layout(selection_->views(scene), width, height, selection_->arrangement)) {
+            const auto left = static_cast<float>(tile.x), top = static_cast<float>(tile.y);
+            const auto wide = static_cast<float>(tile.width), high = static_cast<float>(tile.height);
+            if (mouse.from_x >= left && mouse.from_x < left + wide && mouse.from_y >= top &&
+                mouse.from_y < top + high) {
+                const float x = 2.0f * (mouse.at_x + 0.5f - left) / wide - 1.0f;
+                const float y = 1.0f - 2.0f * (mouse.at_y + 0.5f - top) / high;
+                const bool inside = std::abs(x) <= 1.0f && std::abs(y) <= 1.0f;
+                const auto at =
+                    inside ? render::pick(*view, scene, vantage_, wide / high, x, y) : std::nullopt;
+                mouse.mark == Drag::Mark::begins ? annotator_->begin(at) : annotator_->lead(at);
+            }
+        }
+    }
+    if (std::string trouble = annotator_->take_trouble(); !trouble.empty()) {
+        say(std::move(trouble), now);
+    }
+}
+
+void Controls::drag(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now) {
+    if (mouse.mark != Drag::Mark::none && annotator_ != nullptr) {
+        draw_mark(mouse, scene, width, height, now);
+        return;
+    }
+    for (const auto& [view, tile] :
+         layout(selection_->views(scene), width, height, selection_->arrangement)) {
         const float x = mouse.from_x - static_cast<float>(tile.x);
         const float y = mouse.from_y - static_cast<float>(tile.y);
         if (x >= 0.0f && y >= 0.0f && x < static_cast<float>(tile.width) &&
@@ -105,7 +185,11 @@ void Controls::say(std::string text, Time now) {
 
 void Controls::put_into(hud::Readout& readout, Time now) const {
     if (help_) {
-        readout.keys = keys_help(commands_ != nullptr);
+        readout.keys = keys_help(commands_ != nullptr, annotator_ != nullptr);
+    }
+    if (writing()) {
+        readout.notice = fmt::format("remark: {}_", annotator_->words());
+        return;
     }
     if (now - notice_since_ < notice_for) {
         readout.notice = notice_;

@@ -70,6 +70,9 @@ const Selection& HandControls::shown(const Selection& chosen) const {
 
 bool HandControls::key(const KeyEvent& event) {
     if (tutorial_ && !tutorial_->finished() && event.key == skip_key) {
+        if (!event.down || event.repeated) {
+            return true;
+        }
         tutorial_->skip();
         if (tutorial_->finished()) {
             note_tutorial_shown();
@@ -93,7 +96,8 @@ bool HandControls::drag(const Drag& mouse, const Controls& controls, const view:
     if (played_ || !scene.complete()) {
         return true;
     }
-    for (const auto& [view, tile] : layout(controls.selection().views(scene), width, height)) {
+    for (const auto& [view, tile] :
+         layout(controls.selection().views(scene), width, height, controls.selection().arrangement)) {
         const float x = mouse.from_x - static_cast<float>(tile.x);
         const float y = mouse.from_y - static_cast<float>(tile.y);
         if (x >= 0.0f && y >= 0.0f && x < static_cast<float>(tile.width) &&

@@ -70,7 +70,7 @@ class HeadsetClient {
           screen_(options, egl),
           quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
           node_(options.bus),
-          input_(node_, !options.observe, !options.observe),
+          input_(node_, !options.observe, options.is_trainee()),
           room_{options.gum_in_room} {
         if (!options.observe) {
             commands_.emplace(node_, options.bus.name);

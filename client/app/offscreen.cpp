@@ -59,10 +59,10 @@ class Offscreen {
         : options_(options),
           node_(node),
           // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
-          input_(node, options.frames_per_second > 30.0, !options.observe),
+          input_(node, options.frames_per_second > 30.0, options.is_trainee()),
           compositor_(options.width, options.height,
                       options.quality != nullptr ? *options.quality : render::affordable_quality()),
-          pictures_(options.offscreen, options.vantage) {
+          pictures_(options.offscreen) {
         if (options.hands) {
             hands_ = std::make_unique<HandControls>(node, options.play, options.tutorial);
         }
@@ -74,7 +74,7 @@ class Offscreen {
 
     // False: no scene came.
     bool wait_for_scene() {
-        auto deadline = Clock::now() + std::chrono::duration<double>(options_.wait_s);
+        auto deadline = Clock::now() + patience_;
         bool announced = false, deadline_of_shape = false;
         while (!scene_.shaped()) {
             input_.take_into(scene_);
@@ -88,7 +88,7 @@ class Offscreen {
                 deadline = Clock::now() + longest_without_shape;
             } else if (input_.server_on_bus() && !scene_.complete()) {
                 // It is there and still builds its patient: that may take longer than any fixed time.
-                deadline = Clock::now() + std::chrono::duration<double>(options_.wait_s);
+                deadline = Clock::now() + patience_;
                 if (!announced) {
                     spdlog::info("server found; waiting for its scene");
                     announced = true;
@@ -130,7 +130,8 @@ class Offscreen {
             scene_.update();
             take_pictures(scene_, "final");
             if (video_) {
-                compositor_.draw(selection().views(scene_), scene_, readout(), options_.vantage, false);
+                compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), false,
+                                 selection().arrangement);
                 video_->add(compositor_.target().read(),
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
@@ -206,6 +207,15 @@ class Offscreen {
         return out;
     }
 
+    /// An instructor looks through the trainee's eye.
+    [[nodiscard]] render::Vantage vantage_of(const view::SceneView& scene) const {
+        render::Vantage from = options_.vantage;
+        if (options_.instructor && scene.trainees_eye()) {
+            from.eye = view::TraineeEye::worn(*scene.trainees_eye());
+        }
+        return from;
+    }
+
     [[nodiscard]] End why_to_end() const {
         if (stop_asked()) {
             return End::stopped;
@@ -239,7 +249,8 @@ class Offscreen {
             next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         if (video_) {
-            compositor_.draw(selection().views(scene_), scene_, readout(), options_.vantage, true);
+            compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), true,
+                             selection().arrangement);
             add_to_video(tick);
             ++drawn_;
         }
@@ -265,10 +276,11 @@ class Offscreen {
     void take_pictures(const view::SceneView& scene, std::string_view occasion) {
         const bool live = &scene == &scene_;
         pictures_.take(compositor_, selection(), scene, live ? readout() : hud::readout_of(scene, false),
-                       occasion);
+                       vantage_of(scene), occasion);
     }
 
     const Options& options_;
+    const std::chrono::duration<double> patience_{options_.wait_s.value_or(Options::pictures_wait_s)};
     const bus::Node& node_;
     SessionInput input_;
     view::SceneView scene_;
@@ -297,7 +309,8 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     Offscreen offscreen(options, node);
     spdlog::info("drawing with {}, quality {}", render::driver_name(), offscreen.quality().name);
     if (!offscreen.wait_for_scene()) {
-        spdlog::error("no scene came within {} s (--wait): {}", options.wait_s, bus::no_server(options.bus));
+        spdlog::error("no scene came within {} s (--wait): {}",
+                      options.wait_s.value_or(Options::pictures_wait_s), bus::no_server(options.bus));
         return 1;
     }
     if (offscreen.has_scene()) {

@@ -77,7 +77,9 @@ std::optional<render::Section> read_section(const std::string& text) {
 }  // namespace
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
-    CLI::App app("Shows a running session: the trainee's sight, or with --observe anybody's.", "eti-client");
+    CLI::App app(
+        "Shows a running session: to its trainee, to an --instructor, or to whoever wants to --observe it.",
+        "eti-client");
     std::vector<std::string> names;
     std::string of_views;
     for (const Selection& one : selections()) {
@@ -100,7 +102,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string gum_at = fmt::format("{:.0f},{:.0f},{:.0f}", gum.x(), gum.y(), -gum.z());
     bool no_video = false;
     std::string keys = "Keys in the window:";
-    for (const auto& [key, help] : keys_help(true)) {
+    for (const auto& [key, help] : keys_help(true, true)) {
         keys += fmt::format("\n  {:<6} {}", key, help);
     }
     keys += "\nWith --hands:";
@@ -111,12 +113,18 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     for (const auto& [input, help] : hands_help()) {
         keys += fmt::format("\n  {:<11} {}", input, help);
     }
-    app.footer(keys + "\nWith --observe no commands are given.");
+    app.footer(keys + "\nWith --observe no commands are given; w, z and marks are of an --instructor.");
     app.set_version_flag("--version", ETI_VERSION);
-    app.add_option("--view", view, of_views)->capture_default_str()->check(CLI::IsMember(names));
-    app.add_flag("--observe", options.observe,
-                 "Watch only: publishes nothing and gives no commands; without it the trainee's "
-                 "line of sight is published");
+    auto* const view_option =
+        app.add_option("--view", view, of_views)->capture_default_str()->check(CLI::IsMember(names));
+    auto* const observe =
+        app.add_flag("--observe", options.observe,
+                     "Watch only: publishes nothing and gives no commands; without it the trainee's "
+                     "line of sight is published");
+    app.add_flag("--instructor", options.instructor,
+                 "Watch and give commands, with the panel: from four sides unless --view says otherwise; the "
+                 "line of sight stays the trainee's")
+        ->excludes(observe);
     app.add_flag("--panel", options.panel, "Show the instructor's panel from the start (key p or F1)");
     app.add_option("--eye-offset-mm", eye_offset,
                    "The trainee's eye stands so far from where the glottis is best seen: to the patient's "
@@ -192,8 +200,11 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--frames", options.frames, "End after this many frames; 0: with the session")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    app.add_option("--wait", options.wait_s, "Give up when no server is there for so long [s]")
-        ->capture_default_str()
+    app.add_option(
+           "--wait", options.wait_s,
+           fmt::format("Give up when no server is there for so long [s]; without it pictures wait for "
+                       "{:.0f} s and a window until it is closed",
+                       Options::pictures_wait_s))
         ->check(CLI::Range(0.0, 3600.0));
     app.add_option("--size", size, "Pixels, WIDTHxHEIGHT, both even")
         ->capture_default_str()
@@ -234,15 +245,19 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         return app.exit(error) == 0 ? 0 : 2;
     }
     options.headset = view == headset_name;
+    if (options.instructor && options.headset) {
+        std::cerr << "--instructor: is no trainee, whose eyes --view hmd follows; leave one out\n";
+        return 2;
+    }
     if (options.headset && !options.offscreen.empty()) {
         std::cerr
             << "--view hmd: a headset shows it, --offscreen would draw pictures instead; leave one out\n";
         return 2;
     }
-    if (options.hands && (options.headset || options.observe)) {
+    if (options.hands && (options.headset || !options.is_trainee())) {
         std::cerr << fmt::format("--hands: {}; leave one out\n",
                                  options.headset ? "in a headset the hands hold devices"
-                                                 : "who watches (--observe) holds no tool");
+                                                 : "who watches (--observe, --instructor) holds no tool");
         return 2;
     }
     // A list that is played needs no lesson; whoever learns is at a window.
@@ -250,14 +265,17 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         options.hands && (tutorial == "on" || (tutorial == "auto" && options.play.empty() &&
                                                options.offscreen.empty() && !tutorial_was_shown()));
     options.sound = sound == "auto" ? std::nullopt : std::optional(sound == "on");
-    options.selection = options.headset ? &default_selection() : selection_named(view);
+    options.panel = options.panel || options.instructor;
+    options.selection = options.headset                              ? &default_selection()
+                        : options.instructor && view_option->empty() ? &instructors_selection()
+                                                                     : selection_named(view);
     options.left_eye_leads = dominant_eye == "left";
     options.gum_in_room = *read_place(gum_at);
     options.quality = render::quality_named(quality);
     (void)read_size(size, options.width, options.height);
     options.vantage.eye = *read_eye(eye_offset);
     options.vantage.section = *read_section(section);
-    if (!no_video && options.video.empty() && !options.offscreen.empty() && !options.observe) {
+    if (!no_video && options.video.empty() && !options.offscreen.empty() && options.is_trainee()) {
         options.video = options.offscreen / "session.mp4";
     }
     return std::nullopt;

@@ -36,17 +36,15 @@ class BestView {
 /// Draws pictures of single views, and of several side by side if that is selected, into a folder.
 class Pictures {
   public:
-    Pictures(std::filesystem::path folder, const render::Vantage& vantage)
-        : folder_(std::move(folder)), vantage_(vantage) {}
+    explicit Pictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     /// Throws std::runtime_error when a picture cannot be written.
     void take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
-              const hud::Readout& readout, std::string_view occasion);
+              const hud::Readout& readout, const render::Vantage& from, std::string_view occasion);
     [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
 
   private:
     std::filesystem::path folder_;
-    render::Vantage vantage_;
     std::vector<std::filesystem::path> files_;
 };
 

@@ -31,7 +31,15 @@ const std::vector<Selection>& table() {
             }
         }
         all.enhanced = all.plain;
+        const Views from_four_sides{render::view_named("overview"), render::view_named("section"),
+                                    render::view_named("laryngoscope"), render::view_named("eye")};
         out.push_back(all);
+        out.push_back({.name = "four",
+                       .key = '7',
+                       .help = "overview, section, blade and eye, all alike",
+                       .plain = from_four_sides,
+                       .enhanced = from_four_sides,
+                       .arrangement = Arrangement::even});
         out.push_back(automatic);
         return out;
     }();
@@ -59,6 +67,10 @@ std::span<const Selection> selections() {
 
 const Selection& default_selection() {
     return table().back();
+}
+
+const Selection& instructors_selection() {
+    return *selection_named("four");
 }
 
 const Selection* selection_named(std::string_view name) {

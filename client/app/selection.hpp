@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -13,6 +14,12 @@ namespace eti::client {
 
 using Views = std::vector<const render::View*>;
 
+/// How several views share a picture.
+enum class Arrangement : std::uint8_t {
+    first_large,  ///< the others stand beside it one above the other
+    even,         ///< all alike, in rows of two
+};
+
 /// What --view names and a key shows: one view, or several side by side.
 struct Selection {
     std::string_view name;
@@ -20,6 +27,7 @@ struct Selection {
     std::string_view help;
     Views plain;     ///< the first is the largest
     Views enhanced;  ///< while the session asks for the enhanced view
+    Arrangement arrangement = Arrangement::first_large;
 
     [[nodiscard]] const Views& views(const view::SceneView& scene) const {
         return scene.enhanced() ? enhanced : plain;
@@ -36,6 +44,8 @@ struct Selection {
 
 /// What is shown where nothing was asked for.
 [[nodiscard]] const Selection& default_selection();
+/// The same for an instructor: from four sides at once.
+[[nodiscard]] const Selection& instructors_selection();
 
 /// The row of a name or of a key, or nullptr.
 [[nodiscard]] const Selection* selection_named(std::string_view name);

@@ -16,7 +16,8 @@ SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
       proxy_(node, bus::topics::proxy),
       metrics_(node, bus::topics::live_metrics),
       status_(node, bus::topics::session_status),
-      summary_(node, bus::topics::attempt_summary) {
+      summary_(node, bus::topics::attempt_summary),
+      annotation_(node, bus::topics::shown_annotation) {
     if (publish_eye) {
         eye_.emplace(node, bus::topics::eye_pose);
     }
@@ -51,6 +52,7 @@ bool SessionInput::take_into(view::SceneView& scene) {
     // has described itself they wait, for they come once.
     if (scene.keys()) {
         take_all(summary_, summary_message_);
+        take_all(annotation_, annotation_message_);
     }
     update_presence();
     return any;

@@ -54,6 +54,7 @@ class SessionInput {
     bus::Subscriber<msg::LiveMetrics> metrics_;
     bus::Subscriber<msg::SessionStatus> status_;
     bus::Subscriber<msg::AttemptSummary> summary_;
+    bus::Subscriber<msg::ShownAnnotation> annotation_;
     std::optional<bus::Publisher<msg::EyePose>> eye_;
     std::uint32_t eye_number_ = 0;
 
@@ -66,6 +67,7 @@ class SessionInput {
     msg::LiveMetrics metrics_message_;
     msg::SessionStatus status_message_;
     msg::AttemptSummary summary_message_;
+    msg::ShownAnnotation annotation_message_;
 
     Presence presence_ = Presence::none;
     std::chrono::steady_clock::time_point presence_since_ = std::chrono::steady_clock::now();

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/app/special_keys.hpp"
 #include "client/hands/hands_link.hpp"
 #include "client/hud/readout.hpp"
 #include "client/view/scene_view.hpp"
@@ -30,7 +31,7 @@ struct Lesson {
 [[nodiscard]] std::span<const Lesson> lessons();
 
 /// Enter passes over a lesson.
-inline constexpr char32_t skip_key = U'\n';
+inline constexpr char32_t skip_key = key_enter;
 
 /// Leads through a first intubation: shows a lesson until the session says that it is done. After an attempt
 /// that failed it begins again with the blade.

@@ -40,6 +40,8 @@ Window::Window(int width, int height, const std::string& title) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    // Drivers tell of a reset only those who ask for it; the window system leaves it out where it cannot.
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
         const std::string error = last_glfw_error();
@@ -57,8 +59,9 @@ Window::Window(int width, int height, const std::string& title) {
     // As characters: where they lie on the keyboard differs between languages.
     glfwSetCharCallback(window_,
                         [](GLFWwindow* w, unsigned character) { window_of(w).on_character(character); });
-    glfwSetMouseButtonCallback(
-        window_, [](GLFWwindow* w, int button, int action, int) { window_of(w).on_button(button, action); });
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
+        window_of(w).on_button(button, action, modifiers);
+    });
     glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) { window_of(w).on_move(x, y); });
     glfwSetScrollCallback(window_,
                           [](GLFWwindow* w, double, double notches) { window_of(w).on_wheel(notches); });
@@ -103,19 +106,17 @@ int Window::height() const {
 
 void Window::on_key(int key, int scancode, int action) {
     repeating_ = action == GLFW_REPEAT;
-    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS && !escape_kept_) {
+    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS && !escape_kept_ && !writing_) {
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
-    for (const auto& [code, silent] : {std::pair{GLFW_KEY_LEFT, key_left}, std::pair{GLFW_KEY_UP, key_up},
-                                       std::pair{GLFW_KEY_RIGHT, key_right},
-                                       std::pair{GLFW_KEY_DOWN, key_down}, std::pair{GLFW_KEY_F1, key_f1}}) {
+    for (const auto& [code, silent] :
+         {std::pair{GLFW_KEY_LEFT, key_left}, std::pair{GLFW_KEY_UP, key_up},
+          std::pair{GLFW_KEY_RIGHT, key_right}, std::pair{GLFW_KEY_DOWN, key_down},
+          std::pair{GLFW_KEY_ENTER, key_enter}, std::pair{GLFW_KEY_KP_ENTER, key_enter},
+          std::pair{GLFW_KEY_BACKSPACE, key_backspace}, std::pair{GLFW_KEY_ESCAPE, key_escape},
+          std::pair{GLFW_KEY_TAB, key_tab}, std::pair{GLFW_KEY_F1, key_f1}}) {
         if (key == code) {
             keys_.push_back({silent, action != GLFW_RELEASE, repeating_});
-        }
-    }
-    for (const auto& [code, character] : {std::pair{GLFW_KEY_TAB, U'\t'}, std::pair{GLFW_KEY_ENTER, U'\n'}}) {
-        if (key == code && action == GLFW_PRESS) {
-            keys_.push_back({character, true, false});
         }
     }
     // Characters go down in on_character(), but come up here alone.
@@ -126,7 +127,7 @@ void Window::on_key(int key, int scancode, int action) {
 }
 
 void Window::on_character(unsigned character) {
-    keys_.push_back({lower(character), true, repeating_});
+    keys_.push_back({lower(character), true, repeating_, character});
 }
 
 double Window::pixels_per_unit() const {
@@ -140,8 +141,20 @@ bool Window::shift_down() const {
            glfwGetKey(window_, GLFW_KEY_RIGHT_SHIFT) == GLFW_PRESS;
 }
 
-void Window::on_button(int button, int action) {
+void Window::push_drag(const Drag& drag) {
+    const double scale = pixels_per_unit();
+    drags_.push_back(drag);
+    drags_.back().at_x = static_cast<float>(scale * last_x_);
+    drags_.back().at_y = static_cast<float>(scale * last_y_);
+}
+
+void Window::on_button(int button, int action, int modifiers) {
     if (action == GLFW_RELEASE) {
+        if (button == held_ && begun_.mark != Drag::Mark::none) {
+            Drag ended = begun_;
+            ended.mark = Drag::Mark::ends;
+            push_drag(ended);
+        }
         held_ = button == held_ ? -1 : held_;
     } else if (button == GLFW_MOUSE_BUTTON_LEFT || button == GLFW_MOUSE_BUTTON_RIGHT) {
         held_ = button;
@@ -149,20 +162,25 @@ void Window::on_button(int button, int action) {
         begun_ = {.from_x = static_cast<float>(scale * last_x_),
                   .from_y = static_cast<float>(scale * last_y_),
                   .second = button == GLFW_MOUSE_BUTTON_RIGHT,
-                  .shift = shift_down()};
+                  .shift = (modifiers & GLFW_MOD_SHIFT) != 0};
+        if (button == GLFW_MOUSE_BUTTON_LEFT && begun_.shift) {
+            begun_.mark = Drag::Mark::begins;
+            push_drag(begun_);
+            begun_.mark = Drag::Mark::goes_on;
+        }
     }
 }
 
 void Window::on_move(double x, double y) {
-    if (held_ >= 0) {
-        const double scale = pixels_per_unit();
-        Drag moved = begun_;
-        moved.x = static_cast<float>(scale * (x - last_x_));
-        moved.y = static_cast<float>(scale * (y - last_y_));
-        drags_.push_back(moved);
-    }
+    const double scale = pixels_per_unit();
+    Drag moved = begun_;
+    moved.x = static_cast<float>(scale * (x - last_x_));
+    moved.y = static_cast<float>(scale * (y - last_y_));
     last_x_ = x;
     last_y_ = y;
+    if (held_ >= 0) {
+        push_drag(moved);
+    }
 }
 
 void Window::on_wheel(double notches) {

@@ -12,12 +12,12 @@ struct GLFWwindow;
 
 namespace eti::client {
 
-/// A key went down or up: a character in lower case, or one of command_keys.hpp that types none; a tab or newline
-/// only goes down.
+/// A key went down or up: a character in lower case, or one of special_keys.hpp.
 struct KeyEvent {
     char32_t key;
     bool down;
     bool repeated;
+    char32_t typed = 0;  ///< with its case
 };
 
 /// A window with an OpenGL 3.3 context, which is current. Esc closes; other keys and what the mouse did wait
@@ -37,6 +37,8 @@ class Window {
     /// Esc is somebody else's, and does not close.
     void keep_escape(bool keep) { escape_kept_ = keep; }
     [[nodiscard]] GLFWwindow* handle() const { return window_; }
+    /// While somebody writes Esc is a key as others are, and closes nothing.
+    void writes(bool writing) { writing_ = writing; }
     /// Shows frames as they come, where something else sets the pace.
     void show_at_once();
     void show_frame();
@@ -52,17 +54,18 @@ class Window {
   private:
     void on_key(int key, int scancode, int action);
     void on_character(unsigned character);
-    void on_button(int button, int action);
+    void on_button(int button, int action, int modifiers);
     void on_move(double x, double y);
     void on_wheel(double notches);
+    /// With where the mouse is now.
+    void push_drag(const Drag& drag);
     /// In pixels of the drawing area: a window's own units may be larger.
     [[nodiscard]] double pixels_per_unit() const;
     [[nodiscard]] bool shift_down() const;
 
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;
-    bool repeating_ = false;
-    bool escape_kept_ = false;
+    bool repeating_ = false, escape_kept_ = false, writing_ = false;
     std::vector<Drag> drags_;
     double last_x_ = 0.0, last_y_ = 0.0;
     int held_ = -1;  ///< mouse button, or none

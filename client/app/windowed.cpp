@@ -8,6 +8,9 @@
 #include <optional>
 #include <thread>
 
+#include <fmt/format.h>
+
+#include "client/app/annotator.hpp"
 #include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
 #include "client/app/hand_controls.hpp"
@@ -26,6 +29,19 @@ namespace {
 constexpr double lost_after_s = 1.0;
 constexpr int window_nice = 5;
 constexpr auto shortest_frame = std::chrono::milliseconds(11);
+constexpr auto farewell = std::chrono::milliseconds(500);  // for what was written last
+
+/// What an instructor writes besides commands.
+struct Instruction {
+    explicit Instruction(bus::Node& node)
+        : publisher(node, bus::topics::annotation),
+          annotator(bus::process_name().substr(0, msg::bound::Annotation_sender),
+                    [this](const msg::Annotation& annotation) {
+                        return publisher.matched() > 0 && publisher.publish(annotation);
+                    }) {}
+    bus::Publisher<msg::Annotation> publisher;
+    Annotator annotator;
+};
 
 bool lost(const SessionInput& input) {
     return (input.presence() == Presence::gone || input.presence() == Presence::silent) &&
@@ -38,7 +54,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     yield_to_others(window_nice);
     Window window(options.width, options.height, "NeoETI - " + options.bus.session);
     bus::Node node(options.bus);
-    SessionInput input(node, !options.observe, !options.observe);
+    SessionInput input(node, !options.observe, options.is_trainee());
     std::optional<bus::CommandSender> commands;
     if (!options.observe) {
         commands.emplace(node, options.bus.name);
@@ -50,6 +66,14 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     }
     Controls controls(*options.selection, commands ? &*commands : nullptr, options.vantage);
     WindowPanel panel(window, node, commands ? &*commands : nullptr, options.panel);
+    std::optional<Instruction> instruction;
+    if (options.instructor) {
+        instruction.emplace(node);
+        controls.annotate_with(instruction->annotator);
+    }
+    if (!options.is_trainee()) {
+        controls.watch_trainee(options.instructor);
+    }
     view::SceneView scene;
     Compositor compositor(window.width(), window.height(),
                           options.quality != nullptr ? *options.quality : render::affordable_quality());
@@ -57,15 +81,26 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     spdlog::info("drawing with {}, quality {}", render::driver_name(), compositor.quality().name);
     std::uint64_t frames = 0;
     bool was_lost = false;
+    auto served_at = std::chrono::steady_clock::now();
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
         const auto now = std::chrono::steady_clock::now();
         const auto next_frame = now + shortest_frame;
         panel.poll_events();
         input.take_into(scene);
-        if (!scene.complete()) {
+        if (!scene.complete() || was_lost) {
             bus::refuse_other_protocol(node);
         }
+        // One that is there and still builds its patient may take longer than anybody's patience.
+        served_at = input.server_on_bus() ? now : served_at;
+        if (options.wait_s && now - served_at > std::chrono::duration<double>(*options.wait_s)) {
+            throw bus::BusError(
+                fmt::format("no server for {} s (--wait): {}", *options.wait_s, bus::no_server(options.bus)));
+        }
         for (const KeyEvent& event : window.take_keys()) {
+            if (event.down && controls.writing()) {
+                controls.type(event.typed != 0 ? event.typed : event.key, now);
+                continue;
+            }
             if (panel.press(event) || (hands && hands->key(event))) {
                 continue;
             }
@@ -76,9 +111,11 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         for (const Drag& mouse : window.take_drags()) {
             if (!panel.has_mouse() &&
                 (!hands || !hands->drag(mouse, controls, scene, area.width, area.height))) {
-                controls.drag(mouse, scene, area.width, area.height);
+                controls.drag(mouse, scene, area.width, area.height, now);
             }
         }
+        window.writes(controls.writing());
+        controls.follow(scene);
         controls.tend(now);
         panel.follow(scene, input, controls.refusals(), now);
         scene.update();
@@ -106,7 +143,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             if (!readout.keys.empty()) {
                 readout.keys.emplace_back("quality", compositor.quality().name);
             }
-            compositor.draw(*shown, scene, readout, controls.vantage(), options.json);
+            compositor.draw(*shown, scene, readout, controls.vantage(), options.json, selection.arrangement);
             // OpenGL counts rows from below.
             compositor.target().copy_to(
                 0, {0, 0, area.width, area.height},
@@ -120,6 +157,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         std::this_thread::sleep_until(next_frame);
     }
     controls.let_go(std::chrono::steady_clock::now());
+    if (instruction) {
+        instruction->publisher.wait_until_received(farewell);
+    }
     result = {{"session", options.bus.session},
               {"view", std::string(controls.selection().name)},
               {"end", stop_asked() ? "stopped" : "closed"},

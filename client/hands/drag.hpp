@@ -11,6 +11,9 @@ struct Drag {
     float notches = 0.0f;                ///< of the wheel, away from oneself
     bool second = false;                 ///< the right button, not the left
     bool shift = false;                  ///< with the shift key down
+    /// With the shift key a mark is drawn: when the button goes down, while it is held, when it is let go.
+    enum class Mark { none, begins, goes_on, ends } mark = Mark::none;
+    float at_x = 0.0f, at_y = 0.0f;  ///< where the mouse is then
 };
 
 }  // namespace eti::client

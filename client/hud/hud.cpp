@@ -39,7 +39,9 @@ ImU32 colour_of(Level level) {
 
 void draw_mark(ImDrawList& list, const Mark& mark) {
     const ImVec2 from(mark.from.x(), mark.from.y()), to(mark.to.x(), mark.to.y());
-    if (mark.from == mark.to) {
+    if (mark.bare) {
+        // Whoever gave it draws what it stands beside.
+    } else if (mark.from == mark.to) {
         list.AddCircleFilled(from, 5.0f, colour_of(mark.level));
         list.AddCircle(from, 6.0f, IM_COL32(8, 12, 14, 255), 0, 1.5f);
     } else {
@@ -59,6 +61,19 @@ void bar(ImDrawList& list, ImVec2 at, float width, float share, ImU32 colour) {
     const float filled = width * std::clamp(share, 0.0f, 1.0f);
     list.AddRectFilled(at, ImVec2(at.x + width, at.y + 8.0f), IM_COL32(60, 68, 72, 220), 2.0f);
     list.AddRectFilled(at, ImVec2(at.x + filled, at.y + 8.0f), colour, 2.0f);
+}
+
+// What was true when the server was last heard must not look as if it were true now.
+void dim(ImDrawList& list, int from) {
+    constexpr ImU32 opacity = 90;  // of 255
+    for (int i = from; i < list.VtxBuffer.Size; ++i) {
+        ImU32& colour = list.VtxBuffer[i].col;
+        if (colour == shade) {
+            continue;  // what is written stays readable before any picture
+        }
+        const ImU32 alpha = (colour >> IM_COL32_A_SHIFT & 0xffu) * opacity / 255u;
+        colour = (colour & ~IM_COL32_A_MASK) | alpha << IM_COL32_A_SHIFT;
+    }
 }
 
 std::string clock_text(double seconds) {
@@ -117,6 +132,7 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
         list.AddRectFilled(ImVec2(at.x - 4.0f, at.y - 2.0f), ImVec2(end.x - 4.0f, end.y - 4.0f), shade, 3.0f);
         list.AddText(at, grey, tile.title.data(), tile.title.data() + tile.title.size());
     }
+    const int numbers_begin = list.VtxBuffer.Size;
     if (!tiles.empty()) {
         draw_numbers(list, readout, tiles.front());
     }
@@ -125,6 +141,9 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     }
     draw_counts(list, readout);
     draw_alarms(list, readout.alarms, width, height);
+    if (readout.link == Link::lost) {
+        dim(list, numbers_begin);
+    }
     if (readout.verdict) {
         draw_verdict(list, *readout.verdict, width,
                      static_cast<float>(height) - above_notice -
@@ -254,6 +273,9 @@ void Hud::draw_keys(ImDrawList& list, const Readout& readout, int width, int hei
     if (!readout.description.empty()) {
         top.push_back({.text = readout.scenario, .value = {}});
         top.push_back({.text = readout.description, .value = {}, .colour = grey});
+    }
+    if (!readout.note.empty()) {
+        top.push_back({.text = readout.note, .value = {}, .colour = blue, .large = true});
     }
     if (!readout.notice.empty()) {
         top.push_back({.text = readout.notice, .value = {}, .colour = amber});

@@ -22,6 +22,7 @@ struct Mark {
     Level level = Level::good;
     std::string text;
     bool text_left = false;  ///< rather than to the right
+    bool bare = false;       ///< the text alone
 };
 
 /// A part of the picture with a title in its corner; pixels from the upper left.

@@ -14,6 +14,7 @@ constexpr ImU32 grey = IM_COL32(168, 178, 184, 255);
 constexpr ImU32 amber = IM_COL32(245, 178, 60, 255);
 constexpr ImU32 red = IM_COL32(240, 84, 70, 255);
 constexpr ImU32 green = IM_COL32(96, 208, 140, 255);
+constexpr ImU32 blue = IM_COL32(110, 180, 255, 255);  // of marks, too
 constexpr ImU32 shade = IM_COL32(8, 12, 14, 150);
 
 /// A line of a panel, or a row of two columns.

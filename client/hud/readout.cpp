@@ -15,6 +15,7 @@ namespace {
 
 constexpr double verdict_for_s = 8.0;       // of simulation time
 constexpr double description_for_s = 10.0;  // likewise
+constexpr double note_for_s = 15.0;         // likewise; read twice at three words a second
 
 constexpr double last_seconds = 10.0;  // [s], of an attempt's time
 // Of the depth at the lip from the rule; chosen, the marks on a tube are 0.5 to 1 cm apart.
@@ -51,6 +52,20 @@ std::optional<Verdict> verdict_now(const view::SceneView& scene, const Readout& 
         return verdict_of(*last);
     }
     return std::nullopt;
+}
+
+std::string note_now(const view::SceneView& scene) {
+    const view::Annotation* newest = nullptr;
+    for (const auto& [slot, annotation] : scene.annotations()) {
+        if (annotation.kind == msg::ANNOTATION_NOTE &&
+            (newest == nullptr || annotation.time_ns >= newest->time_ns)) {
+            newest = &annotation;
+        }
+    }
+    const auto age_ns = [&] {
+        return static_cast<double>(scene.simulation_time_ns()) - static_cast<double>(newest->time_ns);
+    };
+    return newest != nullptr && 1e-9 * age_ns() < note_for_s ? newest->text : std::string();
 }
 
 std::string warning_of(const msg::SessionStatus& status) {
@@ -169,6 +184,7 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
     if (scene.description() && (readout.link == Link::waiting || readout.time_s < description_for_s)) {
         readout.description = scene.description()->description().to_string();
     }
+    readout.note = note_now(scene);
     readout.verdict = verdict_now(scene, readout);
     return readout;
 }

@@ -72,6 +72,7 @@ struct Readout {
     std::string description;          ///< of the scenario, in the first seconds and while waiting; else empty
     std::string message;              ///< the server's newest
     std::string warning;              ///< of a device that fell silent; else empty
+    std::string note;                 ///< what an instructor or observer wrote last, for some seconds
     std::string notice;               ///< what this client has to say, e.g. of a refused command
     std::vector<std::string> guidance;  ///< what to do next, where somebody is led: a title, then sentences
     std::vector<std::pair<std::string, std::string>> keys;  ///< help, where it was asked for

@@ -31,6 +31,7 @@ inline constexpr std::array<std::uint8_t, 3> tube_colour{0, 0, 255};
 struct Drawing {
     const View& view;
     const view::SceneView& scene;
+    const Vantage& from;
     const Quality& quality;
     Camera camera;
     Lighting lighting;

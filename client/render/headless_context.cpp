@@ -48,14 +48,23 @@ HeadlessContext::HeadlessContext() : display_(open_display()) {
     EGLint count = 0;
     // Surfaceless contexts may come without any configuration (EGL_KHR_no_config_context).
     eglChooseConfig(display_, wanted.data(), &config, 1, &count);
-    const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,
+    // Drivers tell of a reset only those who ask for it, and some refuse who does.
+    const std::array<EGLint, 9> attributes{EGL_CONTEXT_MAJOR_VERSION,
                                            3,
                                            EGL_CONTEXT_MINOR_VERSION,
                                            3,
                                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                           EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                                           EGL_LOSE_CONTEXT_ON_RESET,
                                            EGL_NONE};
-    context_ = eglCreateContext(display_, count > 0 ? config : nullptr, EGL_NO_CONTEXT, attributes.data());
+    auto without = attributes;
+    without[6] = EGL_NONE;
+    EGLConfig const chosen = count > 0 ? config : nullptr;
+    context_ = eglCreateContext(display_, chosen, EGL_NO_CONTEXT, attributes.data());
+    if (context_ == EGL_NO_CONTEXT) {
+        context_ = eglCreateContext(display_, chosen, EGL_NO_CONTEXT, without.data());
+    }
     if (context_ == EGL_NO_CONTEXT ||
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_FALSE) {
         const EGLint error = eglGetError();

@@ -68,6 +68,7 @@ void place(ShaderProgram& program, const Drawing& drawing, const Eigen::Matrix4f
 SceneRenderer::SceneRenderer(const Quality& quality) : quality_(quality), shadows_(quality) {}
 
 void SceneRenderer::sync(const view::SceneView& scene, Baking baking) {
+    loss_.refuse();
     meshes_.sync(scene, baking);
     if (liquid_.revision != scene.liquid_revision()) {
         liquid_.upload(scene.liquid(), scene.liquid_spacing(), scene.liquid_detail(), scene.liquid_kind());
@@ -89,6 +90,7 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
         const Camera& camera = cameras[i];
         const Drawing drawing{view,
                               scene,
+                              from,
                               quality_,
                               camera,
                               view.lighting(camera, lamp),
@@ -139,6 +141,9 @@ void SceneRenderer::run(Pass pass, const Drawing& drawing) {
             break;
         case Pass::glottis:
             glottis_.draw(drawing);
+            break;
+        case Pass::annotations:
+            annotations_.draw(drawing);
             break;
         case Pass::hidden_tools:
             tools_.draw_hidden(drawing, meshes_, shadows_);

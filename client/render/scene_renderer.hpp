@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include "client/render/annotation_pass.hpp"
 #include "client/render/caps_pass.hpp"
+#include "client/render/context_loss.hpp"
 #include "client/render/drawing.hpp"
 #include "client/render/glottis_pass.hpp"
 #include "client/render/liquid_surface.hpp"
@@ -22,7 +24,8 @@ class SceneRenderer {
   public:
     explicit SceneRenderer(const Quality& quality = affordable_quality());
 
-    /// Takes over the scene's newest state; call SceneView::update() before.
+    /// Takes over the scene's newest state; call SceneView::update() before. Throws std::runtime_error when
+    /// the context is lost.
     void sync(const view::SceneView& scene, Baking baking = Baking::wait);
 
     /// Draws one view into an area of the target's picture: the passes of its row, once for each of its
@@ -37,6 +40,7 @@ class SceneRenderer {
     void run(Pass pass, const Drawing& drawing);
 
     const Quality& quality_;
+    ContextLoss loss_;
     SceneMeshes meshes_;
     ShadowPass shadows_;
     CapsPass caps_;
@@ -44,6 +48,7 @@ class SceneRenderer {
     ToolsPass tools_;
     LiquidSurface liquid_;
     GlottisPass glottis_;
+    AnnotationPass annotations_;
     WetFilm film_;
     TonePass tone_;
 };

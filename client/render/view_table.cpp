@@ -45,8 +45,8 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
     return {left, right};
 }
 
-const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools, Pass::liquid,
-                                   Pass::glottis};
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools,
+                                   Pass::liquid,      Pass::glottis, Pass::annotations};
 
 const std::array table{
     View{.name = "eye",
@@ -54,7 +54,8 @@ const std::array table{
          .help = "what the trainee's own eye sees",
          .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
-         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis},
+         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
+                    Pass::annotations},
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::always,
          .moves = Moves::eye,
@@ -77,7 +78,8 @@ const std::array table{
          .cameras = from_above,
          .lighting = overview_lighting,
          // Of the lamp an onlooker sees what little comes out of the mouth, lips or not.
-         .passes = {Pass::room_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid},
+         .passes = {Pass::room_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid,
+                    Pass::annotations},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight},
          .background = Vec3f(0.035f, 0.065f, 0.075f),
          .automatic = Automatic::always,
@@ -87,7 +89,8 @@ const std::array table{
          .help = "cut open, along the middle or any plane",
          .cameras = onto_the_cut,
          .lighting = section_lighting,
-         .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools},
+         .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools,
+                    Pass::annotations},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight, Overlay::axes},
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .automatic = Automatic::enhanced,
@@ -110,18 +113,18 @@ const std::array table{
 
 const View& headset_view() {
     // In front of the trainee the patient is whole, and lit by one lamp of the room for both eyes.
-    static const View view{
-        .name = "hmd",
-        .key = '\0',
-        .help = "the trainee's headset",
-        .cameras = [](const view::SceneView&, const Vantage& from) { return from.worn; },
-        .lighting = worn_lighting,
-        .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid},
-        .overlays = {},  // they would need a depth
-        .background = Vec3f(0.035f, 0.065f, 0.075f),
-        .automatic = Automatic::alone,
-        .moves = Moves::eye,
-        .lips_aside = true};
+    static const View view{.name = "hmd",
+                           .key = '\0',
+                           .help = "the trainee's headset",
+                           .cameras = [](const view::SceneView&, const Vantage& from) { return from.worn; },
+                           .lighting = worn_lighting,
+                           .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools,
+                                      Pass::liquid, Pass::annotations},
+                           .overlays = {},  // they would need a depth
+                           .background = Vec3f(0.035f, 0.065f, 0.075f),
+                           .automatic = Automatic::alone,
+                           .moves = Moves::eye,
+                           .lips_aside = true};
     return view;
 }
 

@@ -27,6 +27,7 @@ enum class Pass : std::uint8_t {
     liquid,
     glottis,       ///< its opening, tinted, where the session asks for it
     hidden_tools,  ///< what of the tools lies behind what was drawn, shining through
+    annotations,   ///< what instructors and observers point at and draw
 };
 
 /// What the enhanced view draws over a view.

@@ -197,6 +197,35 @@ bool write_deformation(const std::filesystem::path& path, const session::Session
     return true;
 }
 
+/// One row per place of an annotation. False if stopped.
+bool write_annotations(const std::filesystem::path& path, const session::SessionReader& reader,
+                       const std::function<bool()>& stop) {
+    CsvFile csv(path);
+    fmt::format_to(std::back_inserter(csv.line()),
+                   "time [s],kind,sender,text,object,triangle,u,v,height [m],x [m],y [m],z [m]");
+    csv.end_line();
+    for (const session::AnnotationRecord& record : reader.annotations()) {
+        for (std::size_t i = 0; i < record.place.size(); ++i) {
+            if (stop()) {
+                return false;
+            }
+            fmt::format_to(std::back_inserter(csv.line()), "{:.9f}",
+                           static_cast<double>(record.time_ns) * 1e-9);
+            for (const std::string* text : {&record.kind, &record.sender, &record.text, &record.object}) {
+                csv.line().push_back(',');
+                put_text(csv.line(), *text);
+            }
+            const SurfacePlace& at = record.place[i];
+            const Vec3f& where = record.position[i];
+            fmt::format_to(std::back_inserter(csv.line()), ",{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                           at.triangle, at.u, at.v, at.height, where.x(), where.y(), where.z());
+            csv.end_line();
+        }
+    }
+    csv.close();
+    return true;
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> export_csv(
@@ -227,10 +256,10 @@ std::vector<std::filesystem::path> export_csv(
         written.push_back(path);
         return true;
     };
-    const auto deformation = [&] {
-        const std::filesystem::path path = folder / "deformation.csv";
+    const auto own = [&](const char* name, const auto& write) {
+        const std::filesystem::path path = folder / name;
         progress(path);
-        if (!write_deformation(path, reader, stop)) {
+        if (!write(path, reader, stop)) {
             return false;
         }
         written.push_back(path);
@@ -238,8 +267,9 @@ std::vector<std::filesystem::path> export_csv(
     };
     (void)(table("inputs", "inputs", false) && table("inputs/commands", "commands", false) &&
            table("tools", "tools", false) && table("tools", "tube_nodes", true) &&
-           table("skeleton", "skeleton", false) && table("metrics", "metrics", false) && deformation() &&
-           table("events", "events", false) && table("summary", "summary", false));
+           table("skeleton", "skeleton", false) && table("metrics", "metrics", false) &&
+           own("deformation.csv", write_deformation) && table("events", "events", false) &&
+           own("annotations.csv", write_annotations) && table("summary", "summary", false));
     return written;
 }
 

@@ -68,7 +68,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     int count = 0;
     const auto progress = [&](const std::filesystem::path& path) {
         if (on_terminal) {
-            std::cerr << fmt::format("\r\033[K[{}/9] {}", ++count, path.string()) << std::flush;
+            std::cerr << fmt::format("\r\033[K[{}/10] {}", ++count, path.string()) << std::flush;
         }
     };
     const auto written = review::export_csv(file, folder, progress, stop_asked);

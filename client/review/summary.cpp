@@ -97,6 +97,11 @@ Summary summarise(const std::filesystem::path& file) {
             summary.attempts.push_back(std::move(record));
         }
     }
+    for (session::EventRecord& event : reader.events()) {
+        if (event.kind == session::note_event || event.kind == session::annotation_event) {
+            summary.remarks.push_back(std::move(event));
+        }
+    }
     if (!summary.has_run) {
         sum_up(summary, reader.steps());
     }
@@ -121,6 +126,12 @@ nlohmann::ordered_json to_json(const Summary& summary) {
     out["duration_s"] = summary.duration;
     out["finished"] = summary.finished;
     out["lost_records"] = summary.lost_records;
+    out["remarks"] = nlohmann::ordered_json::array();
+    for (const session::EventRecord& remark : summary.remarks) {
+        out["remarks"].push_back({{"time_s", 1e-9 * static_cast<double>(remark.time_ns)},
+                                  {"kind", remark.kind},
+                                  {"text", remark.text}});
+    }
     return out;
 }
 

@@ -28,6 +28,7 @@ struct Summary {
     [[nodiscard]] bool outcome_known(const session::SummaryRecord& record) const {
         return record.attempt == 0 ? has_run : record.attempt != open_attempt;
     }
+    std::vector<session::EventRecord> remarks;  ///< what was written, pointed at and drawn, in words
 };
 
 /// Throws hdf5::Error.

@@ -93,6 +93,10 @@ std::string to_table(const Summary& summary) {
         }
         out += '\n' + one_table(columns);
     } while (first < summary.attempts.size());
+    for (const session::EventRecord& remark : summary.remarks) {
+        out += fmt::format("{}{:10.1f} s  {}\n", &remark == &summary.remarks.front() ? "\nRemarks\n" : "",
+                           1e-9 * static_cast<double>(remark.time_ns), remark.text);
+    }
     return out;
 }
 

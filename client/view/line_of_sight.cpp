@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "client/view/pressed.hpp"
+#include "client/view/ray.hpp"
 #include "common/model/lip_retraction.hpp"
 
 namespace eti::view {
@@ -13,48 +14,6 @@ namespace {
 
 // The glottis is an opening of some 3 mm; its rim, just before its centre, hides nothing.
 constexpr float short_of_glottis = 1.5e-3f;  // [m]
-
-/// A segment that is cut shorter by each triangle it meets.
-class Ray {
-  public:
-    Ray(const Vec3f& from, const Vec3f& to) : from_(from), way_(to - from) { set_reach(1.0f); }
-
-    /// Whether the triangle is met, before any other so far (Moeller & Trumbore 1997).
-    bool meets(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-        for (int axis = 0; axis < 3; ++axis) {
-            if (std::max({a[axis], b[axis], c[axis]}) < low_[axis] ||
-                std::min({a[axis], b[axis], c[axis]}) > high_[axis]) {
-                return false;
-            }
-        }
-        const Vec3f ab = b - a, ac = c - a, p = way_.cross(ac);
-        const float determinant = ab.dot(p);
-        if (determinant == 0.0f) {
-            return false;
-        }
-        const Vec3f s = from_ - a, q = s.cross(ab);
-        const float u = s.dot(p) / determinant, v = way_.dot(q) / determinant;
-        const float reach = ac.dot(q) / determinant;
-        if (!(u >= 0.0f && v >= 0.0f && u + v <= 1.0f && reach >= 0.0f && reach < reach_)) {
-            return false;
-        }
-        set_reach(reach);
-        return true;
-    }
-
-    [[nodiscard]] Vec3f end() const { return from_ + reach_ * way_; }
-
-  private:
-    void set_reach(float reach) {
-        reach_ = reach;
-        low_ = from_.cwiseMin(end());
-        high_ = from_.cwiseMax(end());
-    }
-
-    Vec3f from_, way_;
-    float reach_ = 1.0f;  // share of the way
-    Vec3f low_, high_;
-};
 
 std::string_view said(Tissue tissue) {
     return tissue == Tissue::soft ? std::string_view("soft tissue") : name_of(tissue);

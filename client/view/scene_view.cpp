@@ -181,6 +181,7 @@ void SceneView::note_time(std::uint64_t time_ns) {
         liquid_detail_.clear();
         attempt_report_.reset();
         run_report_.reset();
+        annotations_.clear();
         simulation_time_ns_ = time_ns;
     }
     simulation_time_ns_ = std::max(simulation_time_ns_, time_ns);
@@ -347,7 +348,15 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!std::ranges::all_of(contour, plausible)) {
         return refuse("eti/live_metrics", "an impossible contour of the glottis");
     }
+    std::optional<RigidTransform> eye;
+    if (message.eye_heard()) {
+        eye = transform_of(message.eye());
+        if (!eye) {
+            return refuse("eti/live_metrics", "an impossible eye");
+        }
+    }
     note_time(message.header().simulation_time_ns());
+    trainees_eye_ = eye;
     landmarks_ = *points;
     live_landmarks_ = true;
     metrics_ = message;
@@ -380,6 +389,25 @@ bool SceneView::apply(const msg::AttemptSummary& message) {
     } else if (!attempt_report_ || report->attempt >= attempt_report_->attempt) {
         attempt_report_ = std::move(report);
     }
+    return true;
+}
+
+bool SceneView::apply(const msg::ShownAnnotation& message) {
+    // Far more than a server keeps: what is beyond is somebody's mistake.
+    constexpr std::uint32_t most_slots = 256;
+    if (message.slot() >= most_slots) {
+        return refuse("eti/shown_annotation", fmt::format("slot {}", message.slot()));
+    }
+    if (message.what().kind() == msg::ANNOTATION_CLEAR) {
+        annotations_.erase(message.slot());
+        return true;
+    }
+    std::string why;
+    auto annotation = decode(message, why);
+    if (!annotation) {
+        return refuse("eti/shown_annotation", why);
+    }
+    annotations_[message.slot()] = std::move(*annotation);
     return true;
 }
 
@@ -419,6 +447,11 @@ const std::map<std::string, SkinnedSurface>& SceneView::surfaces() const {
         any_unskinned_ = false;
     }
     return surfaces_;
+}
+
+const RestSurface* SceneView::rest_surface(const std::string& name) const {
+    const auto found = surfaces_.find(name);
+    return found == surfaces_.end() ? nullptr : &found->second.model();
 }
 
 bool SceneView::shaped() const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/view/annotations.hpp"
 #include "client/view/attempt_report.hpp"
 #include "client/view/drop_log.hpp"
 #include "client/view/liquid_detail.hpp"
@@ -36,6 +37,7 @@ class SceneView {
     bool apply(const msg::LiveMetrics& message);
     bool apply(const msg::SessionStatus& message);
     bool apply(const msg::AttemptSummary& message);
+    bool apply(const msg::ShownAnnotation& message);
 
     /// Brings frames, tube and liquid up to date with what arrived.
     void update();
@@ -48,6 +50,8 @@ class SceneView {
     /// As of the last update(). Shapes are computed when they are first asked for after it: what is drawn is
     /// skinned elsewhere, from frame_maps().
     [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const;
+    /// A surface as it was described, or nullptr.
+    [[nodiscard]] const RestSurface* rest_surface(const std::string& name) const;
     [[nodiscard]] const std::optional<ToolMesh>& laryngoscope() const { return laryngoscope_; }
     [[nodiscard]] const std::optional<RigidTransform>& laryngoscope_pose() const {
         return laryngoscope_pose_;
@@ -84,6 +88,10 @@ class SceneView {
     [[nodiscard]] const std::optional<Vec3f>& gum_contact() const { return gum_contact_; }
     /// Closed polygon around the glottic opening [m]; empty before metrics came.
     [[nodiscard]] std::span<const Vec3f> glottis_contour() const { return glottis_contour_; }
+    /// The trainee's eye in the patient frame, as the server last heard of it; nothing while nobody says.
+    [[nodiscard]] const std::optional<RigidTransform>& trainees_eye() const { return trainees_eye_; }
+    /// What instructors and observers wrote, point at and drew.
+    [[nodiscard]] const Annotations& annotations() const { return annotations_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
     /// How the newest attempt of this run ended.
     [[nodiscard]] const std::optional<AttemptReport>& attempt_report() const { return attempt_report_; }
@@ -155,6 +163,8 @@ class SceneView {
     bool live_landmarks_ = false;
 
     std::optional<Vec3f> gum_contact_;
+    std::optional<RigidTransform> trainees_eye_;
+    Annotations annotations_;
     std::vector<Vec3f> glottis_contour_;
     std::optional<msg::LiveMetrics> metrics_;
     LiveValues live_;

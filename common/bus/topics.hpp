@@ -14,7 +14,7 @@ namespace msg = ::eti::msg;
 /// Raised when a message or a topic changes so that older programs would misread it. Programs of different
 /// protocols do not meet; self_check() says so, with both versions. New keys of a SessionDescription do not
 /// count.
-inline constexpr int protocol = 5;
+inline constexpr int protocol = 6;
 
 /// From whom samples of a topic are taken.
 enum class Source : std::uint8_t {
@@ -62,6 +62,7 @@ struct TopicSource {
     X(command, Command, .reliable = true, .depth = 64, .from = Source::anybody)           \
     X(command_result, CommandResult, .reliable = true, .depth = 64)                       \
     X(annotation, Annotation, .reliable = true, .depth = 64, .from = Source::anybody)     \
+    X(shown_annotation, ShownAnnotation, .reliable = true, .transient_local = true)       \
     X(live_metrics, LiveMetrics)                                                          \
     X(attempt_summary, AttemptSummary, .reliable = true, .transient_local = true)         \
     X(echo_question, Echo, .depth = 16, .from = Source::anybody)                          \

@@ -79,6 +79,7 @@ CheckResult check(const std::filesystem::path& path) {
     try {
         (void)reader.deformations();
         (void)reader.fluids();
+        (void)reader.annotations();
     } catch (const hdf5::Error& error) {
         result.damage.push_back(error.what());
     }

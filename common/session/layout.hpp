@@ -245,6 +245,64 @@ void event_columns(const Column& column) {
         "events/text", "1", "what happened", [](auto& r) -> auto& { return r.text; }, text_bytes);
 }
 
+/// One row per annotation on a surface: which rows of its places belong to it.
+struct AnnotationRows {
+    std::uint64_t time_ns = 0;
+    std::string kind, sender, text, object;
+    std::uint64_t first_row = 0;
+    std::uint32_t row_count = 0;
+};
+
+template <class Column>
+void annotation_rows_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "annotations/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "annotations/kind", "1", "point or stroke", [](auto& r) -> auto& { return r.kind; }, kind_bytes);
+    add(
+        "annotations/sender", "1", "who", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
+    add(
+        "annotations/text", "1", "what stands beside it", [](auto& r) -> auto& { return r.text; },
+        text_bytes);
+    add(
+        "annotations/object", "1", "on what: a surface of scene, or laryngoscope",
+        [](auto& r) -> auto& { return r.object; }, sender_bytes);
+    add(
+        "annotations/first_row", "1", "first row in triangle, place and position that belongs to it",
+        [](auto& r) -> auto& { return r.first_row; });
+    add(
+        "annotations/row_count", "1", "number of rows that belong to it",
+        [](auto& r) -> auto& { return r.row_count; });
+}
+
+/// One place of an annotation.
+struct AnnotationPlace {
+    std::uint32_t triangle = 0;
+    Vec3f place = Vec3f::Zero();
+    Vec3f position = Vec3f::Zero();
+};
+
+template <class Column>
+void annotation_place_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
+        column(path, hdf5::Label{units, description}, field, std::size_t{0});
+    };
+    add(
+        "annotations/triangle", "1", "triangle a b c of the object, with which the place goes",
+        [](auto& r) -> auto& { return r.triangle; });
+    add(
+        "annotations/place", "1, 1, m",
+        "u v height: the place is a + u (b - a) + v (c - a) + height along the triangle's normal",
+        [](auto& r) -> auto& { return r.place; });
+    add(
+        "annotations/position", "m", "where the place was at that time, patient frame",
+        [](auto& r) -> auto& { return r.position; });
+}
+
 template <class Column>
 void summary_columns(const Column& column) {
     const auto add = [&](const char* path, const char* units, const char* description, auto field,

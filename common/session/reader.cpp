@@ -188,6 +188,35 @@ std::vector<EventRecord> SessionReader::events() const {
     return read_records<EventRecord>(file_.root(), [](const auto& column) { event_columns(column); });
 }
 
+std::vector<AnnotationRecord> SessionReader::annotations() const {
+    if (!file_.root().has("annotations")) {
+        return {};
+    }
+    const auto places = read_records<AnnotationPlace>(
+        file_.root(), [](const auto& column) { annotation_place_columns(column); });
+    std::vector<AnnotationRecord> records;
+    for (AnnotationRows& rows : read_records<AnnotationRows>(
+             file_.root(), [](const auto& column) { annotation_rows_columns(column); })) {
+        if (rows.first_row > places.size() || rows.row_count > places.size() - rows.first_row) {
+            break;
+        }
+        AnnotationRecord record{rows.time_ns,
+                                std::move(rows.kind),
+                                std::move(rows.sender),
+                                std::move(rows.text),
+                                std::move(rows.object),
+                                {},
+                                {}};
+        for (std::uint64_t row = rows.first_row; row < rows.first_row + rows.row_count; ++row) {
+            const AnnotationPlace& at = places[row];
+            record.place.push_back({at.triangle, at.place.x(), at.place.y(), at.place.z()});
+            record.position.push_back(at.position);
+        }
+        records.push_back(std::move(record));
+    }
+    return records;
+}
+
 std::vector<SummaryRecord> SessionReader::summaries() const {
     std::map<std::uint32_t, SummaryRecord> last;
     for (SummaryRecord& record :

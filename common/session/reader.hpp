@@ -47,6 +47,8 @@ class SessionReader {
     /// Empty for a session without secretions.
     [[nodiscard]] std::vector<FluidRecord> fluids() const;
     [[nodiscard]] std::vector<EventRecord> events() const;
+    /// Empty for a file of a program that knew none.
+    [[nodiscard]] std::vector<AnnotationRecord> annotations() const;
     /// The last record of each attempt, ordered by attempt; attempt 0, the whole run, first if it is there.
     [[nodiscard]] std::vector<SummaryRecord> summaries() const;
 

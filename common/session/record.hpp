@@ -6,10 +6,12 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/math/transform.hpp"
 #include "common/mesh/skinning.hpp"
+#include "common/mesh/surface_place.hpp"
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/live.hpp"
 #include "common/model/parameters.hpp"
@@ -107,10 +109,24 @@ struct FluidRecord {
     std::vector<Vec3f> position;  ///< [m], patient frame
 };
 
+/// Kinds of what people leave in a session: what they write, and what they do with marks.
+inline constexpr std::string_view note_event = "note", annotation_event = "annotation";
+
 struct EventRecord {
     std::uint64_t time_ns = 0;
     std::string kind;  ///< one word: attempt, contact, error, command, ...
     std::string text;
+};
+
+/// What somebody pointed at or drew on a surface; what was written is an event.
+struct AnnotationRecord {
+    std::uint64_t time_ns = 0;
+    std::string kind;  ///< point, stroke
+    std::string sender;
+    std::string text;
+    std::string object;  ///< the surface, or "laryngoscope"
+    std::vector<SurfacePlace> place;
+    std::vector<Vec3f> position;  ///< [m], of each place at that time
 };
 
 /// Parameters and outcome of one attempt, or of the whole run (attempt 0); a later record of the

@@ -29,7 +29,7 @@ void drop_incomplete(const Group& root, const std::string& group, std::size_t ro
     }
 }
 
-std::vector<EqualLength> tables(bool liquid) {
+std::vector<EqualLength> tables(bool liquid, bool annotations) {
     std::vector<EqualLength> all;
     const auto add = [&](const char* what, const auto& visit) {
         EqualLength table{what, {}};
@@ -48,6 +48,10 @@ std::vector<EqualLength> tables(bool liquid) {
         add("liquid particles", [](const auto& column) { fluid_columns(column); });
         add("states of the liquid", [](const auto& column) { fluid_rows_columns(column); });
     }
+    if (annotations) {
+        add("places of annotations", [](const auto& column) { annotation_place_columns(column); });
+        add("annotations", [](const auto& column) { annotation_rows_columns(column); });
+    }
     return all;
 }
 
@@ -60,8 +64,8 @@ bool TableState::whole() const {
 
 std::vector<TableState> survey(const Group& root) {
     std::vector<TableState> states;
-    const bool liquid = root.has("fluid");
-    for (const EqualLength& table : tables(liquid)) {
+    const bool liquid = root.has("fluid"), annotations = root.has("annotations");
+    for (const EqualLength& table : tables(liquid, annotations)) {
         TableState state{table.what, {}, std::numeric_limits<std::size_t>::max()};
         for (const std::string& path : table.paths) {
             const bool parameter = path.starts_with("metrics/") || path.starts_with("summary/");
@@ -78,6 +82,9 @@ std::vector<TableState> survey(const Group& root) {
     drop_incomplete(root, "deformation", states[2].common, states[3].common);
     if (liquid) {
         drop_incomplete(root, "fluid", states[6].common, states[7].common);
+    }
+    if (annotations) {
+        drop_incomplete(root, "annotations", states[states.size() - 2].common, states.back().common);
     }
     return states;
 }

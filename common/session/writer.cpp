@@ -53,6 +53,7 @@ struct SessionWriter::Impl {
           deformations(deformations_waiting(settings.waiting_steps)),
           fluids(deformations_waiting(settings.waiting_steps)),
           events(1024),
+          annotations(256),
           summaries(256) {
         create(info, scene);
         thread = std::thread([this] { run(); });
@@ -92,6 +93,7 @@ struct SessionWriter::Impl {
     Ring<DeformationRecord> deformations;
     Ring<FluidRecord> fluids;
     Ring<EventRecord> events;
+    Ring<AnnotationRecord> annotations;
     Ring<SummaryRecord> summaries;
 
     // The writer's thread alone touches these once it runs.
@@ -104,9 +106,11 @@ struct SessionWriter::Impl {
     Table fluid_table{fluid_chunk};
     Table fluid_rows_table{small_chunk};
     Table event_table{small_chunk};
+    Table annotation_table{small_chunk};
+    Table annotation_place_table{small_chunk};
     Table summary_table{small_chunk};
-    std::vector<Table*> tables{&step_table,        &command_table, &frame_table,
-                               &deformation_table, &event_table,   &summary_table};
+    std::vector<Table*> tables{&step_table,  &command_table, &frame_table,      &deformation_table,
+                               &event_table, &summary_table, &annotation_table, &annotation_place_table};
     std::deque<MovedFrames> moved_waiting;
     std::deque<FluidRows> fluid_waiting;
     std::uint64_t lost_reported = 0;
@@ -150,6 +154,8 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
         tables.insert(tables.end(), {&fluid_table, &fluid_rows_table});
     }
     event_columns(creating<EventRecord>(event_table, root));
+    annotation_rows_columns(creating<AnnotationRows>(annotation_table, root));
+    annotation_place_columns(creating<AnnotationPlace>(annotation_place_table, root));
     summary_columns(creating<SummaryRecord>(summary_table, root));
     link_time_axis(root);
     made.close();
@@ -223,6 +229,21 @@ void SessionWriter::Impl::drain() {
         last_time_ns = r.time_ns;
     });
     take(events, [this](const EventRecord& r) { event_columns(appending(event_table, r)); });
+    take(annotations, [this](const AnnotationRecord& r) {
+        const AnnotationRows rows{r.time_ns,
+                                  r.kind,
+                                  r.sender,
+                                  r.text,
+                                  r.object,
+                                  annotation_place_table.rows(),
+                                  static_cast<std::uint32_t>(r.place.size())};
+        annotation_rows_columns(appending(annotation_table, rows));
+        for (std::size_t i = 0; i < r.place.size(); ++i) {
+            const SurfacePlace& at = r.place[i];
+            const AnnotationPlace place{at.triangle, {at.u, at.v, at.height}, r.position[i]};
+            annotation_place_columns(appending(annotation_place_table, place));
+        }
+    });
     take(summaries, [this](const SummaryRecord& r) { summary_columns(appending(summary_table, r)); });
 }
 
@@ -257,7 +278,9 @@ std::optional<std::string> SessionWriter::Impl::write(bool everything) {
     if (!written(fluid_rows_table, true)) {
         return fluid_rows_table.error();
     }
-    for (Table* table : {&step_table, &command_table, &event_table, &summary_table}) {
+    // A row of an annotation follows the rows of places that it points to.
+    for (Table* table : {&step_table, &command_table, &event_table, &annotation_place_table,
+                         &annotation_table, &summary_table}) {
         if (!written(*table, due(*table))) {
             return table->error();
         }
@@ -359,6 +382,9 @@ bool SessionWriter::push(const FluidRecord& record) {
 }
 bool SessionWriter::push(const EventRecord& record) {
     return impl_->push(impl_->events, record);
+}
+bool SessionWriter::push(const AnnotationRecord& record) {
+    return impl_->push(impl_->annotations, record);
 }
 bool SessionWriter::push(const SummaryRecord& record) {
     return impl_->push(impl_->summaries, record);

@@ -47,6 +47,7 @@ class SessionWriter {
     /// Only for a scene with liquid.
     bool push(const FluidRecord& record);
     bool push(const EventRecord& record);
+    bool push(const AnnotationRecord& record);
     bool push(const SummaryRecord& record);
 
     /// Records lost for want of room.

@@ -8,7 +8,7 @@ SCHEMA = "http://www.omg.org/spec/DDS-SECURITY/20170901/"
 EVERYBODY = ("echo_question", "echo_answer")
 SERVER = ("session_description", "scene", "proxy", "tissue_contacts", "tube_force", "deformation", "deformation_slow",
           "fluid", "particle_state", "mesh_state", "command_result", "live_metrics", "attempt_summary",
-          "session_status")
+          "shown_annotation", "session_status")
 
 TOOLS = ("laryngoscope_pose", "tube_pose")
 

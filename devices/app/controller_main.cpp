@@ -137,6 +137,7 @@ nlohmann::ordered_json note_once(const ProgramOptions& options, const std::strin
     msg::Annotation note;
     note.header(bus::make_header(0, 1));
     note.sender(bus::process_name().substr(0, msg::bound::Annotation_sender));
+    note.kind(msg::ANNOTATION_NOTE);
     note.text(text);
     const bool received = notes.publish(note) && notes.wait_until_received(last_patience);
     return {{"session", options.bus.session},

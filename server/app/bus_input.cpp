@@ -27,13 +27,21 @@ std::optional<RigidTransform> believable(const msg::Pose& pose) {
 
 }  // namespace
 
-std::string readable(const std::string& text) {
+std::string readable(const std::string& text, std::size_t most) {
     using nlohmann::json;
     // The library knows what is valid, and puts U+FFFD in the place of what is not.
     auto valid =
         json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
     std::ranges::replace_if(
         valid, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    // What was not valid has become longer. No character is cut in two.
+    if (valid.size() > most) {
+        std::size_t end = most;
+        while (end > 0 && (static_cast<unsigned char>(valid[end]) & 0xc0u) == 0x80u) {
+            --end;
+        }
+        valid.resize(end);
+    }
     return valid;
 }
 
@@ -66,14 +74,14 @@ BusInput::BusInput(bus::Node& node)
       tube_(node, bus::topics::tube_pose),
       eye_topic_(node, bus::topics::eye_pose),
       command_topic_(node, bus::topics::command),
-      note_topic_(node, bus::topics::annotation) {}
+      annotation_topic_(node, bus::topics::annotation) {}
 
 void BusInput::poll() {
     const auto now = FollowedDevice::Clock::now();
     refused_ += laryngoscope_.poll(now) + tube_.poll(now);
     poll_eye();
     poll_commands();
-    poll_notes();
+    poll_annotations();
 }
 
 void BusInput::poll_eye() {
@@ -107,15 +115,17 @@ void BusInput::poll_commands() {
     }
 }
 
-void BusInput::poll_notes() {
+void BusInput::poll_annotations() {
     const auto now = Allowance::Clock::now();
-    for (std::size_t n = 0; n < most_messages && note_topic_.take(note_); ++n) {
-        const std::string text = readable(note_.sender().to_string() + ": " + note_.text().to_string());
-        if (notes_allowed_.take(note_topic_.sender(), now)) {
-            notes_.push_back(text);
-        } else if (const auto kept_back = lines_.allow("note")) {
-            spdlog::warn("a remark was left out, more than {:.0f} a second of one sender: {}{}",
-                         CommandQueue::per_second, text, and_more(*kept_back));
+    for (std::size_t n = 0; n < most_messages && annotation_topic_.take(annotation_); ++n) {
+        annotation_.sender(readable(annotation_.sender().to_string(), msg::bound::Annotation_sender));
+        annotation_.text(readable(annotation_.text().to_string(), msg::bound::Annotation_text));
+        if (annotations_allowed_.take(annotation_topic_.sender(), now)) {
+            annotations_.push_back(annotation_);
+        } else if (const auto kept_back = lines_.allow("annotation")) {
+            spdlog::warn("a remark or mark was left out, more than {:.0f} a second of one sender: {}: {}{}",
+                         CommandQueue::per_second, annotation_.sender().to_string(),
+                         annotation_.text().to_string(), and_more(*kept_back));
         }
     }
 }
@@ -128,8 +138,8 @@ std::vector<ReceivedCommand> BusInput::take_replaced() {
     return commands_.take_replaced(CommandQueue::Clock::now());
 }
 
-std::vector<std::string> BusInput::take_notes() {
-    return std::exchange(notes_, {});
+std::vector<msg::Annotation> BusInput::take_annotations() {
+    return std::exchange(annotations_, {});
 }
 
 }  // namespace eti::app

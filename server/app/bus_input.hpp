@@ -15,8 +15,8 @@
 
 namespace eti::app {
 
-/// Text of other people's packets, fit for logs and files: valid UTF-8 in one line.
-[[nodiscard]] std::string readable(const std::string& text);
+/// Text of other people's packets, fit for logs and files: valid UTF-8 in one line, of at most `most` bytes.
+[[nodiscard]] std::string readable(const std::string& text, std::size_t most = std::string::npos);
 
 /// A tool's poses from the one device that is followed: the first found, while it is heard.
 class FollowedDevice {
@@ -47,7 +47,7 @@ class FollowedDevice {
 
 /// What arrived over the bus since the last step. Other people's packets are checked here: poses that
 /// are not finite or lie more than two metres from the patient are dropped and counted, and nobody's commands
-/// or remarks are more than a few a second.
+/// or annotations are more than a few a second.
 class BusInput {
   public:
     explicit BusInput(bus::Node& node);
@@ -63,26 +63,26 @@ class BusInput {
     [[nodiscard]] std::vector<ReceivedCommand> take_commands();
     /// Those that a later one of their kind replaced.
     [[nodiscard]] std::vector<ReceivedCommand> take_replaced();
-    /// Remarks, in one line each with their senders.
-    [[nodiscard]] std::vector<std::string> take_notes();
+    /// What people write, point at and draw; texts and senders are readable().
+    [[nodiscard]] std::vector<msg::Annotation> take_annotations();
     [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
   private:
     void poll_eye();
     void poll_commands();
-    void poll_notes();
+    void poll_annotations();
 
     FollowedDevice laryngoscope_, tube_;
     bus::Subscriber<msg::EyePose> eye_topic_;
     bus::Subscriber<msg::Command> command_topic_;
-    bus::Subscriber<msg::Annotation> note_topic_;
+    bus::Subscriber<msg::Annotation> annotation_topic_;
     msg::EyePose eye_message_;
     msg::Command command_;
-    msg::Annotation note_;
+    msg::Annotation annotation_;
     std::optional<RigidTransform> eye_;
     CommandQueue commands_;
-    SenderAllowance notes_allowed_{CommandQueue::per_second};
-    std::vector<std::string> notes_;
+    SenderAllowance annotations_allowed_{CommandQueue::per_second};
+    std::vector<msg::Annotation> annotations_;
     LineLimit lines_;
     std::uint64_t refused_ = 0;
 };

@@ -4,6 +4,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/bus/convert.hpp"
@@ -36,6 +38,7 @@ BusOutput::BusOutput(bus::Node& node, const Scenario& scenario, const anatomy::P
       live_(node, bus::topics::live_metrics),
       summary_(node, bus::topics::attempt_summary),
       result_(node, bus::topics::command_result),
+      shown_(node, bus::topics::shown_annotation),
       status_(node, bus::topics::session_status) {
     if (scenario.saliva) {
         fluid_.emplace(node, bus::topics::fluid);
@@ -97,6 +100,14 @@ void BusOutput::post_result(msg::CommandResult result) {
     wake_.notify_one();
 }
 
+void BusOutput::post_shown(std::vector<msg::ShownAnnotation> annotations) {
+    {
+        const std::scoped_lock lock(mutex_);
+        std::ranges::move(annotations, std::back_inserter(annotations_));
+    }
+    wake_.notify_one();
+}
+
 void BusOutput::post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters) {
     {
         const std::scoped_lock lock(mutex_);
@@ -124,6 +135,7 @@ std::uint64_t BusOutput::skipped() const {
 void BusOutput::run() {
     std::deque<msg::CommandResult> results;
     std::deque<Summary> summaries;
+    std::deque<msg::ShownAnnotation> annotations;
     std::optional<msg::LiveMetrics> live;
     std::optional<StatusValues> status;
     bool ending = false;
@@ -133,7 +145,7 @@ void BusOutput::run() {
             std::unique_lock lock(mutex_);
             wake_.wait(lock, [&] {
                 return waiting_.fresh || waiting_live_ || waiting_status_ || ending_ || !results_.empty() ||
-                       !summaries_.empty();
+                       !summaries_.empty() || !annotations_.empty();
             });
             fresh = waiting_.fresh;
             ending = ending_;
@@ -143,10 +155,11 @@ void BusOutput::run() {
             }
             results.swap(results_);
             summaries.swap(summaries_);
+            annotations.swap(annotations_);
             live = std::exchange(waiting_live_, std::nullopt);
             status = std::exchange(waiting_status_, std::nullopt);
         }
-        publish_events(results, summaries);
+        publish_events(results, summaries, annotations);
         if (live) {
             live_.publish(*live);
         }
@@ -166,11 +179,16 @@ void BusOutput::run() {
     }
 }
 
-void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries) {
+void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries,
+                               std::deque<msg::ShownAnnotation>& annotations) {
     for (msg::CommandResult& result : results) {
         result_.publish(result);
     }
     results.clear();
+    for (msg::ShownAnnotation& annotation : annotations) {
+        shown_.publish(annotation);
+    }
+    annotations.clear();
     for (const Summary& s : summaries) {
         msg::AttemptSummary message;
         message.header(make_header(current_.snapshot.time_ns, ++number_));

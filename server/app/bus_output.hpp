@@ -43,6 +43,7 @@ class BusOutput {
     /// Of each look.
     void post_live(const scene::Snapshot& snapshot, const LiveMeasures& live);
     void post_result(msg::CommandResult result);
+    void post_shown(std::vector<msg::ShownAnnotation> annotations);
     void post_summary(std::uint32_t attempt, const Outcome& outcome, const Parameters& parameters);
     /// Sends what waits, with the phase FINISHED, and ends the thread.
     void finish(const StatusValues& status);
@@ -64,7 +65,8 @@ class BusOutput {
     void run();
     void publish_step(const Work& work);
     void publish_status(const Work& work);
-    void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries);
+    void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries,
+                        std::deque<msg::ShownAnnotation>& annotations);
 
     std::string session_;
     bus::Publisher<msg::SessionDescription> description_;
@@ -74,6 +76,7 @@ class BusOutput {
     bus::Publisher<msg::LiveMetrics> live_;
     bus::Publisher<msg::AttemptSummary> summary_;
     bus::Publisher<msg::CommandResult> result_;
+    bus::Publisher<msg::ShownAnnotation> shown_;
     bus::Publisher<msg::SessionStatus> status_;
 
     mutable std::mutex mutex_;
@@ -83,6 +86,7 @@ class BusOutput {
     std::optional<StatusValues> waiting_status_;  // without a step
     std::deque<msg::CommandResult> results_;
     std::deque<Summary> summaries_;
+    std::deque<msg::ShownAnnotation> annotations_;
     bool ending_ = false;
     std::uint64_t skipped_ = 0;
     Clock::time_point asserted_{};  // that this process is alive

@@ -64,6 +64,9 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
         for (const session::EventRecord& e : inputs.events) {
             recorder_->event(e.time_ns, e.kind, e.text);
         }
+        for (const session::AnnotationRecord& a : inputs.annotations) {
+            recorder_->annotation(a);
+        }
         recorder_->record(snapshot, metrics.live(), parameters_, eye);
         note_events();
     }
@@ -73,11 +76,11 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
     }
     ended_at_.store(metrics.live().attempt_running ? -1.0 : last_ended_, std::memory_order_relaxed);
     if (output_ != nullptr && assessor_.looked()) {
-        tell(snapshot);
+        tell(snapshot, eye);
     }
 }
 
-void Judge::tell(const scene::Snapshot& snapshot) {
+void Judge::tell(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye) {
     const metrics::Live& live = assessor_.metrics().live();
     LiveMeasures values;
     values.attempt = live.attempt;
@@ -88,6 +91,7 @@ void Judge::tell(const scene::Snapshot& snapshot) {
     values.tube_place = live.tube_place;
     values.message = live.message;
     values.parameters = parameters_;
+    values.eye = eye;
     output_->post_live(snapshot, values);
 }
 

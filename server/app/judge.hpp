@@ -36,6 +36,7 @@ class Judge {
     /// A command that acts from the next step on, or an event that comes with it: into the record.
     void note(session::CommandRecord command) { inputs_.commands.push_back(std::move(command)); }
     void note(session::EventRecord event) { inputs_.events.push_back(std::move(event)); }
+    void note(session::AnnotationRecord annotation) { inputs_.annotations.push_back(std::move(annotation)); }
     /// Takes in the next step. Beside: copies it, and waits only while `most_waiting` others do, for none may
     /// be left out.
     void take(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
@@ -51,9 +52,11 @@ class Judge {
     struct StepInputs {
         std::vector<session::CommandRecord> commands;
         std::vector<session::EventRecord> events;
+        std::vector<session::AnnotationRecord> annotations;
         void clear() {
             commands.clear();
             events.clear();
+            annotations.clear();
         }
     };
     struct Step {
@@ -65,7 +68,7 @@ class Judge {
     void run();
     void judge(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye,
                const StepInputs& inputs);
-    void tell(const scene::Snapshot& snapshot);
+    void tell(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
     void note_events();
     void post_summaries();
 

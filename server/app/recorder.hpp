@@ -34,6 +34,8 @@ class Recorder {
                  const std::string& sender, std::uint32_t id);
     /// `kind`: one word (attempt, command, error, ...).
     void event(std::uint64_t time_ns, const std::string& kind, const std::string& text);
+    /// What somebody pointed at or drew.
+    void annotation(const session::AnnotationRecord& record) { writer_.push(record); }
     /// An attempt, or the run as a whole (number 0); a later one of the same number replaces an earlier.
     void summary(const metrics::AttemptSummary& summary);
 

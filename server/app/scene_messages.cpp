@@ -142,6 +142,8 @@ msg::LiveMetrics live_message(const scene::Snapshot& snapshot, const LiveMeasure
         message.landmarks().push_back(to_msg(p));
     }
     message.parameters(bus::to_msg(live.parameters));
+    message.eye_heard(live.eye.has_value());
+    message.eye(to_msg(live.eye.value_or(RigidTransform{})));
     message.message(live.message);
     return message;
 }

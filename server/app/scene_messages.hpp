@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct LiveMeasures {
     metrics::TubePlace tube_place = metrics::TubePlace::outside;
     Parameters parameters;
     std::string message;
+    std::optional<RigidTransform> eye{};  ///< of the trainee, where one has said it
 };
 
 /// What a session says of itself, once. `start`: what lives, as the session begins.

@@ -23,6 +23,7 @@
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
+#include "server/app/annotation_board.hpp"
 #include "server/app/bus_input.hpp"
 #include "server/app/bus_output.hpp"
 #include "server/app/clock.hpp"
@@ -169,6 +170,7 @@ class Session {
     void start_threads() {
         if (bus_) {
             input_.emplace(*bus_);
+            board_.emplace(patient_, laryngoscope_mesh(simulation_->scope()));
             {
                 const RealTimeThreads real_time(priority::bus, live_);
                 felt_.emplace(*bus_);
@@ -199,10 +201,7 @@ class Session {
             follow_devices();
         }
         take_commands();
-        for (const std::string& note : input_->take_notes()) {
-            spdlog::info("note of {}", note);
-            judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "note", note});
-        }
+        take_annotations();
         // Whoever asks for more: the hand's button, or a command.
         inputs_.live = desk_.wanted();
         if (!operator_ && input_->suction()) {
@@ -210,6 +209,26 @@ class Session {
         }
         if (desk_.take_reset()) {
             simulation_->scene().reset(inputs_);
+        }
+    }
+
+    void take_annotations() {
+        for (const msg::Annotation& annotation : input_->take_annotations()) {
+            AnnotationBoard::Taken taken = board_->take(annotation, simulation_->snapshot());
+            if (!taken.refusal.empty()) {
+                if (const auto kept_back = annotations_refused_.allow("annotation")) {
+                    spdlog::warn("a mark of '{}' was left out: {}{}", annotation.sender().to_string(),
+                                 taken.refusal, and_more(*kept_back));
+                }
+                continue;
+            }
+            spdlog::info("{} {}",
+                         taken.event.kind == session::note_event ? "note of" : "marks:", taken.event.text);
+            judge_->note(std::move(taken.event));
+            if (taken.places) {
+                judge_->note(std::move(*taken.places));
+            }
+            output_->post_shown(std::move(taken.shown));
         }
     }
 
@@ -385,6 +404,8 @@ class Session {
     std::optional<LocalOperator> operator_;
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
+    std::optional<AnnotationBoard> board_;
+    LineLimit annotations_refused_;
     std::optional<FeltOutput> felt_;
     std::optional<BusOutput> output_;
     std::optional<LabOutput> lab_;

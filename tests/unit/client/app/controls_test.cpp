@@ -111,6 +111,88 @@ TEST_F(ControlsTest, AnObserverSendsNothing) {
     EXPECT_EQ(server.commands(), Commands{"table_angle -0.017"});
 }
 
+TEST_F(ControlsTest, AnInstructorPointsDrawsAndWrites) {
+    synthetic::fill(scene_, synthetic::make_scene());
+    std::vector<msg::Annotation> sent;
+    client::Annotator annotator("desk:7", [&](const msg::Annotation& one) {
+        sent.push_back(one);
+        return true;
+    });
+    client::Controls instructor(*client::selection_named("overview"), nullptr);
+    instructor.annotate_with(annotator);
+    constexpr int width = 640, height = 360;
+    // Where the tongue's patient is: the upper gum, a little towards the forehead.
+    const render::Camera camera = render::view_named("overview")->camera(scene_, {});
+    const Vec3f forehead(0.0f, -0.005f, 0.05f);
+    const Vec3f clip =
+        (camera.projection(static_cast<float>(width) / height) * camera.view() * forehead.homogeneous())
+            .eval()
+            .hnormalized();
+    client::Drag mouse{.from_x = 0.5f * width * (1.0f + clip.x()),
+                       .from_y = 0.5f * height * (1.0f - clip.y()),
+                       .mark = client::Drag::Mark::begins};
+    mouse.at_x = mouse.from_x;
+    mouse.at_y = mouse.from_y;
+    const auto act = [&](client::Drag::Mark what, float right) {
+        mouse.mark = what;
+        mouse.at_x += right;
+        instructor.drag(mouse, scene_, width, height, now_);
+    };
+    act(client::Drag::Mark::begins, 0.0f);
+    instructor.follow(scene_);
+    EXPECT_TRUE(instructor.vantage().sketch);
+    act(client::Drag::Mark::ends, 0.0f);
+    ASSERT_EQ(sent.size(), 1u) << notice(instructor);
+    EXPECT_EQ(sent[0].kind(), msg::ANNOTATION_POINT);
+    EXPECT_EQ(sent[0].object().to_string(), "body");
+    act(client::Drag::Mark::begins, 0.0f);
+    act(client::Drag::Mark::goes_on, 2.0f);
+    act(client::Drag::Mark::goes_on, 6.0f);
+    act(client::Drag::Mark::ends, 0.0f);
+    ASSERT_EQ(sent.size(), 2u);
+    EXPECT_EQ(sent[1].kind(), msg::ANNOTATION_STROKE);
+    EXPECT_EQ(sent[1].places().size(), 2u) << "a step of two pixels is none";
+    instructor.press(U'w', false, scene_, now_);
+    ASSERT_TRUE(instructor.writing());
+    for (const char32_t c : {U's', U'o'}) {
+        instructor.type(c, now_);
+    }
+    EXPECT_EQ(notice(instructor), "remark: so_");
+    instructor.type(client::key_enter, now_);
+    ASSERT_EQ(sent.size(), 3u);
+    EXPECT_EQ(sent[2].text().to_string(), "so");
+    instructor.press(U'z', false, scene_, now_);
+    EXPECT_EQ(sent.at(3).kind(), msg::ANNOTATION_CLEAR);
+    // An observer does none of this.
+    client::Controls observer(*client::selection_named("overview"), nullptr);
+    mouse.mark = client::Drag::Mark::begins;
+    observer.drag(mouse, scene_, width, height, now_);
+    observer.press(U'w', false, scene_, now_);
+    EXPECT_FALSE(observer.writing());
+    EXPECT_EQ(observer.vantage().orbit.azimuth, render::Vantage().orbit.azimuth);
+}
+
+TEST_F(ControlsTest, WhoIsNotTheTraineeLooksThroughTheTraineesEye) {
+    const synthetic::Scene source = synthetic::make_scene();
+    synthetic::fill(scene_, source);
+    auto metrics = synthetic::metrics(source, 2'000'000, 40.0f);
+    metrics.eye_heard(true);
+    metrics.eye().position().z(0.3f);
+    metrics.eye().orientation().w(1.0f);
+    ASSERT_TRUE(scene_.apply(metrics));
+    client::Controls instructor(client::instructors_selection(), nullptr);
+    instructor.watch_trainee(true);
+    instructor.follow(scene_);
+    EXPECT_EQ(instructor.vantage().eye.position(scene_.landmarks()), Vec3f(0.0f, 0.0f, 0.3f));
+    instructor.press(U't', false, scene_, now_);
+    instructor.follow(scene_);
+    EXPECT_EQ(instructor.vantage().eye.position(scene_.landmarks()), best_eye(scene_.landmarks()));
+    // The trainee has one eye.
+    controls_.press(U't', false, scene_, now_);
+    controls_.follow(scene_);
+    EXPECT_EQ(controls_.vantage().eye.position(scene_.landmarks()), best_eye(scene_.landmarks()));
+}
+
 TEST_F(ControlsTest, SaysWhenNobodyTakesCommands) {
     press(client::key_up);
     EXPECT_EQ(notice(controls_), "no server has said yet how its patient is");
@@ -134,7 +216,8 @@ TEST_F(ControlsTest, ChoosesViewsAndShowsTheKeys) {
     readout = {};
     controls_.put_into(readout, now_);
     EXPECT_TRUE(readout.keys.empty());
-    EXPECT_EQ(client::keys_help(true).size(),
+    // An observer has one key of its own, that to the trainee's eye.
+    EXPECT_EQ(client::keys_help(true).size() + 1,
               client::keys_help(false).size() + client::command_keys().size());
 }
 

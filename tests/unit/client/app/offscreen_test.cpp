@@ -214,7 +214,8 @@ TEST(Layout, TilesCoverThePictureWithoutOverlap) {
         for (const auto& [width, height] : {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}}) {
             // Each pixel belongs to one tile.
             std::vector<int> covered(static_cast<std::size_t>(width * height), 0);
-            for (const auto& [view, tile] : client::layout(selection.enhanced, width, height)) {
+            for (const auto& [view, tile] :
+                 client::layout(selection.enhanced, width, height, selection.arrangement)) {
                 ASSERT_GE(tile.x, 0);
                 ASSERT_GE(tile.y, 0);
                 ASSERT_LE(tile.x + tile.width, width);
@@ -227,6 +228,18 @@ TEST(Layout, TilesCoverThePictureWithoutOverlap) {
             }
             EXPECT_EQ(std::ranges::count(covered, 1), width * height) << selection.name;
         }
+    }
+}
+
+TEST(Layout, AnInstructorsPictureHasFourPartsAllAlike) {
+    const client::Selection& four = client::instructors_selection();
+    const auto tiles = client::layout(four.plain, 960, 540, four.arrangement);
+    ASSERT_EQ(tiles.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(tiles[i].tile.width, 480);
+        EXPECT_EQ(tiles[i].tile.height, 270);
+        EXPECT_EQ(tiles[i].tile.x, i % 2 == 0 ? 0 : 480);
+        EXPECT_EQ(tiles[i].tile.y, i < 2 ? 0 : 270);
     }
 }
 

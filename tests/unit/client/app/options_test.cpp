@@ -38,6 +38,29 @@ TEST(Options, AnOffscreenTraineeMakesAVideoAndAnObserverDoesNot) {
     EXPECT_TRUE(silent.video.empty());
 }
 
+TEST(Options, AnInstructorSeesFourSidesAndIsNoTrainee) {
+    client::Options instructor;
+    ASSERT_FALSE(parse({"--instructor"}, instructor));
+    EXPECT_EQ(instructor.selection, &client::instructors_selection());
+    EXPECT_FALSE(instructor.is_trainee());
+    EXPECT_FALSE(instructor.observe);
+    client::Options section;
+    ASSERT_FALSE(parse({"--instructor", "--view", "section"}, section));
+    EXPECT_EQ(section.selection, client::selection_named("section"));
+    client::Options trainee;
+    ASSERT_FALSE(parse({}, trainee));
+    EXPECT_TRUE(trainee.is_trainee());
+    for (const auto& both : std::vector<std::vector<const char*>>{{"--instructor", "--observe"},
+                                                                  {"--instructor", "--view", "hmd"}}) {
+        std::vector<char*> argv{const_cast<char*>("eti-client")};
+        for (const char* argument : both) {
+            argv.push_back(const_cast<char*>(argument));
+        }
+        client::Options refused;
+        EXPECT_EQ(client::parse(static_cast<int>(argv.size()), argv.data(), refused), 2) << both.back();
+    }
+}
+
 TEST(Options, ReadsSizeAndView) {
     client::Options options;
     ASSERT_FALSE(

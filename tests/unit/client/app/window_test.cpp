@@ -117,6 +117,89 @@ TEST(Window, KeepsWhatTheMouseDidUntilItIsTaken) {
     EXPECT_TRUE(window.take_drags().empty());
 }
 
+TEST(Window, WithShiftAMarkIsDrawn) {
+    const test::VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::Window window(320, 240, "test");
+    GLFWwindow* const native = glfwGetCurrentContext();
+    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native, nullptr);
+    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native, nullptr);
+    on_move(native, 100.0, 50.0);
+    on_button(native, GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_SHIFT);
+    on_move(native, 110.0, 45.0);
+    on_button(native, GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, 0);
+    on_move(native, 0.0, 0.0);
+    using Mark = client::Drag::Mark;
+    const std::vector<client::Drag> drags = window.take_drags();
+    ASSERT_EQ(drags.size(), 3u);
+    EXPECT_TRUE(drags[0].mark == Mark::begins && drags[0].at_x == 100.0f && drags[0].at_y == 50.0f);
+    EXPECT_TRUE(drags[1].mark == Mark::goes_on && drags[1].at_x == 110.0f && drags[1].from_x == 100.0f);
+    EXPECT_TRUE(drags[2].mark == Mark::ends && drags[2].at_x == 110.0f && drags[2].at_y == 45.0f);
+}
+
+TEST(Window, EscapeEndsTheWritingNotTheProgram) {
+    const test::VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::Window window(320, 240, "test");
+    GLFWwindow* const native = glfwGetCurrentContext();
+    const GLFWkeyfun on_key = glfwSetKeyCallback(native, nullptr);
+    window.writes(true);
+    on_key(native, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
+    EXPECT_TRUE(window.open());
+    const std::vector<client::KeyEvent> keys = window.take_keys();
+    ASSERT_EQ(keys.size(), 1u);
+    EXPECT_EQ(keys[0].key, client::key_escape);
+    window.writes(false);
+    on_key(native, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
+    EXPECT_FALSE(window.open());
+}
+
+TEST(Window, ResizedToNothingIsDrawnAndGrowsAgain) {
+    const test::VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    client::Window window(320, 240, "test");
+    GLFWwindow* const native = glfwGetCurrentContext();
+    view::SceneView scene;
+    synthetic::fill(scene, synthetic::make_scene());
+    client::Compositor compositor(window.width(), window.height(), render::qualities().front());
+    const client::Selection& four = client::instructors_selection();
+    for (const auto& [width, height] : {std::pair{1, 1}, {2, 400}, {400, 2}, {320, 240}}) {
+        glfwSetWindowSize(native, width, height);
+        for (int i = 0; i < 20; ++i) {
+            window.poll_events();
+            compositor.resize(window.width(), window.height());
+            compositor.draw(four.plain, scene, hud::readout_of(scene, false), {}, false, four.arrangement);
+            compositor.target().copy_to_window();
+            window.show_frame();
+        }
+        EXPECT_GE(window.width(), 64);
+        EXPECT_GE(window.height(), 64);
+    }
+    EXPECT_EQ(window.width(), 320);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+}
+
+TEST(Window, GivesUpWhereNoServerComesForAsLongAsWasAskedFor) {
+    const test::VirtualDisplay display;
+    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
+    ask_to_stop(false);
+    client::Options options;
+    options.bus = synthetic::bus_options("eti-client");
+    options.width = 320;
+    options.height = 240;
+    options.wait_s = 0.5;
+    nlohmann::json result;
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+        (void)client::run_windowed(options, result);
+        FAIL() << "no error";
+    } catch (const bus::BusError& error) {
+        EXPECT_NE(std::string(error.what()).find("no server for 0.5 s (--wait)"), std::string::npos)
+            << error.what();
+    }
+    EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));
+}
+
 TEST(Window, FollowsASessionOverTheBus) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";

@@ -53,6 +53,42 @@ session::SummaryRecord attempt(std::uint32_t number, double gum_force) {
     return record;
 }
 
+TEST_F(Review, RemarksAndMarksAreSummedUpAndExported) {
+    {
+        session::SessionWriter writer(path, session::sample::info(), session::sample::scene(), {});
+        writer.push(session::sample::step(0));
+        writer.push(session::EventRecord{0, "attempt", "began"});
+        writer.push(session::EventRecord{1'500'000'000, "note", "desk:7: lift"});
+        writer.push(session::EventRecord{2'500'000'000, "annotation", "desk:7 points at tongue"});
+        writer.push(session::AnnotationRecord{2'500'000'000,
+                                              "point",
+                                              "desk:7",
+                                              "say \"ah\"",
+                                              "tongue",
+                                              {{9, 0.25f, 0.5f, 0.001f}},
+                                              {Vec3f(1, 2, 3)}});
+        ASSERT_TRUE(writer.close());
+    }
+    const Summary summary = summarise(path);
+    const auto json = to_json(summary);
+    ASSERT_EQ(json.at("remarks").size(), 2u);
+    EXPECT_EQ(json.at("remarks")[0].at("text"), "desk:7: lift");
+    EXPECT_EQ(json.at("remarks")[0].at("time_s").get<double>(), 1.5);
+    EXPECT_NE(to_table(summary).find("Remarks\n       1.5 s  desk:7: lift\n       2.5 s  desk:7 points"),
+              std::string::npos)
+        << to_table(summary);
+    (void)export_csv(
+        path, folder / "csv", [](const auto&) {}, [] { return false; });
+    std::ifstream file(folder / "csv" / "annotations.csv");
+    std::string head, row;
+    std::getline(file, head);
+    std::getline(file, row);
+    EXPECT_EQ(head, "time [s],kind,sender,text,object,triangle,u,v,height [m],x [m],y [m],z [m]\r");
+    EXPECT_EQ(
+        row,
+        "2.500000000,\"point\",\"desk:7\",\"say \"\"ah\"\"\",\"tongue\",9,0.25,0.5,0.00100000005,1,2,3\r");
+}
+
 TEST_F(Review, JsonHasTheDesignsNamesAndNullForWhatDoesNotExist) {
     record(10, {attempt(1, 2.5), attempt(2, 3.5), attempt(0, 3.5)});
     const auto json = to_json(summarise(path));

@@ -136,6 +136,18 @@ inline FluidRecord fluid(std::uint64_t number) {
     return record;
 }
 
+/// A point, or a stroke of up to five places.
+inline AnnotationRecord annotation(std::uint64_t number) {
+    AnnotationRecord record{number * step_ns, "stroke", "desk:7", "at " + std::to_string(number),
+                            "tongue",         {},       {}};
+    for (std::uint64_t i = 0; i <= number / 100 % 5; ++i) {
+        record.place.push_back({static_cast<std::uint32_t>(number + i), value(number, 200),
+                                value(number, 201), value(number, 202)});
+        record.position.push_back(vector(number + i, 203));
+    }
+    return record;
+}
+
 inline EventRecord event(std::uint64_t number) {
     return {number * step_ns, "attempt", "event of step " + std::to_string(number)};
 }

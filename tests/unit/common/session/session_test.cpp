@@ -46,6 +46,7 @@ void record(const std::filesystem::path& path, std::uint64_t steps) {
             writer.push(CommandRecord{i * sample::step_ns, i, "jaw_opening", 0.25 * static_cast<double>(i),
                                       "trainee", static_cast<std::uint32_t>(i)});
             writer.push(sample::event(i));
+            writer.push(sample::annotation(i));
         }
         if (i % 12 == 0) {
             writer.push(sample::deformation(i));
@@ -134,6 +135,18 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     for (std::size_t i = 0; i < fluids.size(); ++i) {
         ASSERT_EQ(fluids[i].time_ns, sample::fluid(12 * i).time_ns);
         ASSERT_EQ(fluids[i].position, sample::fluid(12 * i).position);
+    }
+    const auto annotations = reader.annotations();
+    ASSERT_EQ(annotations.size(), 10u);
+    for (std::size_t i = 0; i < annotations.size(); ++i) {
+        const AnnotationRecord expected = sample::annotation(100 * i);
+        EXPECT_EQ(annotations[i].time_ns, expected.time_ns);
+        EXPECT_EQ(annotations[i].kind, expected.kind);
+        EXPECT_EQ(annotations[i].sender, expected.sender);
+        EXPECT_EQ(annotations[i].text, expected.text);
+        EXPECT_EQ(annotations[i].object, expected.object);
+        EXPECT_EQ(annotations[i].place, expected.place);
+        EXPECT_EQ(annotations[i].position, expected.position);
     }
     const auto summaries = reader.summaries();
     ASSERT_EQ(summaries.size(), 3u);

@@ -88,7 +88,7 @@ TEST_F(ABusInput, PosesThatNoHandHasAreRefused) {
     EXPECT_FALSE(input_.tube().pose());
 }
 
-TEST_F(ABusInput, RemarksOfOneSenderAreTwentyAtOnce) {
+TEST_F(ABusInput, AnnotationsOfOneSenderAreTwentyAtOnce) {
     bus::Node teacher(bus::options("teacher"));
     bus::Publisher<msg::Annotation> notes(teacher, bus::topics::annotation);
     ASSERT_TRUE(eventually([&] { return notes.matched() == 1; }));
@@ -100,7 +100,7 @@ TEST_F(ABusInput, RemarksOfOneSenderAreTwentyAtOnce) {
         ASSERT_TRUE(notes.publish(note));
         ASSERT_TRUE(notes.wait_until_received(5s));
         input_.poll();
-        taken += input_.take_notes().size();
+        taken += input_.take_annotations().size();
     }
     EXPECT_GE(taken, 20u);
     EXPECT_LT(taken, 60u);

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/annotator.hpp"
+
+#include <fmt/format.h>
+
+#include "client/app/special_keys.hpp"
+#include "common/bus/convert.hpp"
+
+namespace eti::client {
+namespace {
+
+// As UTF-8; what is typed is no surrogate.
+std::string encoded(char32_t c) {
+    const auto byte = [](char32_t bits) { return static_cast<char>(static_cast<unsigned char>(bits)); };
+    if (c < 0x80) {
+        return {byte(c)};
+    }
+    if (c < 0x800) {
+        return {byte(0xc0 | (c >> 6)), byte(0x80 | (c & 0x3f))};
+    }
+    if (c < 0x10000) {
+        return {byte(0xe0 | (c >> 12)), byte(0x80 | ((c >> 6) & 0x3f)), byte(0x80 | (c & 0x3f))};
+    }
+    return {byte(0xf0 | (c >> 18)), byte(0x80 | ((c >> 12) & 0x3f)), byte(0x80 | ((c >> 6) & 0x3f)),
+            byte(0x80 | (c & 0x3f))};
+}
+
+}  // namespace
+
+void Annotator::start(const render::Picked& at) {
+    sketch_ = view::Annotation{0, msg::ANNOTATION_STROKE, sender_, {}, at.object, {at.place}};
+}
+
+void Annotator::begin(const std::optional<render::Picked>& at) {
+    sketch_.reset();
+    if (!at || at->object.empty()) {
+        trouble_ = at ? fmt::format("the {} bears no marks: point at tissue or at the blade", at->name)
+                      : "nothing is there to be marked";
+        return;
+    }
+    start(*at);
+}
+
+void Annotator::lead(const std::optional<render::Picked>& at) {
+    const bool on_something = at && !at->object.empty();
+    if (sketch_ && (!on_something || at->object != sketch_->object)) {
+        end();
+    }
+    if (!on_something) {
+        return;
+    }
+    if (!sketch_) {
+        start(*at);
+        return;
+    }
+    sketch_->places.push_back(at->place);
+    if (sketch_->places.size() == msg::bound::Annotation_places) {
+        end();
+        start(*at);
+    }
+}
+
+void Annotator::end() {
+    if (!sketch_) {
+        return;
+    }
+    const bool point = sketch_->places.size() == 1;
+    std::string beside;
+    if (point && words_) {
+        beside = *std::exchange(words_, std::nullopt);
+    }
+    send(point ? msg::ANNOTATION_POINT : msg::ANNOTATION_STROKE, std::move(beside), &*sketch_);
+    sketch_.reset();
+}
+
+void Annotator::press(char32_t key) {
+    if (!words_ || (key >= key_left && key <= key_down)) {
+        return;
+    }
+    if (key == key_escape) {
+        words_.reset();
+    } else if (key == key_enter) {
+        if (!words_->empty()) {
+            send(msg::ANNOTATION_NOTE, *words_, nullptr);
+        }
+        words_.reset();
+    } else if (key == key_backspace) {
+        // A character's later bytes are 10xxxxxx.
+        while (!words_->empty()) {
+            const auto last = static_cast<unsigned char>(words_->back());
+            words_->pop_back();
+            if ((last & 0xc0u) != 0x80u) {
+                break;
+            }
+        }
+    } else if (const std::string more = encoded(key);
+               key >= U' ' && key != 0x7f && words_->size() + more.size() <= msg::bound::Annotation_text) {
+        *words_ += more;
+    }
+}
+
+void Annotator::wipe() {
+    send(msg::ANNOTATION_CLEAR, {}, nullptr);
+}
+
+void Annotator::send(msg::AnnotationKind kind, std::string text, const view::Annotation* mark) {
+    msg::Annotation message;
+    message.header(bus::make_header(0, ++number_));
+    message.sender(sender_);
+    message.kind(kind);
+    message.text(text);
+    if (mark != nullptr) {
+        message.object(mark->object);
+        for (const SurfacePlace& place : mark->places) {
+            msg::SurfacePlace& sent = message.places().emplace_back();
+            sent.triangle(place.triangle);
+            sent.u(place.u);
+            sent.v(place.v);
+            sent.height(place.height);
+        }
+    }
+    if (!send_(message)) {
+        trouble_ = "no server takes remarks or marks";
+    }
+}
+
+}  // namespace eti::client

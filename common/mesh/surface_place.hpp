@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "common/math/transform.hpp"
+
+namespace eti {
+
+/// A place at a triangle a b c of a surface, with which it goes: a + u (b - a) + v (c - a) + height along the
+/// triangle's normal.
+struct SurfacePlace {
+    /// So far [m] from its surface a place may lie: the thickest part of a newborn's head.
+    static constexpr float farthest = 0.1f;
+
+    std::uint32_t triangle = 0;
+    float u = 0.0f, v = 0.0f;
+    float height = 0.0f;  ///< [m], outwards
+
+    bool operator==(const SurfacePlace&) const = default;
+
+    /// Within its triangle, up to rounding, and near it; every number finite.
+    [[nodiscard]] bool sound() const {
+        constexpr float rounding = 1e-4f;
+        // Written so that NaN fails.
+        return u >= -rounding && v >= -rounding && u + v <= 1.0f + rounding && std::abs(height) <= farthest;
+    }
+};
+
+/// Where it is, by its triangle's corners [m]. On a triangle without area height counts for nothing.
+[[nodiscard]] inline Vec3f point_at(const SurfacePlace& place, const Vec3f& a, const Vec3f& b,
+                                    const Vec3f& c) {
+    const Vec3f normal = (b - a).cross(c - a);
+    const float length = normal.norm();
+    const Vec3f up = length > 0.0f ? Vec3f(normal / length) : Vec3f(Vec3f::Zero());
+    return a + place.u * (b - a) + place.v * (c - a) + place.height * up;
+}
+
+}  // namespace eti

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Trainee, instructor and observer in windows of a display without a screen: who may do what, and what a window does
+when server, driver or size fail it."""
+
+import os
+import re
+import subprocess
+import time
+import unittest
+
+import h5py
+import numpy
+
+import support
+
+WIDTH, HEIGHT = 640, 360
+
+
+class Display:
+    """An X server without a screen, and hands on its mouse and keys."""
+
+    def __init__(self, case):
+        read, write = os.pipe()
+        server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x800x24", "-nolisten", "tcp",
+                                   "-noreset"], pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        case.addCleanup(server.wait)
+        case.addCleanup(server.terminate)
+        os.close(write)
+        with os.fdopen(read) as told:
+            self.environment = dict(os.environ, DISPLAY=":" + told.readline().strip())
+
+    def do(self, *what):
+        return subprocess.run(["xdotool", *map(str, what)], env=self.environment, check=True, capture_output=True,
+                              text=True, timeout=30).stdout
+
+    def window(self, process):
+        """The window of a program, once it is there, in front and with the keyboard."""
+        number = self.do("search", "--sync", "--onlyvisible", "--pid", process.pid).split()[0]
+        self.do("windowfocus", "--sync", number)
+        return number
+
+
+class Roles(support.Programs):
+    def setUp(self):
+        super().setUp()
+        self.display = Display(self)
+
+    def start_client(self, role, *options, view="overview", **environment):
+        """A window, once it draws."""
+        os.environ.update(self.display.environment)
+        os.environ.update(environment)
+        self.start(role, "eti-client", "--size", f"{WIDTH}x{HEIGHT}", "--view", view, "--json", *options)
+        for name in environment:
+            del os.environ[name]
+        return self.running[role]
+
+    def draws(self, role):
+        """Waits until it draws the patient: until then nothing can be pointed at."""
+        self.wait_for(role, "drawing with")
+        time.sleep(5)
+        return self.display.window(self.running[role])
+
+    def said_by_server(self, words):
+        return len(re.findall(words, self.log("server")))
+
+    def wait_until_server_says(self, words):
+        self.wait_for("server", words)
+
+    def test_an_instructor_leaves_marks_and_commands_and_an_observer_neither(self):
+        self.start_server()
+        self.start_client("observer", "--observe")
+        self.draws("observer")
+        self.hands()
+        report = self.end("observer")
+        self.assertNotIn("commands", report)
+        self.assertGreater(report["frames"], 0)
+        self.assertEqual(self.said_by_server("note of|marks:"), 0, self.log("server"))
+
+        self.start_client("instructor", "--instructor")
+        self.draws("instructor")
+        self.hands()
+        self.wait_until_server_says("note of")
+        self.wait_until_server_says("points at")
+        self.wait_until_server_says("draws on")
+        self.display.do("key", "z")
+        self.wait_until_server_says("wipes all marks away")
+        report = self.end("instructor")
+        self.assertEqual(report["commands"], {"sent": 1, "accepted": 1, "refused": 0})
+        self.assertEqual(report["messages_dropped"], 0)
+        self.stop("server")
+        with h5py.File(self.record, "r") as file:
+            self.assertEqual([kind.decode() for kind in file["inputs/commands/kind"]], ["view_enhanced"])
+            events = list(zip((k.decode() for k in file["events/kind"]), (t.decode() for t in file["events/text"])))
+            notes = [text for kind, text in events if kind == "note"]
+            self.assertEqual(len(notes), 1, events)
+            self.assertTrue(notes[0].endswith(": Lift more"), notes)
+            marks = file["annotations"]
+            self.assertEqual([kind.decode() for kind in marks["kind"]], ["point", "stroke"])
+            self.assertTrue((marks["time_ns"][:] > 0).all())
+            counts, first = marks["row_count"][:], marks["first_row"][:]
+            self.assertEqual(counts[0], 1)
+            self.assertGreaterEqual(counts[1], 2)
+            # Where places were follows from the scene, as the data sets say of themselves: the patient lies at rest.
+            surfaces = {surface.attrs["name"]: surface for surface in file["scene/surfaces"].values()}
+            for row in range(len(counts)):
+                surface = surfaces[marks["object"][row].decode()]
+                vertices, triangles = surface["vertices"][:], surface["triangles"][:]
+                for k in range(first[row], first[row] + counts[row]):
+                    a, b, c = vertices[triangles[marks["triangle"][k]]]
+                    u, v, height = marks["place"][k]
+                    normal = numpy.cross(b - a, c - a)
+                    at_rest = a + u * (b - a) + v * (c - a) + height * normal / numpy.linalg.norm(normal)
+                    # Head and jaw are posed by some degrees: centimetres at most.
+                    self.assertLess(numpy.linalg.norm(marks["position"][k] - at_rest), 0.05)
+        summary = support.run("eti-review", "summary", self.record)
+        self.assertIn("Lift more", summary.stdout)
+        self.assertIn("points at", summary.stdout)
+
+    def hands(self):
+        """What an instructor's hands do: a command, a remark, a point and a line on the head."""
+        x, y = WIDTH // 2, HEIGHT // 2
+        self.display.do("key", "e")
+        self.display.do("key", "w")
+        self.display.do("type", "--delay", 60, "Lift more")
+        self.display.do("key", "Return")
+        time.sleep(1)
+        self.display.do("mousemove", x, y, "keydown", "shift", "click", 1)
+        time.sleep(1)
+        self.display.do("mousedown", 1)
+        for i in range(1, 8):
+            self.display.do("mousemove", x + 6 * i, y)
+            time.sleep(0.1)
+        self.display.do("mouseup", 1, "keyup", "shift")
+        time.sleep(1)
+
+    def test_a_window_outlives_its_server_and_follows_the_next(self):
+        self.start_server()
+        self.start_client("trainee")
+        window = self.draws("trainee")
+        # The posture changes, and the window to nothing and back, while it draws.
+        changed = support.run("eti-controller", "--set", "head_elevation_deg=20", "--set", "jaw_opening_deg=15", "--set",
+                              "tongue_scale=1.1", "--session", support.SESSION, "--domain", support.DOMAIN)
+        self.assertEqual(changed.returncode, 0, changed.stderr)
+        for size in ((1, 1), (2, 500), (800, 450)):
+            self.display.do("windowsize", window, *size)
+            time.sleep(1)
+        self.running["server"].kill()
+        self.running["server"].wait()
+        self.wait_for("trainee", "the server is lost; waiting for one")
+        self.record.unlink()
+        self.start_server()
+        self.wait_for("trainee", "a server is back")
+        time.sleep(2)
+        report = self.end("trainee")
+        self.assertEqual(report["end"], "stopped")
+        self.assertEqual(report["messages_dropped"], 0, self.log("trainee"))
+
+    def test_a_window_says_when_it_cannot_be_drawn(self):
+        """By Mesa's own switches: a driver that is too old."""
+        for way in ([], ["--offscreen", self.folder / "pictures"]):
+            done = support.run("eti-client", *way, "--wait", "3", "--session", support.SESSION, "--domain",
+                               support.DOMAIN, env=dict(self.display.environment, MESA_GL_VERSION_OVERRIDE="2.1"))
+            self.assert_refused(done, "OpenGL 3.3", "Install")
+
+    def test_a_window_gives_up_where_no_server_comes(self):
+        begin = time.monotonic()
+        done = support.run("eti-client", "--wait", "2", "--session", support.SESSION, "--domain", support.DOMAIN,
+                           env=self.display.environment)
+        self.assert_refused(done, "no server for 2 s (--wait)", support.SESSION)
+        self.assertGreater(time.monotonic() - begin, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
