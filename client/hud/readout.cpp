@@ -164,7 +164,7 @@ Readout readout_of(const view::SceneView& scene, bool server_lost) {
     }
     if (scene.metrics() && scene.keys()) {
         const Parameters now = scene.keys()->parameters(scene.metrics()->parameters());
-        if (scene.shows(&LiveValues::view_clock) && readout.attempt_running) {
+        if (scene.shows(&LiveValues::view_clock) && readout.attempt_running && std::isfinite(now.time_s)) {
             readout.clock = {now.time_s, static_cast<double>(scene.description()->time_limit_s())};
         }
         if (scene.shows(&LiveValues::view_tube_depth) && !std::isnan(now.tube_depth_at_lip_cm)) {
