@@ -169,7 +169,8 @@ TEST(Window, ResizedToNothingIsDrawnAndGrowsAgain) {
             window.poll_events();
             compositor.resize(window.width(), window.height());
             compositor.draw(four.plain, scene, hud::readout_of(scene, false), {}, false, four.arrangement);
-            compositor.target().copy_to_window();
+            const render::Viewport whole{0, 0, window.width(), window.height()};
+            compositor.target().copy_to(0, whole, whole);
             window.show_frame();
         }
         EXPECT_GE(window.width(), 64);
