@@ -198,7 +198,8 @@ TEST_F(Session, EveryDataSetSaysUnitAndMeaningAndIsCompressed) {
             EXPECT_EQ(H5Pget_layout(creation.get()), H5D_CHUNKED) << name;
             const int filters = H5Pget_nfilters(creation.get());
             const bool series = !std::string_view(name).starts_with("scene/");
-            EXPECT_EQ(filters, series ? 3 : 2) << name << ": shuffle and deflate, and a checksum of each chunk";
+            EXPECT_EQ(filters, series ? 3 : 2)
+                << name << ": shuffle and deflate, and a checksum of each chunk";
         }
         return 0;
     };
