@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What one sees keeps its goals: eti-bench render on the expert's attempt at the term newborn."""
+"""What one sees keeps its goals: eti-bench render on the expert's attempts."""
 
 import csv
 import os
@@ -21,8 +21,8 @@ class Render(unittest.TestCase):
     def test_goals(self):
         with tempfile.TemporaryDirectory() as out:
             done = subprocess.run(
-                [BIN / "eti-bench", "render", "--quick", "--no-pictures", "--width", "960", "--height", "540",
-                 "--golden", GOLDEN, "--out", out],
+                [BIN / "eti-bench", "render", "--quick", "--scenario", "term", "premature", "premature_bleeding",
+                 "--no-pictures", "--width", "960", "--height", "540", "--golden", GOLDEN, "--out", out],
                 capture_output=True, text=True, timeout=500)
             self.assertEqual(done.returncode, 0, done.stderr)
             with open(Path(out) / "render.csv", newline="", encoding="utf-8") as file:

@@ -37,8 +37,6 @@ Detail::Detail(const Anatomy& anatomy, float spacing)
     const Vec3f& tip = at(points, Landmark::epiglottis_tip);
     const Vec3f& glottis = at(points, Landmark::glottis);
     add(tip, beside(glottis, 0.0f, 0.0f, -2.0f), 6.5e-3f, 0.3f);
-    // What the camera on the blade sees beside it: folds, valleculae, wall of the throat.
-    add(beside(tip, 0.0f, 4.0f, -2.0f), beside(glottis, 0.0f, -2.0f, 6.0f), 8e-3f, 0.36f);
     add(at(points, Landmark::vallecula), at(points, Landmark::vallecula), 6e-3f, 0.4f);
     add(glottis, at(points, Landmark::carina), 4e-3f, 0.8f);
     const Vec3f& upper_lip = at(points, Landmark::upper_lip);
@@ -68,9 +66,8 @@ Detail::Detail(const Anatomy& anatomy, float spacing)
     add(upper_lip, place(0.0f, 0.0f, 0.0f), 40e-3f, 2.0f);
     hem_ = place(0.0f, -18.0f, -84.0f);
     down_ = (place(0.0f, -18.0f, -120.0f) - hem_).normalized();
-    clothed_ = anatomy.seen(place(0.0f, -18.0f, -110.0f)).cloth < 1.0f;
-    // Neck and shoulders down to the hem of what wraps the trunk.
-    add(hem_, place(0.0f, -18.0f, -100.0f), 55e-3f, 2.2f);
+    // The hem of what wraps the trunk.
+    add(place(0.0f, -18.0f, -86.0f), place(0.0f, -18.0f, -100.0f), 55e-3f, 2.2f);
     // The mouth's inside and the throat.
     add(at(points, Landmark::upper_gum), at(points, Landmark::tongue_dorsum), 8e-3f, 0.9f);
     add(at(points, Landmark::tongue_dorsum), tip, 9e-3f, 0.9f);
@@ -82,11 +79,6 @@ float Detail::edge(const Vec3f& point) const {
     for (const Part& part : parts_) {
         const float off = std::max(distance_to_line(point, part.from, part.to) - part.reach, 0.0f);
         finest = std::min(finest, part.edge + growth * off);
-    }
-    if (clothed_) {
-        // Nobody sees the trunk within the cloth.
-        constexpr float covered = 10e-3f;
-        finest = std::max(finest, std::min(growth * (below_hem(point) - covered * size_), 1.5f * coarsest_));
     }
     return finest;
 }

@@ -34,7 +34,6 @@ class Detail {
     float size_;     // over the term newborn's
     float spacing_;  // over 1 mm
     Vec3f hem_, down_;
-    bool clothed_;
 };
 
 }  // namespace eti::anatomy

@@ -39,15 +39,13 @@ TEST(Detail, ChangesByAQuarterOfTheWay) {
     }
 }
 
-TEST(Detail, TheClothIsFinestAtHemAndFarEndAndHidesACoarseTrunk) {
+TEST(Detail, TheClothIsFinestAtHemAndFarEnd) {
     const Newborn newborn{NewbornShape()};
     const Detail detail(newborn, 1e-3f);
     const auto at_side = [&](float z) { return newborn.from_model({50, -18, z}); };
     EXPECT_NEAR(detail.cloth_edge(at_side(-84)), 1.4e-3f, 1e-5f);
     EXPECT_NEAR(detail.cloth_edge(at_side(-140)), 1.9e-3f, 1e-5f);
     EXPECT_GT(detail.cloth_edge(at_side(-110)), 3e-3f);
-    EXPECT_LT(detail.edge(at_side(-80)), 2.3e-3f) << "shoulders";
-    EXPECT_GT(detail.edge(at_side(-125)), 5e-3f) << "within the cloth";
 }
 
 }  // namespace
