@@ -359,7 +359,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
         self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "skeleton", "metrics", "deformation",
-                                       "events", "summary"})
+                                       "events", "summary", "annotations"})
         for name in ("inputs", "tools", "tube_nodes", "skeleton", "metrics"):
             self.assertEqual(len(tables[name]), 301, name)
             self.assertEqual(tables[name][0][0], "time [s]")
