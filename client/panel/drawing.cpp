@@ -170,6 +170,7 @@ void Drawing::draw(Model& model, int width, int height, Model::Time now) {
     ImGui::Begin("panel", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing);
+    const bool appears = ImGui::IsWindowAppearing();
     // Esc leaves what it opened first; then it leaves the panel, and the window has its keys again.
     if (ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows) && !ImGui::IsAnyItemActive() &&
         held_.empty() && !ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId) &&
@@ -181,6 +182,9 @@ void Drawing::draw(Model& model, int width, int height, Model::Time now) {
     draw_page(model);
     ImGui::PopStyleVar();
     ImGui::End();
+    if (appears && !take_keyboard_) {
+        ImGui::SetWindowFocus(nullptr);  // else what lies within the panel would have taken the keys
+    }
     take_keyboard_ = false;
     const ImGuiIO& io = ImGui::GetIO();
     has_mouse_ = io.WantCaptureMouse;

@@ -46,11 +46,11 @@ class Roles(support.Programs):
         super().setUp()
         self.display = Display(self)
 
-    def start_client(self, role, *options, view="overview", **environment):
+    def start_client(self, role, *options, view="overview", height=HEIGHT, **environment):
         """A window, once it draws."""
         os.environ.update(self.display.environment)
         os.environ.update(environment)
-        self.start(role, "eti-client", "--size", f"{WIDTH}x{HEIGHT}", "--view", view, "--json", *options)
+        self.start(role, "eti-client", "--size", f"{WIDTH}x{height}", "--view", view, "--json", *options)
         for name in environment:
             del os.environ[name]
         return self.running[role]
@@ -77,7 +77,8 @@ class Roles(support.Programs):
         self.assertGreater(report["frames"], 0)
         self.assertEqual(self.said_by_server("note of|marks:"), 0, self.log("server"))
 
-        self.start_client("instructor", "--instructor")
+        # The lower half of an upright window is the instructor's panel.
+        self.start_client("instructor", "--instructor", height=2 * HEIGHT)
         self.draws("instructor")
         self.hands()
         self.wait_until_server_says("note of")

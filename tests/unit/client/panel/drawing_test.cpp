@@ -178,6 +178,15 @@ TEST_F(PanelDrawing, StoppingIsAskedTwice) {
     EXPECT_EQ(one_.sent.back().first, "reset");
 }
 
+TEST_F(PanelDrawing, HasTheKeyboardOnlyWhereItWasShownByAKey) {
+    one_.say();
+    draw_settled();
+    EXPECT_FALSE(drawing_.has_keyboard()) << "shown from the start";
+    drawing_.take_keyboard();
+    draw_settled();
+    EXPECT_TRUE(drawing_.has_keyboard());
+}
+
 TEST_F(PanelDrawing, AnObserversPanelTakesNoClicks) {
     PanelScene watching(false);
     watching.say();
