@@ -11,9 +11,9 @@
 
 namespace eti::session {
 
-/// Rows of a series that a repair could not read. In `deformation` and `fluid` they are times, numbered as
-/// before the repair, which left them out; elsewhere they stayed, as NaN, 0 or empty texts, with times and
-/// numbers of steps on the line between their neighbours. Of the scene, `path` alone counts.
+/// Rows of a series that a repair could not read. In `deformation`, `fluid` and `annotations` they are times,
+/// numbered as before the repair, which left them out; elsewhere they stayed, as NaN, 0 or empty texts, with
+/// times and numbers of steps on the line between their neighbours. Of the scene, `path` alone counts.
 struct Damage {
     std::string path;
     std::size_t first = 0, count = 0;

@@ -131,8 +131,19 @@ void leave_out_unfinished(Salvaged& table, std::size_t chunk) {
 }
 
 /// `chunk`: rows in each of the table's chunks.
+Condition condition_in(const std::vector<TableState>& states, const std::string& path) {
+    for (const TableState& state : states) {
+        const auto found = std::ranges::find(state.series, path, &TableState::Series::path);
+        if (found != state.series.end()) {
+            return found->condition;
+        }
+    }
+    return {};
+}
+
 template <class Record, class Visit>
-Salvaged salvage_table(const Group& root, std::size_t chunk, const Visit& visit) {
+Salvaged salvage_table(const Group& root, const std::vector<TableState>& states, std::size_t chunk,
+                       const Visit& visit) {
     Salvaged table;
     std::vector<std::vector<std::byte>> fills;
     visit([&](const std::string& path, const hdf5::Label& label, auto field, std::size_t width) {
@@ -147,7 +158,7 @@ Salvaged salvage_table(const Group& root, std::size_t chunk, const Visit& visit)
         column.type = Cell<Field>::type(width);
         column.row_shape = Cell<Field>::shape(width);
         column.row_bytes = Cell<Field>::bytes(width);
-        column.condition = examine(root, path);
+        column.condition = condition_in(states, path);
         table.rows = std::max(table.rows, column.condition.end());
         fills.push_back(nothing<Field>(column.row_bytes));
     });
@@ -255,7 +266,8 @@ std::size_t tube_nodes_of(const Group& root) {
 }
 
 /// Writes all that can be read of `from` into a new file `to`. Returns what is lost.
-std::vector<Damage> rewrite(const SessionReader& from, const std::filesystem::path& to) {
+std::vector<Damage> rewrite(const SessionReader& from, const std::vector<TableState>& states,
+                            const std::filesystem::path& to) {
     const Group& root = from.root();
     std::vector<Damage> damage;
     SceneRecord scene;
@@ -272,35 +284,44 @@ std::vector<Damage> rewrite(const SessionReader& from, const std::filesystem::pa
         write_table(file.root(), table, chunk);
     };
     const std::size_t nodes = tube_nodes_of(root);
-    plain(salvage_table<StepRecord>(root, step_chunk,
+    plain(salvage_table<StepRecord>(root, states, step_chunk,
                                     [nodes](const auto& column) { step_columns(nodes, column); }),
           step_chunk);
-    plain(
-        salvage_table<CommandRecord>(root, small_chunk, [](const auto& column) { command_columns(column); }),
-        small_chunk);
-    plain(salvage_table<EventRecord>(root, small_chunk, [](const auto& column) { event_columns(column); }),
+    plain(salvage_table<CommandRecord>(root, states, small_chunk,
+                                       [](const auto& column) { command_columns(column); }),
           small_chunk);
-    plain(
-        salvage_table<SummaryRecord>(root, small_chunk, [](const auto& column) { summary_columns(column); }),
-        small_chunk);
+    plain(salvage_table<EventRecord>(root, states, small_chunk,
+                                     [](const auto& column) { event_columns(column); }),
+          small_chunk);
+    plain(salvage_table<SummaryRecord>(root, states, small_chunk,
+                                       [](const auto& column) { summary_columns(column); }),
+          small_chunk);
     const auto listed = [&](const char* group, Salvaged times, Salvaged rows, std::size_t rows_chunk) {
         keep_whole_times(group, times, rows, damage);
         write_table(file.root(), rows, rows_chunk);
         write_table(file.root(), times, small_chunk);
     };
     listed("deformation",
-           salvage_table<MovedFrames>(root, small_chunk,
+           salvage_table<MovedFrames>(root, states, small_chunk,
                                       [](const auto& column) { moved_frames_columns(column); }),
-           salvage_table<MovedFrame>(root, moved_frame_chunk,
+           salvage_table<MovedFrame>(root, states, moved_frame_chunk,
                                      [](const auto& column) { moved_frame_columns(column); }),
            moved_frame_chunk);
     if (root.has("fluid")) {
         listed("fluid",
-               salvage_table<FluidRows>(root, small_chunk,
+               salvage_table<FluidRows>(root, states, small_chunk,
                                         [](const auto& column) { fluid_rows_columns(column); }),
-               salvage_table<FluidParticle>(root, fluid_chunk,
+               salvage_table<FluidParticle>(root, states, fluid_chunk,
                                             [](const auto& column) { fluid_columns(column); }),
                fluid_chunk);
+    }
+    if (root.has("annotations")) {
+        listed("annotations",
+               salvage_table<AnnotationRows>(root, states, small_chunk,
+                                             [](const auto& column) { annotation_rows_columns(column); }),
+               salvage_table<AnnotationPlace>(root, states, small_chunk,
+                                              [](const auto& column) { annotation_place_columns(column); }),
+               small_chunk);
     }
     link_time_axis(file.root());
     if (!damage.empty()) {
@@ -376,7 +397,7 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
             }
             return done;
         }
-        for (const Damage& lost : rewrite(reader, rewritten.path)) {
+        for (const Damage& lost : rewrite(reader, states, rewritten.path)) {
             done.push_back(words_of(lost));
         }
     }

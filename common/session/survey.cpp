@@ -22,6 +22,9 @@ struct EqualLength {
 
 /// Lets go of those of `times` whose rows are not all among the first `rows` of what they point into.
 void drop_incomplete(const Group& root, const std::string& group, std::size_t rows, std::size_t& times) {
+    if (times == 0) {
+        return;  // perhaps not there at all
+    }
     const auto first = read_as_doubles(root, group + "/first_row", times);
     const auto count = read_as_doubles(root, group + "/row_count", times);
     while (times > 0 && first[times - 1] + count[times - 1] > static_cast<double>(rows)) {

@@ -10,6 +10,7 @@
 
 #include "common/session/cell.hpp"
 #include "common/session/check.hpp"
+#include "common/session/damage.hpp"
 #include "common/session/layout.hpp"
 #include "common/session/reader.hpp"
 #include "common/session/ring.hpp"
@@ -168,6 +169,58 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     EXPECT_EQ(scene.blade, "miller_1");
     EXPECT_EQ(scene.tube_outer_diameter, expected.tube_outer_diameter);
     EXPECT_TRUE(check(path).sound());
+}
+
+TEST_F(Session, ARepairKeepsWhatIsWhole) {
+    constexpr std::uint64_t steps = 1000;
+    record(path, steps);
+    haddr_t address = HADDR_UNDEF;
+    hsize_t bytes = 0;
+    {
+        const hdf5::File file = hdf5::File::open(path, hdf5::Access::read);
+        const hdf5::Handle series(H5Dopen2(file.id(), "metrics/gum_force_now", H5P_DEFAULT), H5Dclose);
+        const hsize_t first = 0;
+        unsigned mask = 0;
+        ASSERT_GE(H5Dget_chunk_info_by_coord(series.get(), &first, &mask, &address, &bytes), 0);
+    }
+    {
+        std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekg(static_cast<std::streamoff>(address + bytes / 2));
+        const int byte = file.get();
+        file.seekp(static_cast<std::streamoff>(address + bytes / 2));
+        file.put(static_cast<char>(byte ^ 1));
+    }
+    EXPECT_FALSE(check(path).sound());
+    EXPECT_FALSE(repair(path).empty());
+    EXPECT_TRUE(check(path).sound());
+    const SessionReader reader(path);
+    EXPECT_TRUE(reader.finished());
+    const auto damage = read_damage(reader.root());
+    ASSERT_EQ(damage.size(), 1u);
+    EXPECT_EQ(damage[0].path, "metrics/gum_force_now");
+    EXPECT_EQ(damage[0].first, 0u);
+    EXPECT_EQ(damage[0].count, step_chunk);
+    const auto read = reader.steps();
+    ASSERT_EQ(read.size(), steps);
+    for (std::uint64_t i = 0; i < steps; ++i) {
+        StepRecord expected = sample::step(i);
+        if (i < step_chunk) {
+            EXPECT_TRUE(std::isnan(read[i].gum_force_n));
+            expected.gum_force_n = read[i].gum_force_n;
+        }
+        ASSERT_TRUE(same(read[i], expected)) << "step " << i;
+    }
+    EXPECT_EQ(reader.commands().size(), 10u);
+    EXPECT_EQ(reader.events().size(), 10u);
+    EXPECT_EQ(reader.deformations().size(), (steps + 11) / 12);
+    EXPECT_EQ(reader.fluids().size(), (steps + 11) / 12);
+    EXPECT_EQ(reader.summaries().size(), 3u);
+    const auto annotations = reader.annotations();
+    ASSERT_EQ(annotations.size(), 10u);
+    for (std::size_t i = 0; i < annotations.size(); ++i) {
+        EXPECT_EQ(annotations[i].text, sample::annotation(100 * i).text);
+        EXPECT_EQ(annotations[i].place, sample::annotation(100 * i).place);
+    }
 }
 
 TEST_F(Session, ASessionWithoutAnySampleIsWhole) {
