@@ -46,6 +46,17 @@ std::vector<PlacedView> layout(const Views& views, int width, int height, Arrang
     return out;
 }
 
+std::optional<PlacedView> placed_at(const Selection& selection, const view::SceneView& scene, int width,
+                                    int height, float x, float y) {
+    const auto all = layout(selection.views(scene), width, height, selection.arrangement);
+    const auto found = std::ranges::find_if(all, [&](const PlacedView& placed) {
+        const hud::Tile& tile = placed.tile;
+        return x >= static_cast<float>(tile.x) && x < static_cast<float>(tile.x + tile.width) &&
+               y >= static_cast<float>(tile.y) && y < static_cast<float>(tile.y + tile.height);
+    });
+    return found != all.end() ? std::optional(*found) : std::nullopt;
+}
+
 Compositor::Compositor(int width, int height, const render::Quality& quality)
     : quality_(quality),
       target_(width, height, quality.samples),

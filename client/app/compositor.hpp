@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "client/app/selection.hpp"
@@ -22,6 +23,10 @@ struct PlacedView {
 };
 [[nodiscard]] std::vector<PlacedView> layout(const Views& views, int width, int height,
                                              Arrangement arrangement = Arrangement::first_large);
+
+/// The view of a selection that shows a pixel, and where it lies.
+[[nodiscard]] std::optional<PlacedView> placed_at(const Selection& selection, const view::SceneView& scene,
+                                                  int width, int height, float x, float y);
 
 /// Milliseconds spent drawing a view, waiting for the driver included.
 struct DrawTime {

@@ -112,22 +112,17 @@ void Controls::draw_mark(const Drag& mouse, const view::SceneView& scene, int wi
     marked_y_ = mouse.at_y;
     if (mouse.mark == Drag::Mark::ends) {
         annotator_->end();
-    } else {
-        // In the picture in which it began.
-        for (const auto& [view, tile] :
-             layout(selection_->views(scene), width, height, selection_->arrangement)) {
-            const auto left = static_cast<float>(tile.x), top = static_cast<float>(tile.y);
-            const auto wide = static_cast<float>(tile.width), high = static_cast<float>(tile.height);
-            if (mouse.from_x >= left && mouse.from_x < left + wide && mouse.from_y >= top &&
-                mouse.from_y < top + high) {
-                const float x = 2.0f * (mouse.at_x + 0.5f - left) / wide - 1.0f;
-                const float y = 1.0f - 2.0f * (mouse.at_y + 0.5f - top) / high;
-                const bool inside = std::abs(x) <= 1.0f && std::abs(y) <= 1.0f;
-                const auto at =
-                    inside ? render::pick(*view, scene, vantage_, wide / high, x, y) : std::nullopt;
-                mouse.mark == Drag::Mark::begins ? annotator_->begin(at) : annotator_->lead(at);
-            }
-        }
+    } else if (const auto placed =  // the picture in which it began
+               placed_at(*selection_, scene, width, height, mouse.from_x, mouse.from_y)) {
+        const auto left = static_cast<float>(placed->tile.x), top = static_cast<float>(placed->tile.y);
+        const auto wide = static_cast<float>(placed->tile.width),
+                   high = static_cast<float>(placed->tile.height);
+        const float x = 2.0f * (mouse.at_x + 0.5f - left) / wide - 1.0f;
+        const float y = 1.0f - 2.0f * (mouse.at_y + 0.5f - top) / high;
+        const bool inside = std::abs(x) <= 1.0f && std::abs(y) <= 1.0f;
+        const auto at =
+            inside ? render::pick(*placed->view, scene, vantage_, wide / high, x, y) : std::nullopt;
+        mouse.mark == Drag::Mark::begins ? annotator_->begin(at) : annotator_->lead(at);
     }
     if (std::string trouble = annotator_->take_trouble(); !trouble.empty()) {
         say(std::move(trouble), now);
@@ -139,14 +134,8 @@ void Controls::drag(const Drag& mouse, const view::SceneView& scene, int width, 
         draw_mark(mouse, scene, width, height, now);
         return;
     }
-    for (const auto& [view, tile] :
-         layout(selection_->views(scene), width, height, selection_->arrangement)) {
-        const float x = mouse.from_x - static_cast<float>(tile.x);
-        const float y = mouse.from_y - static_cast<float>(tile.y);
-        if (x >= 0.0f && y >= 0.0f && x < static_cast<float>(tile.width) &&
-            y < static_cast<float>(tile.height)) {
-            client::drag(vantage_, *view, mouse, scene.landmarks());
-        }
+    if (const auto placed = placed_at(*selection_, scene, width, height, mouse.from_x, mouse.from_y)) {
+        client::drag(vantage_, *placed->view, mouse, scene.landmarks());
     }
 }
 

@@ -96,14 +96,10 @@ bool HandControls::drag(const Drag& mouse, const Controls& controls, const view:
     if (played_ || !scene.complete()) {
         return true;
     }
-    for (const auto& [view, tile] :
-         layout(controls.selection().views(scene), width, height, controls.selection().arrangement)) {
-        const float x = mouse.from_x - static_cast<float>(tile.x);
-        const float y = mouse.from_y - static_cast<float>(tile.y);
-        if (x >= 0.0f && y >= 0.0f && x < static_cast<float>(tile.width) &&
-            y < static_cast<float>(tile.height)) {
-            link_.drag({mouse, view->camera(scene, controls.vantage()), static_cast<float>(tile.height)});
-        }
+    if (const auto placed =
+            placed_at(controls.selection(), scene, width, height, mouse.from_x, mouse.from_y)) {
+        link_.drag({mouse, placed->view->camera(scene, controls.vantage()),
+                    static_cast<float>(placed->tile.height)});
     }
     return true;
 }

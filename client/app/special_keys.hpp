@@ -7,7 +7,7 @@ namespace eti::client {
 /// Keys that type no character of a text; these stand for them.
 inline constexpr char32_t key_left = U'\u2190', key_up = U'\u2191', key_right = U'\u2192',
                           key_down = U'\u2193', key_enter = U'\r', key_backspace = U'\b',
-                          key_escape = U'\u001b', key_tab = U'\t';
+                          key_escape = U'\u001b';
 /// Nor does this one; of the area for private use.
 inline constexpr char32_t key_f1 = U'\uF704';
 

@@ -11,7 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "client/app/command_keys.hpp"
+#include "client/app/special_keys.hpp"
+#include "client/hands/hands.hpp"
 
 namespace eti::client {
 namespace {
@@ -106,7 +107,7 @@ int Window::height() const {
 
 void Window::on_key(int key, int scancode, int action) {
     repeating_ = action == GLFW_REPEAT;
-    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS && !escape_kept_ && !writing_) {
+    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS && !escape_kept_) {
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
     }
     for (const auto& [code, silent] :
@@ -114,7 +115,7 @@ void Window::on_key(int key, int scancode, int action) {
           std::pair{GLFW_KEY_RIGHT, key_right}, std::pair{GLFW_KEY_DOWN, key_down},
           std::pair{GLFW_KEY_ENTER, key_enter}, std::pair{GLFW_KEY_KP_ENTER, key_enter},
           std::pair{GLFW_KEY_BACKSPACE, key_backspace}, std::pair{GLFW_KEY_ESCAPE, key_escape},
-          std::pair{GLFW_KEY_TAB, key_tab}, std::pair{GLFW_KEY_F1, key_f1}}) {
+          std::pair{GLFW_KEY_TAB, other_hand_key}, std::pair{GLFW_KEY_F1, key_f1}}) {
         if (key == code) {
             keys_.push_back({silent, action != GLFW_RELEASE, repeating_});
         }

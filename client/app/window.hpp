@@ -37,8 +37,6 @@ class Window {
     /// Esc is somebody else's, and does not close.
     void keep_escape(bool keep) { escape_kept_ = keep; }
     [[nodiscard]] GLFWwindow* handle() const { return window_; }
-    /// While somebody writes Esc is a key as others are, and closes nothing.
-    void writes(bool writing) { writing_ = writing; }
     /// Shows frames as they come, where something else sets the pace.
     void show_at_once();
     void show_frame();
@@ -65,7 +63,7 @@ class Window {
 
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;
-    bool repeating_ = false, escape_kept_ = false, writing_ = false;
+    bool repeating_ = false, escape_kept_ = false;
     std::vector<Drag> drags_;
     double last_x_ = 0.0, last_y_ = 0.0;
     int held_ = -1;  ///< mouse button, or none

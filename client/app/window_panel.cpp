@@ -35,7 +35,6 @@ WindowPanel::WindowPanel(Window& window, bus::Node& node, bus::CommandSender* co
 
 void WindowPanel::poll_events() {
     const auto listening = drawing_.listen();
-    window_.keep_escape(shown_ && drawing_.has_keyboard());
     window_.poll_events();
     if (!shown_) {
         drawing_.forget_input();
@@ -54,7 +53,7 @@ bool WindowPanel::press(const KeyEvent& event) {
         }
         return true;
     }
-    return shown_ && drawing_.has_keyboard();
+    return has_keyboard();
 }
 
 void WindowPanel::follow(const view::SceneView& scene, const SessionInput& input,

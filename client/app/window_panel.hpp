@@ -29,6 +29,8 @@ class WindowPanel {
     bool press(const KeyEvent& event);
     /// What the mouse did is the panel's.
     [[nodiscard]] bool has_mouse() const { return shown_ && drawing_.has_mouse(); }
+    /// Keys are the panel's, Esc among them.
+    [[nodiscard]] bool has_keyboard() const { return shown_ && drawing_.has_keyboard(); }
 
     /// Takes in what the server says, and sends what was asked for.
     void follow(const view::SceneView& scene, const SessionInput& input,

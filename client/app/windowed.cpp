@@ -85,6 +85,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     while (window.open() && !stop_asked() && (options.frames == 0 || frames < options.frames)) {
         const auto now = std::chrono::steady_clock::now();
         const auto next_frame = now + shortest_frame;
+        window.keep_escape(controls.writing() || panel.has_keyboard());
         panel.poll_events();
         input.take_into(scene);
         if (!scene.complete() || was_lost) {
@@ -114,7 +115,6 @@ int run_windowed(const Options& options, nlohmann::json& result) {
                 controls.drag(mouse, scene, area.width, area.height, now);
             }
         }
-        window.writes(controls.writing());
         controls.follow(scene);
         controls.tend(now);
         panel.follow(scene, input, controls.refusals(), now);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -22,6 +23,19 @@
 
 namespace eti {
 namespace {
+
+class AWindow : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(display_.ready()) << "Xvfb does not start; install the package xvfb";
+        window_.emplace(320, 240, "test");
+        native_ = glfwGetCurrentContext();
+    }
+
+    test::VirtualDisplay display_;
+    std::optional<client::Window> window_;
+    GLFWwindow* native_ = nullptr;
+};
 
 TEST(Window, SaysWhatToDoWithoutADisplay) {
     ::unsetenv("DISPLAY");
@@ -93,90 +107,74 @@ TEST(Window, KeepsKeysUntilTheyAreTaken) {
     EXPECT_FALSE(window.open());
 }
 
-TEST(Window, KeepsWhatTheMouseDidUntilItIsTaken) {
-    const test::VirtualDisplay display;
-    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::Window window(320, 240, "test");
-    GLFWwindow* const native = glfwGetCurrentContext();
-    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native, nullptr);
-    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native, nullptr);
-    const GLFWscrollfun on_wheel = glfwSetScrollCallback(native, nullptr);
-    on_move(native, 100.0, 50.0);  // no button is held
-    on_button(native, GLFW_MOUSE_BUTTON_RIGHT, GLFW_PRESS, 0);
-    on_move(native, 110.0, 45.0);
-    on_move(native, 112.0, 45.0);
-    on_button(native, GLFW_MOUSE_BUTTON_RIGHT, GLFW_RELEASE, 0);
-    on_move(native, 0.0, 0.0);
-    on_wheel(native, 0.0, -2.0);
-    const std::vector<client::Drag> drags = window.take_drags();
+TEST_F(AWindow, KeepsWhatTheMouseDidUntilItIsTaken) {
+    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native_, nullptr);
+    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native_, nullptr);
+    const GLFWscrollfun on_wheel = glfwSetScrollCallback(native_, nullptr);
+    on_move(native_, 100.0, 50.0);  // no button is held
+    on_button(native_, GLFW_MOUSE_BUTTON_RIGHT, GLFW_PRESS, 0);
+    on_move(native_, 110.0, 45.0);
+    on_move(native_, 112.0, 45.0);
+    on_button(native_, GLFW_MOUSE_BUTTON_RIGHT, GLFW_RELEASE, 0);
+    on_move(native_, 0.0, 0.0);
+    on_wheel(native_, 0.0, -2.0);
+    const std::vector<client::Drag> drags = window_->take_drags();
     ASSERT_EQ(drags.size(), 3u);
     EXPECT_TRUE(drags[0].from_x == 100.0f && drags[0].from_y == 50.0f && drags[0].second);
     EXPECT_TRUE(drags[0].x == 10.0f && drags[0].y == -5.0f && drags[0].notches == 0.0f);
     EXPECT_TRUE(drags[1].from_x == 100.0f && drags[1].x == 2.0f && drags[1].y == 0.0f);
     EXPECT_TRUE(drags[2].from_x == 0.0f && drags[2].x == 0.0f && drags[2].notches == -2.0f);
-    EXPECT_TRUE(window.take_drags().empty());
+    EXPECT_TRUE(window_->take_drags().empty());
 }
 
-TEST(Window, WithShiftAMarkIsDrawn) {
-    const test::VirtualDisplay display;
-    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::Window window(320, 240, "test");
-    GLFWwindow* const native = glfwGetCurrentContext();
-    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native, nullptr);
-    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native, nullptr);
-    on_move(native, 100.0, 50.0);
-    on_button(native, GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_SHIFT);
-    on_move(native, 110.0, 45.0);
-    on_button(native, GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, 0);
-    on_move(native, 0.0, 0.0);
+TEST_F(AWindow, WithShiftAMarkIsDrawn) {
+    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native_, nullptr);
+    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native_, nullptr);
+    on_move(native_, 100.0, 50.0);
+    on_button(native_, GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_SHIFT);
+    on_move(native_, 110.0, 45.0);
+    on_button(native_, GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, 0);
+    on_move(native_, 0.0, 0.0);
     using Mark = client::Drag::Mark;
-    const std::vector<client::Drag> drags = window.take_drags();
+    const std::vector<client::Drag> drags = window_->take_drags();
     ASSERT_EQ(drags.size(), 3u);
     EXPECT_TRUE(drags[0].mark == Mark::begins && drags[0].at_x == 100.0f && drags[0].at_y == 50.0f);
     EXPECT_TRUE(drags[1].mark == Mark::goes_on && drags[1].at_x == 110.0f && drags[1].from_x == 100.0f);
     EXPECT_TRUE(drags[2].mark == Mark::ends && drags[2].at_x == 110.0f && drags[2].at_y == 45.0f);
 }
 
-TEST(Window, EscapeEndsTheWritingNotTheProgram) {
-    const test::VirtualDisplay display;
-    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::Window window(320, 240, "test");
-    GLFWwindow* const native = glfwGetCurrentContext();
-    const GLFWkeyfun on_key = glfwSetKeyCallback(native, nullptr);
-    window.writes(true);
-    on_key(native, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
-    EXPECT_TRUE(window.open());
-    const std::vector<client::KeyEvent> keys = window.take_keys();
+TEST_F(AWindow, EscapeEndsTheWritingNotTheProgram) {
+    const GLFWkeyfun on_key = glfwSetKeyCallback(native_, nullptr);
+    window_->keep_escape(true);
+    on_key(native_, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
+    EXPECT_TRUE(window_->open());
+    const std::vector<client::KeyEvent> keys = window_->take_keys();
     ASSERT_EQ(keys.size(), 1u);
     EXPECT_EQ(keys[0].key, client::key_escape);
-    window.writes(false);
-    on_key(native, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
-    EXPECT_FALSE(window.open());
+    window_->keep_escape(false);
+    on_key(native_, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
+    EXPECT_FALSE(window_->open());
 }
 
-TEST(Window, ResizedToNothingIsDrawnAndGrowsAgain) {
-    const test::VirtualDisplay display;
-    ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    client::Window window(320, 240, "test");
-    GLFWwindow* const native = glfwGetCurrentContext();
+TEST_F(AWindow, ResizedToNothingIsDrawnAndGrowsAgain) {
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
-    client::Compositor compositor(window.width(), window.height(), render::qualities().front());
+    client::Compositor compositor(window_->width(), window_->height(), render::qualities().front());
     const client::Selection& four = client::instructors_selection();
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 400}, {400, 2}, {320, 240}}) {
-        glfwSetWindowSize(native, width, height);
+        glfwSetWindowSize(native_, width, height);
         for (int i = 0; i < 20; ++i) {
-            window.poll_events();
-            compositor.resize(window.width(), window.height());
+            window_->poll_events();
+            compositor.resize(window_->width(), window_->height());
             compositor.draw(four.plain, scene, hud::readout_of(scene, false), {}, false, four.arrangement);
-            const render::Viewport whole{0, 0, window.width(), window.height()};
+            const render::Viewport whole{0, 0, window_->width(), window_->height()};
             compositor.target().copy_to(0, whole, whole);
-            window.show_frame();
+            window_->show_frame();
         }
-        EXPECT_GE(window.width(), 64);
-        EXPECT_GE(window.height(), 64);
+        EXPECT_GE(window_->width(), 64);
+        EXPECT_GE(window_->height(), 64);
     }
-    EXPECT_EQ(window.width(), 320);
+    EXPECT_EQ(window_->width(), 320);
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
