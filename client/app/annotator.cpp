@@ -6,6 +6,7 @@
 
 #include "client/app/special_keys.hpp"
 #include "common/bus/convert.hpp"
+#include "common/model/utf8.hpp"
 
 namespace eti::client {
 namespace {
@@ -86,13 +87,8 @@ void Annotator::press(char32_t key) {
         }
         words_.reset();
     } else if (key == key_backspace) {
-        // A character's later bytes are 10xxxxxx.
-        while (!words_->empty()) {
-            const auto last = static_cast<unsigned char>(words_->back());
-            words_->pop_back();
-            if ((last & 0xc0u) != 0x80u) {
-                break;
-            }
+        if (!words_->empty()) {
+            words_->resize(whole_characters(*words_, words_->size() - 1));
         }
     } else if (const std::string more = encoded(key);
                key >= U' ' && key != 0x7f && words_->size() + more.size() <= msg::bound::Annotation_text) {

@@ -2,8 +2,7 @@
 // Copyright the NeoETI authors
 #include "common/session/cell.hpp"
 
-#include <algorithm>
-
+#include "common/model/utf8.hpp"
 #include "common/session/record.hpp"
 
 namespace eti::session {
@@ -23,13 +22,7 @@ void Cell<std::vector<Vec3f>>::unpack(const std::byte* row, std::size_t width, s
 }
 
 void Cell<std::string>::pack(const std::string& value, std::size_t width, std::byte* row) {
-    std::size_t size = std::min(value.size(), width);
-    if (size < value.size()) {
-        // Bytes 10xxxxxx continue a character.
-        while (size > 0 && (static_cast<unsigned char>(value[size]) & 0xc0u) == 0x80u) {
-            --size;
-        }
-    }
+    const std::size_t size = whole_characters(value, width);
     std::memcpy(row, value.data(), size);
     std::memset(row + size, 0, width - size);
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/bus/convert.hpp"
+#include "common/model/utf8.hpp"
 
 namespace eti::app {
 
@@ -34,14 +35,7 @@ std::string readable(const std::string& text, std::size_t most) {
         json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
     std::ranges::replace_if(
         valid, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-    // What was not valid has become longer. No character is cut in two.
-    if (valid.size() > most) {
-        std::size_t end = most;
-        while (end > 0 && (static_cast<unsigned char>(valid[end]) & 0xc0u) == 0x80u) {
-            --end;
-        }
-        valid.resize(end);
-    }
+    valid.resize(whole_characters(valid, most));  // what was not valid has become longer
     return valid;
 }
 
