@@ -105,11 +105,9 @@ class Offscreen {
 
     void follow() {
         while (end_ == End::none) {
-            input_.take_into(scene_);
-            best_.consider(scene_);
+            look();
             if (hands_ && hands_->look(scene_, selection())) {
-                scene_.update();
-                take_pictures(scene_, fmt::format("lesson_{}", hands_->lesson()));
+                take_pictures_now(fmt::format("lesson_{}", hands_->lesson()));
             }
             end_ = why_to_end();
             if (end_ == End::none && !draw_if_due()) {
@@ -119,8 +117,7 @@ class Offscreen {
         if (end_ == End::finished) {
             // Shapes and status travel on different topics; let the last shapes arrive.
             for (const auto until = Clock::now() + 300ms; Clock::now() < until; input_.wait(20ms)) {
-                input_.take_into(scene_);
-                best_.consider(scene_);
+                look();
             }
         }
     }
@@ -128,7 +125,7 @@ class Offscreen {
     void finish() {
         if (scene_.complete()) {
             scene_.update();
-            take_pictures(scene_, "final");
+            take_pictures(scene_, readout(), "final");
             if (video_) {
                 compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), false,
                                  selection().arrangement);
@@ -138,7 +135,7 @@ class Offscreen {
             if (best_.scene()) {
                 view::SceneView best = *best_.scene();
                 best.update();
-                take_pictures(best, "best");
+                take_pictures(best, hud::readout_of(best, false), "best");
             }
         }
         if (video_) {
@@ -240,19 +237,16 @@ class Offscreen {
         const auto begin = Clock::now();
         const bool picture_due =
             options_.every_s > 0.0 && (frames_ == 0 || time_s >= next_picture_s_ || tick < last_tick_);
-        // Surfaces are brought up to date where somebody will see them.
-        if (picture_due || video_) {
-            scene_.update();
-        }
-        if (picture_due) {
-            take_pictures(scene_, "");
-            next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
-        }
         if (video_) {
+            scene_.update();
             compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), true,
                              selection().arrangement);
             add_to_video(tick);
             ++drawn_;
+        }
+        if (picture_due) {
+            take_pictures_now("");
+            next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         input_.publish_eye(scene_, options_.vantage.eye);
         ++frames_;
@@ -273,10 +267,21 @@ class Offscreen {
         video_->add(last_image_);
     }
 
-    void take_pictures(const view::SceneView& scene, std::string_view occasion) {
-        const bool live = &scene == &scene_;
-        pictures_.take(compositor_, selection(), scene, live ? readout() : hud::readout_of(scene, false),
-                       vantage_of(scene), occasion);
+    void look() {
+        input_.take_into(scene_);
+        best_.consider(scene_);
+    }
+
+    /// Of the scene as it is now, which goes on meanwhile: what is seen best may last less than they take.
+    void take_pictures_now(std::string_view occasion) {
+        view::SceneView now = scene_;
+        now.update();
+        take_pictures(now, readout(), occasion, [this] { look(); });
+    }
+
+    void take_pictures(const view::SceneView& scene, const hud::Readout& said, std::string_view occasion,
+                       const std::function<void()>& between = {}) {
+        pictures_.take(compositor_, selection(), scene, said, vantage_of(scene), occasion, between);
     }
 
     const Options& options_;
