@@ -8,6 +8,7 @@ import os
 import random
 import re
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -129,14 +130,23 @@ class SessionFile(support.Case):
         done = self.review("check", self.file)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def kill_at(self, delay, speed):
-        """Kills a recording; how many steps had been pushed a second before."""
+    def kill_at(self, delay, speed, stood_still=0.0, caught_up=0.0):
+        """Kills a recording; how many steps had been pushed a second before, and until then.
+
+        One that `stood_still` [s] before has much to write at once, as on a busy machine, until it has `caught_up`
+        [s].
+        """
         self.file.unlink(missing_ok=True)
         process = self.start(100000, speed)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.stderr.close)
         self.assertEqual(process.stdout.readline(), "recording\n")
         time.sleep(delay)
+        if stood_still > 0.0:
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(stood_still)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(caught_up)
         killed = time.monotonic_ns()
         process.kill()
         process.wait()
@@ -173,9 +183,10 @@ class SessionFile(support.Case):
     def test_a_kill_at_any_moment_loses_at_most_a_second(self):
         # Twenty times real time, so that most of the time something is being written.
         chance = random.Random(1)
-        for _ in range(KILLS):
+        for i in range(KILLS):
             with self.subTest():
-                due, pushed = self.kill_at(chance.uniform(0.0, 2.5), 20)
+                busy = {"stood_still": 0.25, "caught_up": chance.uniform(0.0, 0.06)} if i % 2 else {}
+                due, pushed = self.kill_at(chance.uniform(0.0, 2.5), 20, **busy)
                 self.repair()
                 rows, deformations = self.assert_h5py_finds_the_numbers(due)
                 self.assertGreaterEqual(12 * deformations, due - 12)
