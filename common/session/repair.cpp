@@ -183,7 +183,7 @@ Salvaged salvage_table(const Source& source, std::size_t chunk, const Visit& vis
             column.image = salvage(root, column.path, column.type.get(), column.row_shape, table.rows,
                                    column.condition, fills[i]);
         }
-        if (column.path.ends_with("/time_ns") || column.path == "inputs/step") {
+        if (column.path.ends_with("/time_ns") || column.path.ends_with("/step")) {
             bridge<std::uint64_t>(column, table.rows);
         }
     }
@@ -323,6 +323,11 @@ Rewritten rewrite(const SessionReader& from, const std::vector<TableState>& stat
     plain(salvage_table<CommandRecord>(source, small_chunk,
                                        [](const auto& column) { command_columns(column); }),
           small_chunk);
+    if (root.has("state")) {
+        plain(salvage_table<StateRecord>(source, small_chunk,
+                                         [](const auto& column) { state_columns(column); }),
+              small_chunk);
+    }
     plain(salvage_table<EventRecord>(source, small_chunk, [](const auto& column) { event_columns(column); }),
           small_chunk);
     plain(salvage_table<SummaryRecord>(source, small_chunk,

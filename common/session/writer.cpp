@@ -54,6 +54,7 @@ struct SessionWriter::Impl {
           tube_nodes(std::max<std::size_t>(scene.tube_nodes, 1)),
           steps(settings.waiting_steps),
           commands(256),
+          states(64),
           deformations(deformations_waiting(settings.waiting_steps)),
           fluids(deformations_waiting(settings.waiting_steps)),
           events(1024),
@@ -94,6 +95,7 @@ struct SessionWriter::Impl {
 
     Ring<StepRecord> steps;
     Ring<CommandRecord> commands;
+    Ring<StateRecord> states;
     Ring<DeformationRecord> deformations;
     Ring<FluidRecord> fluids;
     Ring<EventRecord> events;
@@ -105,6 +107,7 @@ struct SessionWriter::Impl {
     hdf5::Group meta;
     Table step_table{step_chunk};
     Table command_table{small_chunk};
+    Table state_table{small_chunk};
     Table frame_table{moved_frame_chunk};
     Table deformation_table{small_chunk};
     Table fluid_table{fluid_chunk};
@@ -113,8 +116,9 @@ struct SessionWriter::Impl {
     Table annotation_table{small_chunk};
     Table annotation_place_table{small_chunk};
     Table summary_table{small_chunk};
-    std::vector<Table*> tables{&step_table,  &command_table, &frame_table,      &deformation_table,
-                               &event_table, &summary_table, &annotation_table, &annotation_place_table};
+    std::vector<Table*> tables{&step_table,    &command_table,     &state_table,
+                               &frame_table,   &deformation_table, &event_table,
+                               &summary_table, &annotation_table,  &annotation_place_table};
     std::deque<MovedFrames> moved_waiting;
     std::deque<FluidRows> fluid_waiting;
     std::uint64_t lost_reported = 0;
@@ -150,6 +154,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     write_head(root, info, scene, 0);
     step_columns(tube_nodes, creating<StepRecord>(step_table, root));
     command_columns(creating<CommandRecord>(command_table, root));
+    state_columns(creating<StateRecord>(state_table, root));
     moved_frame_columns(creating<MovedFrame>(frame_table, root));
     moved_frames_columns(creating<MovedFrames>(deformation_table, root));
     if (scene.liquid) {
@@ -232,6 +237,7 @@ void SessionWriter::Impl::drain() {
         step_columns(tube_nodes, appending(step_table, r));
         last_time_ns = r.time_ns;
     });
+    take(states, [this](const StateRecord& r) { state_columns(appending(state_table, r)); });
     take(events, [this](const EventRecord& r) { event_columns(appending(event_table, r)); });
     take(annotations, [this](const AnnotationRecord& r) {
         const AnnotationRows rows{r.time_ns,
@@ -287,7 +293,7 @@ std::optional<std::string> SessionWriter::Impl::write(bool everything) {
             })) {
             return error_of(fluid_table, fluid_rows_table);
         }
-        for (Table* table : {&step_table, &command_table, &event_table, &annotation_place_table,
+        for (Table* table : {&step_table, &command_table, &state_table, &event_table, &annotation_place_table,
                              &annotation_table, &summary_table}) {
             if (!write_chunk(*table, due(*table))) {
                 return table->error();
@@ -382,6 +388,9 @@ bool SessionWriter::push(const StepRecord& record) {
 }
 bool SessionWriter::push(const CommandRecord& record) {
     return impl_->push(impl_->commands, record);
+}
+bool SessionWriter::push(const StateRecord& record) {
+    return impl_->push(impl_->states, record);
 }
 bool SessionWriter::push(const DeformationRecord& record) {
     return impl_->push(impl_->deformations, record);

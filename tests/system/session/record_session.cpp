@@ -83,6 +83,9 @@ int main(int argc, char** argv) {
             if (i % 90 == 0) {
                 writer.push(sample::event(i));
             }
+            if (i % 180 == 0) {
+                writer.push(sample::state(i));
+            }
             writer.push(sample::step(i));
             log.pushed(i);
         }

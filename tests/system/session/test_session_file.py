@@ -370,7 +370,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
         self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "skeleton", "metrics", "deformation",
-                                       "events", "summary", "annotations"})
+                                       "state", "events", "summary", "annotations"})
         for name in ("inputs", "tools", "tube_nodes", "skeleton", "metrics"):
             self.assertEqual(len(tables[name]), 301, name)
             self.assertEqual(tables[name][0][0], "time [s]")
@@ -382,6 +382,8 @@ class SessionFile(support.Case):
         self.assertEqual(len(tables["tube_nodes"][0]), 1 + 17 * 3)
         self.assertEqual(tables["events"][1][1:], ["attempt", "event of step 0"])
         self.assertEqual(len(tables["deformation"]), 1 + sum(len(range(i % 3, 200, 3)) for i in range(0, 300, 12)))
+        self.assertEqual(tables["state"], [["time [s]", "hash", "step"], ["0.000000000", f"{0:016x}", "0"],
+                                           ["0.999999900", f"{180:016x}", "180"]])
         # A second export replaces nothing.
         self.assert_refused(support.run("eti-review", "export", self.file, "--out", out), out)
 
