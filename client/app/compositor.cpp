@@ -58,14 +58,22 @@ std::optional<PlacedView> placed_at(const Selection& selection, const view::Scen
 }
 
 Compositor::Compositor(int width, int height, const render::Quality& quality)
-    : quality_(quality),
+    : quality_(&quality),
       target_(width, height, quality.samples),
-      renderer_(quality),
+      renderer_(std::in_place, quality),
       times_(render::views().size()) {}
+
+void Compositor::set_quality(const render::Quality& quality) {
+    if (quality_ != &quality) {
+        quality_ = &quality;
+        target_ = render::RenderTarget(target_.width(), target_.height(), quality.samples);
+        renderer_.emplace(quality);
+    }
+}
 
 void Compositor::resize(int width, int height) {
     if (width != target_.width() || height != target_.height()) {
-        target_ = render::RenderTarget(width, height, quality_.samples);
+        target_ = render::RenderTarget(width, height, quality_->samples);
     }
 }
 
@@ -76,7 +84,7 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
     glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
     const auto start = std::chrono::steady_clock::now();
-    renderer_.sync(scene, baking_);
+    renderer_->sync(scene, baking_);
     if (measured) {
         glFinish();
         sync_time_.add(start);
@@ -92,8 +100,8 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
         hud::Tile tile = placed.tile;
         tile.marks = aids_of(*placed.view, scene, from, look, tile);
         // OpenGL counts rows from below.
-        renderer_.draw(*placed.view, scene, target_,
-                       {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);
+        renderer_->draw(*placed.view, scene, target_,
+                        {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);
         tiles.push_back(tile);
         if (measured) {
             glFinish();

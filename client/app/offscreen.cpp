@@ -60,8 +60,8 @@ class Offscreen {
           node_(node),
           // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
           input_(node, options.frames_per_second > 30.0, options.is_trainee()),
-          compositor_(options.width, options.height,
-                      options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          compositor_(options.width, options.height, quality_),
           pictures_(options.offscreen) {
         if (options.hands) {
             hands_ = std::make_unique<HandControls>(node, options.play, options.tutorial);
@@ -133,9 +133,7 @@ class Offscreen {
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
             if (best_.scene()) {
-                view::SceneView best = *best_.scene();
-                best.update();
-                take_pictures(best, hud::readout_of(best, false), "best");
+                take_best_pictures(*best_.scene());
             }
         }
         if (video_) {
@@ -163,7 +161,7 @@ class Offscreen {
             {"frames", frames_},
             {"frames_drawn", drawn_},
             {"frames_held", held_},
-            {"quality", std::string(compositor_.quality().name)},
+            {"quality", std::string(quality_.name)},
             {"sync_ms", compositor_.sync_time().mean_ms()},
             {"draw_ms", times},
             {"best_glottic_opening_percent", best_.percent()},
@@ -182,7 +180,7 @@ class Offscreen {
         return report;
     }
 
-    [[nodiscard]] const render::Quality& quality() const { return compositor_.quality(); }
+    [[nodiscard]] const render::Quality& quality() const { return quality_; }
     [[nodiscard]] End end() const { return end_; }
     [[nodiscard]] bool has_scene() const { return scene_.complete(); }
 
@@ -279,6 +277,15 @@ class Offscreen {
         take_pictures(now, readout(), occasion, [this] { look(); });
     }
 
+    /// The session is over: unless told otherwise, time is taken to draw them as well as it goes.
+    void take_best_pictures(view::SceneView best) {
+        best.update();
+        if (options_.quality == nullptr) {
+            compositor_.set_quality(render::qualities().back());
+        }
+        take_pictures(best, hud::readout_of(best, false), "best");
+    }
+
     void take_pictures(const view::SceneView& scene, const hud::Readout& said, std::string_view occasion,
                        const std::function<void()>& between = {}) {
         pictures_.take(compositor_, selection(), scene, said, vantage_of(scene), occasion, between);
@@ -290,6 +297,7 @@ class Offscreen {
     SessionInput input_;
     view::SceneView scene_;
     render::HeadlessContext context_;
+    const render::Quality& quality_;  // of all but what is drawn when the session is over
     Compositor compositor_;
     Pictures pictures_;
     BestView best_;
