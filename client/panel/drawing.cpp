@@ -25,20 +25,6 @@ ImVec4 colour(ImU32 packed) {
     return ImGui::ColorConvertU32ToFloat4(packed);
 }
 
-ImU32 colour_of(hud::Level level) {
-    switch (level) {
-        case hud::Level::good:
-            return hud::green;
-        case hud::Level::warning:
-            return hud::amber;
-        case hud::Level::bad:
-            return hud::red;
-        case hud::Level::neutral:
-            break;
-    }
-    return hud::white;
-}
-
 void text(std::string_view words, ImU32 in = hud::white) {
     ImGui::PushStyleColor(ImGuiCol_Text, in);
     ImGui::TextUnformatted(words.data(), words.data() + words.size());
@@ -214,9 +200,15 @@ bool Drawing::button(const std::string& words) {
 
 void Drawing::draw_head(const Model& model, Model::Time now) {
     const Model::Session& session = model.session();
+    constexpr const char* watching = "watching only";
+    // Its lines end before what stands at the right.
+    ImGui::PushTextWrapPos(
+        ImGui::GetContentRegionMax().x -
+        (model.commands() ? 0.0f : ImGui::CalcTextSize(watching).x + ImGui::GetFontSize()));
     text(session.scenario.empty() ? "no session yet" : session.scenario);
+    ImGui::PopTextWrapPos();
     if (!model.commands()) {
-        at_right("watching only", hud::grey);
+        at_right(watching, hud::grey);
     }
     if (model.stale(now)) {
         text(model.silent_s(now) > 0.0 ? fmt::format("no news for {:.0f} s", model.silent_s(now))
@@ -473,9 +465,9 @@ void Drawing::draw_health(const Model& model) {
         text(line.label, hud::grey);
         const float room = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(line.label.c_str()).x;
         if (ImGui::CalcTextSize(line.value.c_str()).x > room - ImGui::GetFontSize()) {
-            wrapped(line.value, colour_of(line.level));
+            wrapped(line.value, hud::colour_of(line.level));
         } else {
-            at_right(line.value, colour_of(line.level));
+            at_right(line.value, hud::colour_of(line.level));
         }
     }
 }

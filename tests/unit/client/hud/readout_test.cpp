@@ -251,9 +251,9 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
 
 TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
     render::HeadlessContext context;
-    render::RenderTarget target(320, 240, 1);
+    render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
-    const hud::Tile tile{"overview", 0, 0, 320, 240};
+    const hud::Tile tile{"overview", 0, 0, 640, 360};
     const auto coloured = [&](float force) {
         hud::Readout readout;
         readout.link = hud::Link::running;
@@ -261,7 +261,7 @@ TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
         target.bind_picture();
         glClearColor(0, 0, 0, 1);
         glClear(GL_COLOR_BUFFER_BIT);
-        overlay.draw(readout, {&tile, 1}, 320, 240);
+        overlay.draw(readout, {&tile, 1}, 640, 360);
         const render::Image image = target.read();
         int bar = 0;
         for (int y = 0; y < image.height; ++y) {
