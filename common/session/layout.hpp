@@ -24,13 +24,12 @@ inline constexpr std::size_t sender_bytes = 48;
 inline constexpr std::size_t text_bytes = 256;
 inline constexpr std::size_t hash_bytes = 16;
 
-// Rows per chunk. A quarter of a second of steps: full chunks go to disk at once, and what is not there
-// yet is what a killed server loses. On a recorded session chunks of 45 steps took 5 % more room than
-// chunks of 90, chunks of 512 frames 5 % more than of 1024; but a server that falls behind the clock
-// writes unfinished chunks, each of which wastes its first place, and the larger the more.
-inline constexpr std::size_t step_chunk = 45;
-inline constexpr std::size_t moved_frame_chunk = 512;
-inline constexpr std::size_t fluid_chunk = 4096;
+// Rows per chunk: half a second of steps. Full chunks go to their series at once; until then the rows are in
+// the tail (tail.hpp), whose halves hold more than a chunk of each. A chunk of more than a page of the file
+// begins on a page of its own: of 1024 frames, pages took half as much again as what was in them.
+inline constexpr std::size_t step_chunk = 90;
+inline constexpr std::size_t moved_frame_chunk = 4096;
+inline constexpr std::size_t fluid_chunk = 8192;
 inline constexpr std::size_t small_chunk = 16;
 
 /// Groups of the step series; each shows the common time axis as `time_ns`.

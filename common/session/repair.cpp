@@ -20,6 +20,7 @@
 #include "common/session/superblock.hpp"
 #include "common/session/survey.hpp"
 #include "common/session/table.hpp"
+#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -425,11 +426,25 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
         clear_mark(copy.path);
         done.push_back("cleared the mark of the killed writer and stated the file's size");
     }
+    std::size_t from_tail = 0;
+    try {
+        from_tail = take_in_tail(copy.path);
+    } catch (const hdf5::Error&) {  // damaged: what is there without it
+        std::filesystem::copy_file(path, copy.path, std::filesystem::copy_options::overwrite_existing);
+        if (marked) {
+            clear_mark(copy.path);
+        }
+    }
+    if (from_tail > 0) {
+        done.push_back(fmt::format("moved the newest {} rows from the tail into their series", from_tail));
+    }
     {
         const SessionReader reader(copy.path);  // refuses what is no session
         const auto states = survey(reader.root());
         if (std::ranges::all_of(states, &TableState::whole) && scene_is_whole(reader)) {
-            if (marked) {
+            if (from_tail > 0) {
+                std::filesystem::rename(copy.path, path);
+            } else if (marked) {
                 clear_mark(path);
             }
             return done;

@@ -34,6 +34,15 @@ struct Condition {
     [[nodiscard]] std::size_t end() const;
 };
 
+/// Where a data set ends that a killed writer left.
+struct RowsEnd {
+    std::size_t end = 0;  ///< one past the last row that can be read, if that is near its stated end
+    hdf5::Shape row_shape;
+};
+
+/// Looks at the last chunks alone. Throws hdf5::Error where `path` is no data set.
+[[nodiscard]] RowsEnd rows_end(const hdf5::Group& root, const std::string& path);
+
 /// Reads a data set chunk by chunk. Does not throw: a data set that cannot be opened is not there.
 [[nodiscard]] Condition examine(const hdf5::Group& root, const std::string& path);
 

@@ -75,6 +75,30 @@ std::byte* Table::next_cell() {
     return column.pending.data() + offset;
 }
 
+std::vector<std::string> Table::paths() const {
+    std::vector<std::string> paths;
+    for (const Column& column : columns_) {
+        paths.push_back(column.path);
+    }
+    return paths;
+}
+
+std::size_t Table::row_bytes() const {
+    std::size_t bytes = 0;
+    for (const Column& column : columns_) {
+        bytes += column.row_bytes;
+    }
+    return bytes;
+}
+
+void Table::copy_pending(std::size_t first, std::size_t rows, std::vector<std::byte>& to) const {
+    for (const Column& column : columns_) {
+        const auto from =
+            column.pending.begin() + static_cast<std::ptrdiff_t>((first - written_) * column.row_bytes);
+        to.insert(to.end(), from, from + static_cast<std::ptrdiff_t>(rows * column.row_bytes));
+    }
+}
+
 bool Table::has_chunk(bool unfinished) const {
     return unfinished ? pending_ > 0 : rows() / chunk_rows_ > written_ / chunk_rows_;
 }

@@ -11,7 +11,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -22,6 +21,7 @@
 #include "common/session/ring.hpp"
 #include "common/session/scene_file.hpp"
 #include "common/session/table.hpp"
+#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -32,13 +32,9 @@ using namespace std::chrono_literals;
 
 /// How often the queues are emptied.
 constexpr auto poll = 20ms;
-/// Longest that a record waits in memory; with poll and the time of a write it stays under one second.
-constexpr auto longest_unwritten = 750ms;
+/// Longest that a record is in the tail only, which other programs do not read beside this one.
+constexpr auto longest_unwritten = 5s;
 constexpr auto warning_period = 10s;
-
-const std::string& error_of(const Table& first, const Table& second) {
-    return first.error().empty() ? second.error() : first.error();
-}
 
 std::size_t deformations_waiting(std::size_t steps) {
     return steps / 12 + 2;  // 15 Hz against 180 Hz
@@ -68,7 +64,7 @@ struct SessionWriter::Impl {
     void create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene);
     void run();
     void drain();
-    [[nodiscard]] std::optional<std::string> write(bool everything);
+    [[nodiscard]] std::optional<std::string> write_chunks(bool everything, bool& more);
     void finish();
     void fail(const std::string& reason);
     void warn_of_losses();
@@ -116,11 +112,11 @@ struct SessionWriter::Impl {
     Table annotation_table{small_chunk};
     Table annotation_place_table{small_chunk};
     Table summary_table{small_chunk};
-    std::vector<Table*> tables{&step_table,    &command_table,     &state_table,
-                               &frame_table,   &deformation_table, &event_table,
-                               &summary_table, &annotation_table,  &annotation_place_table};
-    std::deque<MovedFrames> moved_waiting;
-    std::deque<FluidRows> fluid_waiting;
+    // What points to rows of another table comes behind it, and much that is worth little at the end.
+    std::vector<Table*> tables{&step_table,       &command_table, &state_table,
+                               &event_table,      &summary_table, &annotation_place_table,
+                               &annotation_table, &frame_table,   &deformation_table};
+    Tail tail{tables};
     std::uint64_t lost_reported = 0;
     Clock::time_point warned_at{};
     bool said_deleted = false;
@@ -167,6 +163,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     annotation_place_columns(creating<AnnotationPlace>(annotation_place_table, root));
     summary_columns(creating<SummaryRecord>(summary_table, root));
     link_time_axis(root);
+    tail.create(root);
     made.close();
 
     // From here on in single-writer mode, in which nothing but rows may be added.
@@ -175,6 +172,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     for (Table* table : tables) {
         table->open(file.root());
     }
+    tail.open(file.root());
     live.set(path);
 }
 
@@ -184,18 +182,21 @@ void SessionWriter::Impl::run() {
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
     hdf5::prepare_thread();
-    for (bool last = false; !last;) {
+    for (bool last = false, more = false; !last || more;) {
         {
             std::unique_lock lock(mutex);
-            last = wake.wait_for(lock, poll, [this] { return stop; });
+            last = wake.wait_for(lock, more ? 0ms : poll, [this] { return stop; });
         }
         drain();
+        more = false;
         if (has_failed) {
             continue;
         }
         warn_of_losses();
         warn_of_deletion();
-        if (const auto why = write(last)) {
+        if (!tail.write()) {
+            fail(tail.error());
+        } else if (const auto why = write_chunks(last, more)) {
             fail(*why);
         }
     }
@@ -219,15 +220,16 @@ void SessionWriter::Impl::drain() {
     };
     take(commands, [this](const CommandRecord& r) { command_columns(appending(command_table, r)); });
     take(deformations, [this](const DeformationRecord& r) {
-        moved_waiting.push_back({r.time_ns, frame_table.rows(), static_cast<std::uint32_t>(r.frame.size())});
+        const MovedFrames moved{r.time_ns, frame_table.rows(), static_cast<std::uint32_t>(r.frame.size())};
+        moved_frames_columns(appending(deformation_table, moved));
         for (std::size_t i = 0; i < r.frame.size(); ++i) {
             const MovedFrame frame{r.frame[i], r.pose[i]};
             moved_frame_columns(appending(frame_table, frame));
         }
     });
     take(fluids, [this](const FluidRecord& r) {
-        fluid_waiting.push_back(
-            {r.time_ns, fluid_table.rows(), static_cast<std::uint32_t>(r.position.size())});
+        const FluidRows rows{r.time_ns, fluid_table.rows(), static_cast<std::uint32_t>(r.position.size())};
+        fluid_rows_columns(appending(fluid_rows_table, rows));
         for (const Vec3f& position : r.position) {
             const FluidParticle particle{position};
             fluid_columns(appending(fluid_table, particle));
@@ -257,51 +259,23 @@ void SessionWriter::Impl::drain() {
     take(summaries, [this](const SummaryRecord& r) { summary_columns(appending(summary_table, r)); });
 }
 
-/// Writes full chunks and what has waited long enough, or everything. Nothing on success, else why not.
-std::optional<std::string> SessionWriter::Impl::write(bool everything) {
+/// Writes of each table a chunk, if it is full, has waited long enough, or `everything` has to be written.
+/// `more`: whether there is another. Nothing on success, else why not.
+std::optional<std::string> SessionWriter::Impl::write_chunks(bool everything, bool& more) {
     // What a kill leaves between two flushes may be in some series and not in others. So a flush follows
     // every chunk, however much has gathered while the machine was busy.
-    for (bool more = true; more;) {
-        more = false;
-        bool any = false;
-        const auto write_chunk = [&](Table& table, bool unfinished) {
-            any = any || table.has_chunk(unfinished);
-            const bool written = table.write_chunk(unfinished);
-            more = more || table.has_chunk(everything);
-            return written;
-        };
-        const auto due = [&](const Table& table) { return everything || table.overdue(longest_unwritten); };
-        // A row that points to others follows them.
-        const auto pointing = [&](Table& rows, auto& waiting, Table& times, const auto& append) {
-            if (!write_chunk(rows, due(rows))) {
-                return false;
-            }
-            while (!waiting.empty() &&
-                   waiting.front().first_row + waiting.front().row_count <= rows.written()) {
-                append(waiting.front());
-                waiting.pop_front();
-            }
-            return write_chunk(times, true);
-        };
-        if (!pointing(frame_table, moved_waiting, deformation_table, [&](const MovedFrames& moved) {
-                moved_frames_columns(appending(deformation_table, moved));
-            })) {
-            return error_of(frame_table, deformation_table);
+    more = false;
+    bool any = false;
+    for (Table* table : tables) {
+        const bool due = everything || table->overdue(longest_unwritten);
+        any = any || table->has_chunk(due);
+        if (!table->write_chunk(due)) {
+            return table->error();
         }
-        if (!pointing(fluid_table, fluid_waiting, fluid_rows_table, [&](const FluidRows& rows) {
-                fluid_rows_columns(appending(fluid_rows_table, rows));
-            })) {
-            return error_of(fluid_table, fluid_rows_table);
-        }
-        for (Table* table : {&step_table, &command_table, &state_table, &event_table, &annotation_place_table,
-                             &annotation_table, &summary_table}) {
-            if (!write_chunk(*table, due(*table))) {
-                return table->error();
-            }
-        }
-        if (any && !file.flush()) {
-            return hdf5::last_error();
-        }
+        more = more || table->has_chunk(everything);
+    }
+    if (any && !file.flush()) {
+        return hdf5::last_error();
     }
     return std::nullopt;
 }
@@ -345,6 +319,7 @@ void SessionWriter::Impl::fail(const std::string& reason) {
     for (Table* table : tables) {
         table->abandon();
     }
+    tail.abandon();
     meta = {};
     file.abandon();
     live.clear();
