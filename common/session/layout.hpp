@@ -22,6 +22,7 @@ inline constexpr std::uint64_t schema = 1;
 inline constexpr std::size_t kind_bytes = 32;
 inline constexpr std::size_t sender_bytes = 48;
 inline constexpr std::size_t text_bytes = 256;
+inline constexpr std::size_t hash_bytes = 16;
 
 // Rows per chunk. A quarter of a second of steps: full chunks go to disk at once, and what is not there
 // yet is what a killed server loses. On a recorded session chunks of 45 steps took 5 % more room than
@@ -149,6 +150,23 @@ void command_columns(const Column& column) {
         "inputs/commands/sender", "1", "who asked", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
     add(
         "inputs/commands/id", "1", "number chosen by the sender", [](auto& r) -> auto& { return r.id; });
+}
+
+template <class Column>
+void state_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "state/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "state/step", "1", "number of the simulation step", [](auto& r) -> auto& { return r.step; });
+    add(
+        "state/hash", "1",
+        "FNV-1a over the bits of places and velocities of tissue, tube, proxy and liquid after this step; 16 "
+        "hexadecimal digits",
+        [](auto& r) -> auto& { return r.hash; }, hash_bytes);
 }
 
 /// One row per record of the deformation: which rows of the moved frames belong to it.

@@ -127,6 +127,13 @@ std::vector<CommandRecord> SessionReader::commands() const {
     return read_records<CommandRecord>(file_.root(), [](const auto& column) { command_columns(column); });
 }
 
+std::vector<StateRecord> SessionReader::states() const {
+    if (!file_.root().has("state")) {
+        return {};
+    }
+    return read_records<StateRecord>(file_.root(), [](const auto& column) { state_columns(column); });
+}
+
 std::vector<DeformationRecord> SessionReader::deformations() const {
     const auto frames =
         read_records<MovedFrame>(file_.root(), [](const auto& column) { moved_frame_columns(column); });

@@ -43,6 +43,8 @@ class SessionReader {
     [[nodiscard]] SceneRecord scene() const;
     [[nodiscard]] std::vector<StepRecord> steps() const;
     [[nodiscard]] std::vector<CommandRecord> commands() const;
+    /// Empty for files older than these.
+    [[nodiscard]] std::vector<StateRecord> states() const;
     [[nodiscard]] std::vector<DeformationRecord> deformations() const;
     /// Empty for a session without secretions.
     [[nodiscard]] std::vector<FluidRecord> fluids() const;

@@ -98,6 +98,13 @@ struct CommandRecord {
     std::uint32_t id = 0;  ///< chosen by the sender
 };
 
+/// The simulation's state after a step, in one number: what the same inputs give again.
+struct StateRecord {
+    std::uint64_t time_ns = 0;
+    std::uint64_t step = 0;
+    std::string hash;  ///< 16 hexadecimal digits
+};
+
 /// Where the frames are that moved since the record before.
 struct DeformationRecord {
     std::uint64_t time_ns = 0;

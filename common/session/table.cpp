@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/session/layout.hpp"
 
 namespace eti::session {
@@ -73,17 +75,17 @@ std::byte* Table::next_cell() {
     return column.pending.data() + offset;
 }
 
-bool Table::has_full_chunk() const {
-    return rows() / chunk_rows_ > written_ / chunk_rows_;
+bool Table::has_chunk(bool unfinished) const {
+    return unfinished ? pending_ > 0 : rows() / chunk_rows_ > written_ / chunk_rows_;
 }
 
 bool Table::overdue(std::chrono::steady_clock::duration limit) const {
     return pending_ > 0 && std::chrono::steady_clock::now() - pending_since_ >= limit;
 }
 
-bool Table::write_full_chunks() {
-    const std::size_t full = rows() / chunk_rows_ * chunk_rows_;
-    return full <= written_ || write(full - written_);
+bool Table::write_chunk(bool unfinished) {
+    const std::size_t room = chunk_rows_ - written_ % chunk_rows_;
+    return !has_chunk(unfinished) || write(std::min(room, pending_));
 }
 
 bool Table::write_all() {

@@ -36,6 +36,10 @@ constexpr auto poll = 20ms;
 constexpr auto longest_unwritten = 750ms;
 constexpr auto warning_period = 10s;
 
+const std::string& error_of(const Table& first, const Table& second) {
+    return first.error().empty() ? second.error() : first.error();
+}
+
 std::size_t deformations_waiting(std::size_t steps) {
     return steps / 12 + 2;  // 15 Hz against 180 Hz
 }
@@ -50,6 +54,7 @@ struct SessionWriter::Impl {
           tube_nodes(std::max<std::size_t>(scene.tube_nodes, 1)),
           steps(settings.waiting_steps),
           commands(256),
+          states(64),
           deformations(deformations_waiting(settings.waiting_steps)),
           fluids(deformations_waiting(settings.waiting_steps)),
           events(1024),
@@ -90,6 +95,7 @@ struct SessionWriter::Impl {
 
     Ring<StepRecord> steps;
     Ring<CommandRecord> commands;
+    Ring<StateRecord> states;
     Ring<DeformationRecord> deformations;
     Ring<FluidRecord> fluids;
     Ring<EventRecord> events;
@@ -101,6 +107,7 @@ struct SessionWriter::Impl {
     hdf5::Group meta;
     Table step_table{step_chunk};
     Table command_table{small_chunk};
+    Table state_table{small_chunk};
     Table frame_table{moved_frame_chunk};
     Table deformation_table{small_chunk};
     Table fluid_table{fluid_chunk};
@@ -109,8 +116,9 @@ struct SessionWriter::Impl {
     Table annotation_table{small_chunk};
     Table annotation_place_table{small_chunk};
     Table summary_table{small_chunk};
-    std::vector<Table*> tables{&step_table,  &command_table, &frame_table,      &deformation_table,
-                               &event_table, &summary_table, &annotation_table, &annotation_place_table};
+    std::vector<Table*> tables{&step_table,    &command_table,     &state_table,
+                               &frame_table,   &deformation_table, &event_table,
+                               &summary_table, &annotation_table,  &annotation_place_table};
     std::deque<MovedFrames> moved_waiting;
     std::deque<FluidRows> fluid_waiting;
     std::uint64_t lost_reported = 0;
@@ -146,6 +154,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     write_head(root, info, scene, 0);
     step_columns(tube_nodes, creating<StepRecord>(step_table, root));
     command_columns(creating<CommandRecord>(command_table, root));
+    state_columns(creating<StateRecord>(state_table, root));
     moved_frame_columns(creating<MovedFrame>(frame_table, root));
     moved_frames_columns(creating<MovedFrames>(deformation_table, root));
     if (scene.liquid) {
@@ -228,6 +237,7 @@ void SessionWriter::Impl::drain() {
         step_columns(tube_nodes, appending(step_table, r));
         last_time_ns = r.time_ns;
     });
+    take(states, [this](const StateRecord& r) { state_columns(appending(state_table, r)); });
     take(events, [this](const EventRecord& r) { event_columns(appending(event_table, r)); });
     take(annotations, [this](const AnnotationRecord& r) {
         const AnnotationRows rows{r.time_ns,
@@ -249,44 +259,49 @@ void SessionWriter::Impl::drain() {
 
 /// Writes full chunks and what has waited long enough, or everything. Nothing on success, else why not.
 std::optional<std::string> SessionWriter::Impl::write(bool everything) {
-    bool any = false;
-    const auto written = [&](Table& table, bool all) {
-        any = any || (all ? table.has_pending() : table.has_full_chunk());
-        return all ? table.write_all() : table.write_full_chunks();
-    };
-    const auto due = [&](const Table& table) { return everything || table.overdue(longest_unwritten); };
-    if (!written(frame_table, due(frame_table))) {
-        return frame_table.error();
-    }
-    // A row of the deformation follows the rows of frames that it points to.
-    while (!moved_waiting.empty() &&
-           moved_waiting.front().first_row + moved_waiting.front().row_count <= frame_table.written()) {
-        moved_frames_columns(appending(deformation_table, moved_waiting.front()));
-        moved_waiting.pop_front();
-    }
-    if (!written(deformation_table, true)) {
-        return deformation_table.error();
-    }
-    if (!written(fluid_table, due(fluid_table))) {
-        return fluid_table.error();
-    }
-    while (!fluid_waiting.empty() &&
-           fluid_waiting.front().first_row + fluid_waiting.front().row_count <= fluid_table.written()) {
-        fluid_rows_columns(appending(fluid_rows_table, fluid_waiting.front()));
-        fluid_waiting.pop_front();
-    }
-    if (!written(fluid_rows_table, true)) {
-        return fluid_rows_table.error();
-    }
-    // A row of an annotation follows the rows of places that it points to.
-    for (Table* table : {&step_table, &command_table, &event_table, &annotation_place_table,
-                         &annotation_table, &summary_table}) {
-        if (!written(*table, due(*table))) {
-            return table->error();
+    // What a kill leaves between two flushes may be in some series and not in others. So a flush follows
+    // every chunk, however much has gathered while the machine was busy.
+    for (bool more = true; more;) {
+        more = false;
+        bool any = false;
+        const auto write_chunk = [&](Table& table, bool unfinished) {
+            any = any || table.has_chunk(unfinished);
+            const bool written = table.write_chunk(unfinished);
+            more = more || table.has_chunk(everything);
+            return written;
+        };
+        const auto due = [&](const Table& table) { return everything || table.overdue(longest_unwritten); };
+        // A row that points to others follows them.
+        const auto pointing = [&](Table& rows, auto& waiting, Table& times, const auto& append) {
+            if (!write_chunk(rows, due(rows))) {
+                return false;
+            }
+            while (!waiting.empty() &&
+                   waiting.front().first_row + waiting.front().row_count <= rows.written()) {
+                append(waiting.front());
+                waiting.pop_front();
+            }
+            return write_chunk(times, true);
+        };
+        if (!pointing(frame_table, moved_waiting, deformation_table, [&](const MovedFrames& moved) {
+                moved_frames_columns(appending(deformation_table, moved));
+            })) {
+            return error_of(frame_table, deformation_table);
         }
-    }
-    if (any && !file.flush()) {
-        return hdf5::last_error();
+        if (!pointing(fluid_table, fluid_waiting, fluid_rows_table, [&](const FluidRows& rows) {
+                fluid_rows_columns(appending(fluid_rows_table, rows));
+            })) {
+            return error_of(fluid_table, fluid_rows_table);
+        }
+        for (Table* table : {&step_table, &command_table, &state_table, &event_table, &annotation_place_table,
+                             &annotation_table, &summary_table}) {
+            if (!write_chunk(*table, due(*table))) {
+                return table->error();
+            }
+        }
+        if (any && !file.flush()) {
+            return hdf5::last_error();
+        }
     }
     return std::nullopt;
 }
@@ -373,6 +388,9 @@ bool SessionWriter::push(const StepRecord& record) {
 }
 bool SessionWriter::push(const CommandRecord& record) {
     return impl_->push(impl_->commands, record);
+}
+bool SessionWriter::push(const StateRecord& record) {
+    return impl_->push(impl_->states, record);
 }
 bool SessionWriter::push(const DeformationRecord& record) {
     return impl_->push(impl_->deformations, record);

@@ -43,6 +43,7 @@ class SessionWriter {
     /// False if the record was lost: no room, or recording has failed.
     bool push(const StepRecord& record);
     bool push(const CommandRecord& record);
+    bool push(const StateRecord& record);
     bool push(const DeformationRecord& record);
     /// Only for a scene with liquid.
     bool push(const FluidRecord& record);

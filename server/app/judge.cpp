@@ -62,15 +62,7 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
         watcher_(watched_);
     }
     if (recorder_ != nullptr) {
-        for (const session::CommandRecord& c : inputs.commands) {
-            recorder_->command(c.time_ns, c.step, c.kind, c.value, c.sender, c.id);
-        }
-        for (const session::EventRecord& e : inputs.events) {
-            recorder_->event(e.time_ns, e.kind, e.text);
-        }
-        for (const session::AnnotationRecord& a : inputs.annotations) {
-            recorder_->annotation(a);
-        }
+        keep(inputs);
         recorder_->record(snapshot, metrics.live(), parameters_, eye);
         note_events();
     }
@@ -81,6 +73,21 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
     ended_at_.store(metrics.live().attempt_running ? -1.0 : last_ended_, std::memory_order_relaxed);
     if (output_ != nullptr && assessor_.looked()) {
         tell(snapshot, eye);
+    }
+}
+
+void Judge::keep(const StepInputs& inputs) {
+    for (const session::CommandRecord& c : inputs.commands) {
+        recorder_->command(c.time_ns, c.step, c.kind, c.value, c.sender, c.id);
+    }
+    for (const session::StateRecord& s : inputs.states) {
+        recorder_->state(s);
+    }
+    for (const session::EventRecord& e : inputs.events) {
+        recorder_->event(e.time_ns, e.kind, e.text);
+    }
+    for (const session::AnnotationRecord& a : inputs.annotations) {
+        recorder_->annotation(a);
     }
 }
 
@@ -130,6 +137,8 @@ void Judge::finish() {
     post_summaries();
     const metrics::AttemptSummary run = assessor_.metrics().run();
     if (recorder_ != nullptr) {
+        keep(inputs_);  // no step came after it
+        inputs_.clear();
         note_events();
         recorder_->summary(run);
     }

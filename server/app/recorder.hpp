@@ -33,6 +33,8 @@ class Recorder {
     /// A command, when it takes effect before step `step`. `value`: SI.
     void command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,
                  const std::string& sender, std::uint32_t id);
+    /// The state after a step.
+    void state(const session::StateRecord& record) { writer_.push(record); }
     /// `kind`: one word (attempt, command, error, ...).
     void event(std::uint64_t time_ns, const std::string& kind, const std::string& text);
     /// What somebody pointed at or drew.

@@ -150,6 +150,7 @@ class Session {
             }
         }
         service_.ending();
+        note_state();
         judge_->finish();
         const bool kept = !recorder_ || recorder_->finish();
         lab_.reset();
@@ -317,7 +318,23 @@ class Session {
             output_->post(s, status(clock));
             lab_->post(s, simulation_->scene().tissue().body().particles.position);
         }
+        if (s.step % steps_per_second == 0) {
+            note_state();
+        }
         judge_->take(s, input_ ? input_->eye() : std::nullopt);
+    }
+
+    /// Records what the state is in one number.
+    void note_state() {
+        const scene::Snapshot& s = simulation_->snapshot();
+        if (recorder_ && s.step != state_noted_) {
+            state_noted_ = s.step;
+            judge_->note(session::StateRecord{s.time_ns, s.step, state_hash()});
+        }
+    }
+
+    [[nodiscard]] std::string state_hash() const {
+        return fmt::format("{:016x}", simulation_->scene().state_hash());
     }
 
     void say(const StepClock& clock) {
@@ -385,7 +402,7 @@ class Session {
         nlohmann::ordered_json out = result_json(summaries_of(simulation_->metrics()));
         out["scenario"] = scenario_.name;
         out["steps"] = simulation_->snapshot().step;
-        out["state_hash"] = fmt::format("{:016x}", simulation_->scene().state_hash());
+        out["state_hash"] = state_hash();
         out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
                           {"p99", 1e3 * clock.percentile(0.99)},
                           {"max", 1e3 * clock.most()}};
@@ -417,6 +434,7 @@ class Session {
     ServiceNotify service_;
     FollowedState laryngoscope_{"laryngoscope"}, tube_{"tube"};
     std::uint64_t stood_still_ = 0;   // steps
+    std::uint64_t state_noted_ = 0;   // step
     double operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;
     bool warned_of_overflow_ = false;

@@ -8,6 +8,7 @@ import os
 import random
 import re
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -129,14 +130,23 @@ class SessionFile(support.Case):
         done = self.review("check", self.file)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def kill_at(self, delay, speed):
-        """Kills a recording; how many steps had been pushed a second before."""
+    def kill_at(self, delay, speed, stood_still=0.0, caught_up=0.0):
+        """Kills a recording; how many steps had been pushed a second before, and until then.
+
+        One that `stood_still` [s] before has much to write at once, as on a busy machine, until it has `caught_up`
+        [s].
+        """
         self.file.unlink(missing_ok=True)
         process = self.start(100000, speed)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.stderr.close)
         self.assertEqual(process.stdout.readline(), "recording\n")
         time.sleep(delay)
+        if stood_still > 0.0:
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(stood_still)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(caught_up)
         killed = time.monotonic_ns()
         process.kill()
         process.wait()
@@ -173,9 +183,10 @@ class SessionFile(support.Case):
     def test_a_kill_at_any_moment_loses_at_most_a_second(self):
         # Twenty times real time, so that most of the time something is being written.
         chance = random.Random(1)
-        for _ in range(KILLS):
+        for i in range(KILLS):
             with self.subTest():
-                due, pushed = self.kill_at(chance.uniform(0.0, 2.5), 20)
+                busy = {"stood_still": 0.25, "caught_up": chance.uniform(0.0, 0.06)} if i % 2 else {}
+                due, pushed = self.kill_at(chance.uniform(0.0, 2.5), 20, **busy)
                 self.repair()
                 rows, deformations = self.assert_h5py_finds_the_numbers(due)
                 self.assertGreaterEqual(12 * deformations, due - 12)
@@ -359,7 +370,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
         self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "skeleton", "metrics", "deformation",
-                                       "events", "summary", "annotations"})
+                                       "state", "events", "summary", "annotations"})
         for name in ("inputs", "tools", "tube_nodes", "skeleton", "metrics"):
             self.assertEqual(len(tables[name]), 301, name)
             self.assertEqual(tables[name][0][0], "time [s]")
@@ -371,6 +382,8 @@ class SessionFile(support.Case):
         self.assertEqual(len(tables["tube_nodes"][0]), 1 + 17 * 3)
         self.assertEqual(tables["events"][1][1:], ["attempt", "event of step 0"])
         self.assertEqual(len(tables["deformation"]), 1 + sum(len(range(i % 3, 200, 3)) for i in range(0, 300, 12)))
+        self.assertEqual(tables["state"], [["time [s]", "hash", "step"], ["0.000000000", f"{0:016x}", "0"],
+                                           ["0.999999900", f"{180:016x}", "180"]])
         # A second export replaces nothing.
         self.assert_refused(support.run("eti-review", "export", self.file, "--out", out), out)
 

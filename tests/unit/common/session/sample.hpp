@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <fmt/format.h>
 #include <cmath>
 #include <string>
 
@@ -112,6 +113,10 @@ inline StepRecord step(std::uint64_t number) {
         record.parameters.*field.value = static_cast<double>(value(number, channel++));
     }
     return record;
+}
+
+inline StateRecord state(std::uint64_t number) {
+    return {number * step_ns, number, fmt::format("{:016x}", number)};
 }
 
 /// The deformation at a step: a third of the frames has moved.
