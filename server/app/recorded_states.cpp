@@ -126,13 +126,17 @@ void RecordedStates::fill_frames(std::uint64_t time_ns) {
     if (next_record_ == recording_.deformations.size()) {
         return;
     }
-    // Records in which nothing moved were left out: what moves to the next began a period before it.
     const session::DeformationRecord& next = recording_.deformations[next_record_];
-    const std::uint64_t since = time_ns + deformation_period_ns;
-    if (next_record_ == 0 || since <= next.time_ns) {
+    if (next_record_ == 0) {
         return;
     }
-    const float share = static_cast<float>(since - next.time_ns) / static_cast<float>(deformation_period_ns);
+    // Records in which nothing moved were left out: what moves to the next began a period before it at most.
+    const std::uint64_t begin = std::max(recording_.deformations[next_record_ - 1].time_ns,
+                                         next.time_ns - std::min(next.time_ns, deformation_period_ns));
+    if (time_ns <= begin) {
+        return;
+    }
+    const float share = static_cast<float>(time_ns - begin) / static_cast<float>(next.time_ns - begin);
     for (std::size_t k = 0; k < next.frame.size(); ++k) {
         snapshot_.frames[next.frame[k]] = between(from_[next.frame[k]], next.pose[k], share);
     }

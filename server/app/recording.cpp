@@ -24,6 +24,7 @@ Recording::Recording(const std::filesystem::path& path)
       damage(session::read_damage(reader.root())),
       scene(session::known_lost(damage, "scene") ? session::SceneRecord{} : reader.scene()),
       steps(reader.steps()),
+      states(reader.states()),
       commands(reader.commands()),
       deformations(reader.deformations()),
       fluids(reader.fluids()),

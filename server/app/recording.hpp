@@ -25,6 +25,7 @@ struct Recording {
     std::vector<session::Damage> damage;  ///< that a repair left
     session::SceneRecord scene;           ///< without frames where a repair found none
     std::vector<session::StepRecord> steps;
+    std::vector<session::StateRecord> states;
     std::vector<session::CommandRecord> commands;
     std::vector<session::DeformationRecord> deformations;
     std::vector<session::FluidRecord> fluids;

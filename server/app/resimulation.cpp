@@ -136,6 +136,7 @@ class Resimulation {
             }
             simulation_->scene().step(inputs_);
             judge_->take(simulation_->snapshot(), eye_);
+            compare_state(row_ + 1 == rows);
         }
         progress.clear();
         judge_->finish();
@@ -198,6 +199,25 @@ class Resimulation {
             simulation_->scene().reset(inputs_);
         }
         return true;
+    }
+
+    /// Every second and after the last step.
+    void compare_state(bool last) {
+        const scene::Snapshot& s = simulation_->snapshot();
+        if (s.step % steps_per_second != 0 && !last) {
+            return;
+        }
+        const std::string hash = state_hash();
+        judge_->note(session::StateRecord{s.time_ns, s.step, hash});
+        const auto recorded = std::ranges::find(recording_.states, s.step, &session::StateRecord::step);
+        if (recorded != recording_.states.end()) {
+            ++states_;
+            equal_states_ += recorded->hash == hash ? 1 : 0;
+        }
+    }
+
+    [[nodiscard]] std::string state_hash() const {
+        return fmt::format("{:016x}", simulation_->scene().state_hash());
     }
 
     void take_events(std::uint64_t before_ns) {
@@ -264,14 +284,15 @@ class Resimulation {
         const std::vector<SummaryRecord> simulated = summaries_of(simulation_->metrics());
         std::vector<SummaryRecord> recorded = recording_.summaries;
         const bool whole = row_ == recording_.steps.size();
-        const bool summed_up = !recorded.empty() && recorded.front().attempt == 0;
+        const bool summed_up = recording_.summed_up();
         if (!summed_up && row_ > 0) {
             // Nobody summed it up: what the last step says.
             recorded.insert(recorded.begin(), {0,
                                                {false, "the recording ends before the run was summed up"},
                                                recording_.steps[row_ - 1].parameters});
         }
-        const bool steps_equal = row_ > 0 && comparison_.equal() == comparison_.steps();
+        const bool steps_equal =
+            row_ > 0 && comparison_.equal() == comparison_.steps() && equal_states_ == states_;
         const bool equal = steps_equal && (!whole || !summed_up || same(recorded, simulated));
         if (options_.json) {
             print_json(equal, summed_up, recorded, simulated);
@@ -289,6 +310,8 @@ class Resimulation {
                                    {"steps", comparison_.steps()},
                                    {"recorded_steps", recording_.steps.size()},
                                    {"equal_steps", comparison_.equal()},
+                                   {"states", states_},
+                                   {"equal_states", equal_states_},
                                    {"ended_early", ended_}};
         out["first_difference"] = nullptr;
         if (const auto& first = comparison_.first()) {
@@ -304,7 +327,7 @@ class Resimulation {
             out["recorded"]["success"] = nullptr;
         }
         out["simulated"] = result_json(simulated);
-        out["state_hash"] = fmt::format("{:016x}", simulation_->scene().state_hash());
+        out["state_hash"] = state_hash();
         std::cout << out.dump(2) << std::endl;
     }
 
@@ -324,6 +347,8 @@ class Resimulation {
             out +=
                 fmt::format("first to differ: step {} ({:.3f} s), {}: {:.9g} was recorded, {:.9g} is here\n",
                             first->step, first->time, first->series, first->recorded, first->simulated);
+        } else if (equal_states_ != states_) {
+            out += "what is recorded of the steps is the same, and the state, by its hashes, is not\n";
         } else if (!equal) {
             out += "the steps are the same and the results are not\n";
         }
@@ -355,6 +380,7 @@ class Resimulation {
     std::optional<Judge> judge_;
     std::optional<RigidTransform> eye_;
     std::size_t row_ = 0;
+    std::size_t states_ = 0, equal_states_ = 0;  // whose hashes were compared
     std::size_t next_event_ = 0, next_annotation_ = 0, next_command_ = 0;
     bool laryngoscope_here_ = false, tube_here_ = false;
     std::string ended_;                // why before the file's end; empty: it did not

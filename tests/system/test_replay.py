@@ -80,7 +80,8 @@ class Replay(support.Programs):
         self.record_expert(3)
         # So that it shows where the replay is.
         with h5py.File(self.record, "r+") as file:
-            file["skeleton/jaw_opening"][:] = numpy.arange(len(file["inputs/step"]), dtype=numpy.float32) / 180
+            file["skeleton/jaw_opening"][:] = (
+                numpy.arange(len(file["inputs/step"]), dtype=numpy.float32) / 180 * numpy.pi / 180)  # a degree a second
         self.replay("--pause")
         self.assertLess(self.now("jaw_opening"), 0.02)
         for place in (2, 1, 1.5, 1.4):  # forwards, back by more and by less than a second
@@ -105,7 +106,7 @@ class Replay(support.Programs):
         self.replay("--from", 0.5, "--to", 1.5, "--speed", 8)
         self.assertEqual(self.running["replay"].wait(30), 0)
         self.assertIn("the replay ended at 1.5 s", self.log("replay"))
-        self.assertLess(time.monotonic() - began, 15)
+        self.assertLess(time.monotonic() - began, 60)
         self.replay("--loop", "--speed", 4)
         time.sleep(3)
         self.assertIsNone(self.running["replay"].poll(), "it would have been at its end six times")

@@ -33,6 +33,8 @@ class Resimulate(support.Programs):
         self.assertTrue(result["equal"], json.dumps(result, indent=1))
         self.assertEqual(result["steps"], result["recorded_steps"])
         self.assertEqual(result["equal_steps"], result["recorded_steps"])
+        self.assertGreaterEqual(result["states"], result["steps"] // 180)
+        self.assertEqual(result["equal_states"], result["states"])
         self.assertIsNone(result["first_difference"])
         self.assertEqual(result["reasons"], [])
         self.assertEqual(result["recorded"], result["simulated"])
