@@ -40,6 +40,13 @@ struct PointRecord {
     SkinWeights skin;
 };
 
+inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+
+/// A pose that did not arrive: every number is NaN.
+[[nodiscard]] inline RigidTransform no_pose() {
+    return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
+}
+
 /// What does not change during a session, so that a replay needs neither server nor scenario.
 struct SceneRecord {
     std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, clusters, the head's
@@ -52,14 +59,9 @@ struct SceneRecord {
     float tube_inner_diameter = 0.0f;  ///< [m]
     std::size_t tube_nodes = 0;        ///< points of the centre line in every step
     bool liquid = false;               ///< whether the session has secretions
+    /// Where the tools were before the first step; no_pose() in a file that does not say it.
+    RigidTransform laryngoscope_start = no_pose(), tube_grip_start = no_pose();
 };
-
-inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
-
-/// A pose that did not arrive: every number is NaN.
-[[nodiscard]] inline RigidTransform no_pose() {
-    return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
-}
 
 /// One simulation step. Patient frame, unless said otherwise.
 struct StepRecord {
@@ -118,6 +120,9 @@ struct FluidRecord {
 
 /// Kinds of what people leave in a session: what they write, and what they do with marks.
 inline constexpr std::string_view note_event = "note", annotation_event = "annotation";
+/// The kind of "laryngoscope here", "tube silent", "tube back". The first of a tool says that it was put,
+/// before the next step, where its device holds it.
+inline constexpr std::string_view device_event = "device";
 
 struct EventRecord {
     std::uint64_t time_ns = 0;

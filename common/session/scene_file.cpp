@@ -3,8 +3,10 @@
 #include "common/session/scene_file.hpp"
 
 #include <fmt/format.h>
+#include <array>
 
 #include "common/hdf5/packing.hpp"
+#include "common/session/cell.hpp"
 #include "common/session/layout.hpp"
 
 namespace eti::session {
@@ -59,6 +61,28 @@ std::vector<PointRecord> read_points(const Group& group, std::size_t frames, boo
     return points;
 }
 
+constexpr const char* start_pose = "start_pose";
+
+void write_start(const Group& group, const RigidTransform& pose) {
+    std::array<float, 7> numbers{};
+    Cell<RigidTransform>::pack(pose, 0, reinterpret_cast<std::byte*>(numbers.data()));
+    group.write<float>(start_pose, numbers, {numbers.size()},
+                       {"m, 1",
+                        "where the tool was before the first step: position x y z, unit quaternion w x y z, "
+                        "patient frame"});
+}
+
+/// Not in every file.
+RigidTransform read_start(const Group& group) {
+    if (!group.has(start_pose)) {
+        return no_pose();
+    }
+    const auto numbers = group.read<float>(start_pose, {7}).values;
+    RigidTransform pose;
+    Cell<RigidTransform>::unpack(reinterpret_cast<const std::byte*>(numbers.data()), 0, pose);
+    return pose;
+}
+
 }  // namespace
 
 void write_head(const Group& root, const SessionInfo& info, const SceneRecord& scene,
@@ -109,10 +133,12 @@ void write_scene(const Group& group, const SceneRecord& scene) {
     const Group laryngoscope = group.create("laryngoscope");
     laryngoscope.set_text("blade", scene.blade);
     write_mesh(laryngoscope, scene.laryngoscope);
+    write_start(laryngoscope, scene.laryngoscope_start);
     const Group tube = group.create("tube");
     tube.set_number("outer_diameter_m", static_cast<double>(scene.tube_outer_diameter));
     tube.set_number("inner_diameter_m", static_cast<double>(scene.tube_inner_diameter));
     tube.set_integer("nodes", scene.tube_nodes);
+    write_start(tube, scene.tube_grip_start);
 }
 
 SceneRecord read_scene(const Group& group) {
@@ -129,10 +155,12 @@ SceneRecord read_scene(const Group& group) {
     const Group laryngoscope = group.open("laryngoscope");
     scene.blade = laryngoscope.text("blade");
     scene.laryngoscope = read_mesh(laryngoscope);
+    scene.laryngoscope_start = read_start(laryngoscope);
     const Group tube = group.open("tube");
     scene.tube_outer_diameter = static_cast<float>(tube.number("outer_diameter_m"));
     scene.tube_inner_diameter = static_cast<float>(tube.number("inner_diameter_m"));
     scene.tube_nodes = tube.integer("nodes");
+    scene.tube_grip_start = read_start(tube);
     return scene;
 }
 

@@ -53,9 +53,13 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
                   const StepInputs& inputs) {
     assessor_.observe(snapshot, eye ? std::optional(eye->translation) : std::nullopt);
     const metrics::Metrics& metrics = assessor_.metrics();
-    if (assessor_.looked() && (recorder_ != nullptr || output_ != nullptr)) {
+    if (assessor_.looked() && (recorder_ != nullptr || output_ != nullptr || watcher_)) {
         // Rocking and smoothness look back over the attempt: once per look, not per step.
         parameters_ = metrics.live_parameters();
+    }
+    if (watcher_) {
+        fill(watched_, snapshot, metrics.live(), parameters_, eye);
+        watcher_(watched_);
     }
     if (recorder_ != nullptr) {
         keep(inputs);

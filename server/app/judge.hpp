@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <semaphore>
 #include <thread>
@@ -39,6 +40,8 @@ class Judge {
     void note(session::StateRecord state) { inputs_.states.push_back(std::move(state)); }
     void note(session::EventRecord event) { inputs_.events.push_back(std::move(event)); }
     void note(session::AnnotationRecord annotation) { inputs_.annotations.push_back(std::move(annotation)); }
+    /// Has `watcher` see each step as it is recorded, with or without a recorder. Before the first step.
+    void watch(std::function<void(const session::StepRecord&)> watcher) { watcher_ = std::move(watcher); }
     /// Takes in the next step. Beside: copies it, and waits only while `most_waiting` others do, for none may
     /// be left out.
     void take(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
@@ -80,6 +83,8 @@ class Judge {
     Assessor& assessor_;
     Recorder* recorder_;
     BusOutput* output_;
+    std::function<void(const session::StepRecord&)> watcher_;
+    session::StepRecord watched_;
     StepInputs inputs_;  // of the step to come
 
     Parameters parameters_;          // newest live values, for the record

@@ -25,6 +25,16 @@ struct Options {
     std::optional<std::uint64_t> steps;
     double duration = 0.0;  ///< [s] of simulation time; 0: no limit
     std::optional<std::uint64_t> seed;
+    std::filesystem::path resimulate;   ///< a session file whose inputs run again; empty: none
+    std::vector<std::string> settings;  ///< of what is set otherwise then, KEY=VALUE
+    struct Replay {
+        std::filesystem::path file;  ///< a session file that is shown again; empty: none
+        double speed = 1.0;
+        double from = 0.0;         ///< [s]
+        std::optional<double> to;  ///< [s]; to its end
+        bool loop = false;
+        bool pause = false;  ///< at the beginning
+    } replay;
     int threads = 0;  ///< 0: as many as there are cores
 };
 

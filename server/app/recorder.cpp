@@ -18,7 +18,7 @@ session::PointRecord point(std::string name, const anatomy::CarriedPoint& carrie
 }
 
 session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                              std::size_t tube_nodes, bool saliva) {
+                              const scene::Snapshot& start, bool saliva) {
     session::SceneRecord scene;
     scene.frame_rest_centre = patient.frame_rest_centre;
     scene.surfaces = patient.surfaces;
@@ -32,7 +32,9 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
     scene.laryngoscope = laryngoscope_mesh(scope);
     scene.tube_outer_diameter = tube.outer_diameter;
     scene.tube_inner_diameter = tube.inner_diameter;
-    scene.tube_nodes = tube_nodes;
+    scene.tube_nodes = start.tube_nodes.size();
+    scene.laryngoscope_start = start.device;
+    scene.tube_grip_start = start.tube_grip;
     scene.liquid = saliva;
     return scene;
 }
@@ -96,30 +98,35 @@ std::string build_description() {
 
 Recorder::Recorder(const std::filesystem::path& path, session::SessionInfo info,
                    const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                   std::size_t tube_nodes, bool saliva, bool wait_when_full)
-    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, tube_nodes, saliva),
+                   const scene::Snapshot& start, bool saliva, bool wait_when_full)
+    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, start, saliva),
               writer_settings(wait_when_full)) {}
+
+void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const metrics::Live& live,
+          const Parameters& parameters, const std::optional<RigidTransform>& eye) {
+    record.time_ns = snapshot.time_ns;
+    record.step = snapshot.step;
+    record.laryngoscope = snapshot.device;
+    record.tube_grip = snapshot.tube_grip;
+    record.eye = eye.value_or(session::no_pose());
+    record.proxy = snapshot.proxy;
+    record.shell_force = snapshot.shell_force;
+    record.shell_torque = snapshot.shell_torque;
+    record.tissue_force = snapshot.tissue_force;
+    record.tissue_torque = snapshot.tissue_torque;
+    record.tube_nodes = snapshot.tube_nodes;
+    record.live = snapshot.live;
+    record.attempt = live.attempt;
+    record.attempt_running = live.attempt_running;
+    record.glottic_opening_percent = live.glottic_opening_percent;
+    record.gum_force_n = live.gum_force;
+    record.tube_depth_past_glottis = live.tube_depth_past_glottis;
+    record.parameters = parameters;
+}
 
 void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live,
                       const Parameters& parameters, const std::optional<RigidTransform>& eye) {
-    step_.time_ns = snapshot.time_ns;
-    step_.step = snapshot.step;
-    step_.laryngoscope = snapshot.device;
-    step_.tube_grip = snapshot.tube_grip;
-    step_.eye = eye.value_or(session::no_pose());
-    step_.proxy = snapshot.proxy;
-    step_.shell_force = snapshot.shell_force;
-    step_.shell_torque = snapshot.shell_torque;
-    step_.tissue_force = snapshot.tissue_force;
-    step_.tissue_torque = snapshot.tissue_torque;
-    step_.tube_nodes = snapshot.tube_nodes;
-    step_.live = snapshot.live;
-    step_.attempt = live.attempt;
-    step_.attempt_running = live.attempt_running;
-    step_.glottic_opening_percent = live.glottic_opening_percent;
-    step_.gum_force_n = live.gum_force;
-    step_.tube_depth_past_glottis = live.tube_depth_past_glottis;
-    step_.parameters = parameters;
+    fill(step_, snapshot, live, parameters, eye);
     writer_.push(step_);
     if (snapshot.time_ns >= next_deformation_ns_) {
         record_deformation(snapshot);

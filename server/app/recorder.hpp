@@ -20,10 +20,11 @@ namespace eti::app {
 /// waits for the disk. A failing disk is logged once with its remedy, and the session goes on.
 class Recorder {
   public:
-    /// `info`: start time, version and build are filled in where empty. `wait_when_full`: for runs that
-    /// ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if the file cannot be begun.
+    /// `info`: start time, version and build are filled in where empty. `start`: before the first step.
+    /// `wait_when_full`: for runs that ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if
+    /// the file cannot be begun.
     Recorder(const std::filesystem::path& path, session::SessionInfo info, const anatomy::Patient& patient,
-             const Laryngoscope& scope, const Tube& tube, std::size_t tube_nodes, bool saliva,
+             const Laryngoscope& scope, const Tube& tube, const scene::Snapshot& start, bool saliva,
              bool wait_when_full);
 
     /// Once per step. `eye`: as latched, if one has arrived.
@@ -56,6 +57,10 @@ class Recorder {
     std::uint64_t next_deformation_ns_ = 0;
     bool all_frames_ = true;
 };
+
+/// What is recorded of a step. `parameters`: of the attempt so far. `eye`: as latched, if one has arrived.
+void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const metrics::Live& live,
+          const Parameters& parameters, const std::optional<RigidTransform>& eye);
 
 inline constexpr std::uint64_t deformation_period_ns = 1'000'000'000 / 15;
 

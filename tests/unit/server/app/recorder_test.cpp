@@ -47,8 +47,8 @@ class RecorderTest : public ::testing::Test {
     [[nodiscard]] Recorder recorder(bool saliva = false) const {
         session::SessionInfo info;
         info.session = "test";
-        return {path,   info,       small_patient(), make_laryngoscope(Blade::miller_0),
-                Tube{}, tube_nodes, saliva,          true};
+        return {path,   info,     small_patient(), make_laryngoscope(Blade::miller_0),
+                Tube{}, snapshot, saliva,          true};
     }
 
     /// Moves the snapshot on to step `number` at 180 Hz.
@@ -64,6 +64,9 @@ class RecorderTest : public ::testing::Test {
 };
 
 TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
+    snapshot.device.translation = {0.5f, 0.25f, 0.125f};
+    snapshot.tube_grip.rotation = quaternion_from({0.3f, 0.2f, 0.1f});
+    const scene::Snapshot start = snapshot;
     Recorder kept = recorder();
     advance(17);
     snapshot.device.translation = {1, 2, 3};
@@ -142,6 +145,9 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(scene.landmarks[14].rest, Vec3f::Constant(14.0f));
     EXPECT_EQ(scene.blade, name_of(Blade::miller_0));
     EXPECT_FALSE(scene.laryngoscope.triangles.empty());
+    EXPECT_EQ(scene.laryngoscope_start.translation, start.device.translation);
+    EXPECT_EQ(scene.laryngoscope_start.rotation.coeffs(), start.device.rotation.coeffs());
+    EXPECT_EQ(scene.tube_grip_start.rotation.coeffs(), start.tube_grip.rotation.coeffs());
     EXPECT_FALSE(reader.info().version.empty());
     EXPECT_FALSE(reader.info().build.empty());
     EXPECT_EQ(reader.info().start_time.size(), std::string("2024-02-29T12:00:00Z").size());
