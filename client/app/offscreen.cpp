@@ -156,6 +156,7 @@ class Offscreen {
         nlohmann::json report{
             {"session", options_.bus.session},
             {"view", std::string(options_.selection->name)},
+            {"scenarios", input_.scenarios()},
             {"end", name_of(end_)},
             {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
             {"frames", frames_},
@@ -195,7 +196,8 @@ class Offscreen {
     }
 
     [[nodiscard]] hud::Readout readout() const {
-        hud::Readout out = hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone);
+        hud::Readout out = hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone,
+                                           node_.contested());
         if (hands_) {
             hands_->put_into(out);
         }

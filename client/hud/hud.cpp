@@ -223,7 +223,7 @@ void Hud::draw_alarms(ImDrawList& list, std::span<const std::string> alarms, con
     const bool reaches_down = static_cast<float>(first.y + first.height) >= height_ - 1.0f;
     for (const std::string& alarm : alarms) {
         const ImVec2 extent = large_->CalcTextSizeA(26.0f, FLT_MAX, 0.0f, alarm.c_str());
-        const float room = reaches_down && extent.x + 16.0f <= tile_width ? tile_width : width_;
+        const float room = reaches_down && extent.x + 2.0f * edge <= tile_width ? tile_width : width_;
         const ImVec2 at(std::max(edge, 0.5f * (room - extent.x)), gap.bottom - high);
         list.AddRectFilled(ImVec2(at.x - 8.0f, at.y), ImVec2(at.x + extent.x + 8.0f, at.y + high), shade,
                            4.0f);

@@ -142,12 +142,20 @@ void Drawing::forget_input() {
 }
 
 void Drawing::draw(Model& model, int width, int height, Model::Time now) {
+    draw_into(panel_area(width, height), text_height(height), model, width, height, now);
+}
+
+void Drawing::draw_alone(Model& model, int width, int height, Model::Time now) {
+    shows_pointer_ = true;
+    draw_into({0, 0, width, height}, std::max(least_text, width / across), model, width, height, now);
+}
+
+void Drawing::draw_into(const Area& area, int letters, Model& model, int width, int height, Model::Time now) {
     const Canvas::Use use(canvas_);
     const float seconds = last_ ? std::chrono::duration<float>(now - *last_).count() : 0.0f;
     last_ = now;
-    canvas_.begin(width, height, text_height(height), std::max(seconds, 1e-3f));
+    canvas_.begin(width, height, letters, std::max(seconds, 1e-3f));
     places_.clear();
-    const Area area = panel_area(width, height);
     ImGui::SetNextWindowPos(ImVec2(static_cast<float>(area.x), static_cast<float>(area.y)));
     ImGui::SetNextWindowSize(ImVec2(static_cast<float>(area.width), static_cast<float>(area.height)));
     if (take_keyboard_) {
@@ -176,6 +184,11 @@ void Drawing::draw(Model& model, int width, int height, Model::Time now) {
     has_mouse_ = io.WantCaptureMouse;
     has_keyboard_ = io.WantCaptureKeyboard;
     has_text_ = io.WantTextInput;
+    if (shows_pointer_ && ImGui::IsMousePosValid()) {
+        const float radius = 0.35f * ImGui::GetFontSize();
+        ImGui::GetForegroundDrawList()->AddCircleFilled(io.MousePos, radius, hud::white);
+        ImGui::GetForegroundDrawList()->AddCircle(io.MousePos, radius, IM_COL32(8, 12, 14, 255), 0, 2.0f);
+    }
     canvas_.end();
 }
 

@@ -9,10 +9,14 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "client/app/aids.hpp"
 #include "client/app/command_keys.hpp"
 #include "client/app/compositor.hpp"
+#include "client/app/eye_compositor.hpp"
+#include "client/app/headset_panel.hpp"
+#include "client/hmd/room.hpp"
 #include "client/panel/drawing.hpp"
 #include "client/render/headless_context.hpp"
 #include "client/render/pick.hpp"
@@ -93,7 +97,7 @@ class Moment {
     msg::LiveMetrics metrics;
     Parameters parameters = starting_parameters();
     msg::SessionStatus status = synthetic::status(msg::PHASE_RUNNING);
-    bool lost = false;
+    bool lost = false, contested = false;
     hud::Readout own;  ///< what the client itself has to say: keys, notice, guidance
 
   private:
@@ -176,6 +180,7 @@ const std::vector<Row>& table() {
              moment.status.tube(msg::DEVICE_SILENT);
              moment.status.phase(msg::PHASE_FROZEN);
          }},
+        {"two_servers", "eye", [](Moment& moment) { moment.contested = true; }},
         {"server_lost", "eye", [](Moment& moment) { moment.lost = true; }},
         {"refusal", "eye",
          [](Moment& moment) {
@@ -229,16 +234,19 @@ const std::vector<Row>& table() {
     return rows;
 }
 
+// Letters and lines are drawn pixel by pixel: drivers differ at the rims of few. A digit is more.
+constexpr double most_apart = 5e-3;
+// As of the golden pictures of eti-bench render: how drivers shade a scene.
+constexpr double most_of_scene_apart = 0.02;
+
 class Golden : public ::testing::TestWithParam<Row> {
   protected:
     static void SetUpTestSuite() {
         source_ = std::make_unique<synthetic::Scene>(synthetic::make_scene());
-        source_->description.scenario(
-            "a_large_tongue_with_secretions, the second of three sessions of a day");
+        source_->description.scenario("a_large_tongue_with_secretions, the second of three sessions");
         shapes_ = std::make_unique<view::SceneView>();
         synthetic::fill(*shapes_, *source_);
         context_ = std::make_unique<render::HeadlessContext>();
-        compositor_ = std::make_unique<client::Compositor>(640, 360, render::qualities().front());
     }
     static void TearDownTestSuite() {
         compositor_.reset();
@@ -251,12 +259,15 @@ class Golden : public ::testing::TestWithParam<Row> {
         Moment moment(*source_, *shapes_);
         row.happens(moment);
         moment.say();
-        hud::Readout readout = hud::readout_of(moment.scene, moment.lost);
+        hud::Readout readout = hud::readout_of(moment.scene, moment.lost, moment.contested);
         readout.keys = moment.own.keys;
         readout.notice = moment.own.notice;
         readout.guidance = moment.own.guidance;
         const Selection& selection = *client::selection_named(row.view);
         const panel::Area area = row.scene_area();
+        if (!compositor_) {
+            compositor_ = std::make_unique<client::Compositor>(640, 360, render::qualities().front());
+        }
         compositor_->resize(area.width, area.height);
         compositor_->draw(selection.views(moment.scene), moment.scene, readout, {}, false,
                           selection.arrangement);
@@ -322,6 +333,20 @@ class Golden : public ::testing::TestWithParam<Row> {
         return out;
     }
 
+    // As a whole; `most`: share of its pixels that may be apart.
+    static void compare(const std::string& name, const render::Image& drawn, double most) {
+        const render::Image kept = test::golden(ETI_GOLDEN, name, drawn);
+        ASSERT_EQ(kept.width, drawn.width);
+        ASSERT_EQ(kept.height, drawn.height);
+        int apart = 0;
+        for (int y = 0; y < drawn.height; ++y) {
+            for (int x = 0; x < drawn.width; ++x) {
+                apart += test::apart(drawn.pixel(x, y), kept.pixel(x, y)) ? 1 : 0;
+            }
+        }
+        EXPECT_LE(apart, most * drawn.width * drawn.height) << test::kept_for_a_look(drawn, name);
+    }
+
     static std::unique_ptr<synthetic::Scene> source_;
     static std::unique_ptr<view::SceneView> shapes_;
     static std::unique_ptr<render::HeadlessContext> context_;
@@ -331,11 +356,6 @@ std::unique_ptr<synthetic::Scene> Golden::source_;
 std::unique_ptr<view::SceneView> Golden::shapes_;
 std::unique_ptr<render::HeadlessContext> Golden::context_;
 std::unique_ptr<client::Compositor> Golden::compositor_;
-
-// Letters and lines are drawn pixel by pixel: drivers differ at the rims of few. A digit is more.
-constexpr double most_apart = 5e-3;
-// As of the golden pictures of eti-bench render: how drivers shade a scene.
-constexpr double most_of_scene_apart = 0.02;
 
 TEST_P(Golden, LooksAsItDid) {
     const Row& row = GetParam();
@@ -353,6 +373,63 @@ TEST_P(Golden, LooksAsItDid) {
 
 INSTANTIATE_TEST_SUITE_P(Overlays, Golden, ::testing::ValuesIn(table()),
                          [](const auto& one) { return std::string(one.param.name); });
+
+// The trainee's left eye in a headset, and the panel beside the patient with what points at it.
+TEST_F(Golden, AHeadsetsEyeAndItsPanel) {
+    Moment moment(*source_, *shapes_);
+    moment.live.view_enhanced = 1.0f;
+    moment.press(2.5f);
+    moment.draw_on_the_forehead();
+    moment.say();
+    constexpr int side = 480;
+    const RigidTransform to_patient = hmd::Room().patient(0.0f).inverse();
+    const RigidTransform hand = RigidTransform::from(
+        Quatf::FromTwoVectors(-Vec3f::UnitZ(),
+                              client::HeadsetPanel::place().pose.translation - Vec3f(0.05f, -0.2f, -0.2f)),
+        {0.05f, -0.2f, -0.2f});
+    render::Vantage from;
+    for (const float aside : {-0.032f, 0.032f}) {
+        const auto eye =
+            RigidTransform::from(Quatf(Eigen::AngleAxisf(-0.5f, Vec3f::UnitX())), {aside, 0.0f, 0.0f});
+        from.worn.push_back(render::worn_camera(to_patient * eye, {-0.6f, 0.6f, 0.5f, -0.6f}));
+    }
+    from.eye =
+        view::TraineeEye::worn(to_patient * RigidTransform::from(Quatf::Identity(), {0.032f, 0.0f, 0.0f}));
+    compositor_.reset();  // the text overlay is one
+    {
+        client::EyeCompositor eyes(side, side, render::qualities().front());
+        const client::EyeCompositor::Ray ray{to_patient * hand.translation,
+                                             to_patient * (hand * Vec3f(0.0f, 0.0f, -0.9f))};
+        for (int i = 0; i < 200; ++i) {  // what has to be baked first goes on beside the drawing
+            eyes.draw_eyes(moment.scene, from, false);
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        eyes.draw_eyes(moment.scene, from, true, {&ray, 1});
+        const render::Image both = eyes.both().read();
+        render::Image left{side, side, {}};
+        for (int y = 0; y < side; ++y) {
+            left.rgba.insert(left.rgba.end(), both.pixel(0, y), both.pixel(0, y) + 4 * side);
+        }
+        compare("headset_eye", left, most_of_scene_apart);
+    }
+    hmd::HandInput hands;
+    hands.hands[1].aim = hand;
+    client::LaserPointer laser;
+    const hmd::Panel place = client::HeadsetPanel::place();
+    laser.follow(&place, hands);
+    panel::Model model([](std::string_view, float) { return true; });
+    panel::Model::Time now(std::chrono::seconds(100));
+    model.follow(moment.scene, {}, now);
+    panel::Drawing drawing;
+    const render::RenderTarget picture(client::HeadsetPanel::width, client::HeadsetPanel::height, 1);
+    picture.bind_picture();
+    for (int i = 0; i < 3; ++i) {
+        glClear(GL_COLOR_BUFFER_BIT);
+        drawing.point(laser.pointer(picture.width(), picture.height()));
+        drawing.draw_alone(model, picture.width(), picture.height(), now += std::chrono::milliseconds(16));
+    }
+    compare("headset_panel", picture.read(), 1e-3);
+}
 
 // What the comparison is for: a number by its last digit, a mark that moved, a line that is gone.
 TEST_F(Golden, SeesADigitAPlaceAndALine) {

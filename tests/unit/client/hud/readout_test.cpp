@@ -153,6 +153,7 @@ TEST(Readout, NamesTheDeviceThatFellSilent) {
     status.phase(msg::PHASE_FROZEN);
     scene.apply(status);
     EXPECT_EQ(hud::readout_of(scene, false).warning, "laryngoscope and tube are silent: time stands still");
+    EXPECT_EQ(hud::readout_of(scene, false, true).warning, "two servers serve this session: end one");
 }
 
 TEST(Readout, TellsTheScenarioWhileWaitingAndInTheFirstSeconds) {
