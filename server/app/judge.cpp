@@ -59,7 +59,7 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
     }
     if (recorder_ != nullptr) {
         keep(inputs);
-        recorder_->record(snapshot, metrics.live(), parameters_, eye);
+        recorder_->record(snapshot, metrics.live(), parameters_, eye, assessor_.eye());
         note_events();
     }
     if (metrics.attempts().size() > seen_attempts_) {

@@ -26,9 +26,9 @@ class Recorder {
              const Laryngoscope& scope, const Tube& tube, std::size_t tube_nodes, bool saliva,
              bool wait_when_full);
 
-    /// Once per step. `eye`: as latched, if one has arrived.
+    /// Once per step. `eye`: as latched, if one has arrived; `eye_used`: of the last look [m].
     void record(const scene::Snapshot& snapshot, const metrics::Live& live, const Parameters& parameters,
-                const std::optional<RigidTransform>& eye);
+                const std::optional<RigidTransform>& eye, const Vec3f& eye_used);
     /// A command, when it takes effect before step `step`. `value`: SI.
     void command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,
                  const std::string& sender, std::uint32_t id);
@@ -52,7 +52,8 @@ class Recorder {
     session::StepRecord step_;
     session::DeformationRecord moved_;
     session::FluidRecord fluid_;
-    std::vector<FramePose> recorded_;  // where each frame was when last recorded
+    std::vector<FramePose> recorded_;        // where each frame was when last recorded
+    std::optional<std::uint64_t> first_ns_;  // of the first step
     std::uint64_t next_deformation_ns_ = 0;
     bool all_frames_ = true;
 };
