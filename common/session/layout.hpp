@@ -33,7 +33,8 @@ inline constexpr std::size_t fluid_chunk = 8192;
 inline constexpr std::size_t small_chunk = 16;
 
 /// Groups of the step series; each shows the common time axis as `time_ns`.
-inline constexpr std::string_view step_groups[] = {"inputs", "tools", "skeleton", "tissue", "metrics"};
+inline constexpr std::string_view step_groups[] = {"inputs",   "tools",  "contacts",
+                                                   "skeleton", "tissue", "metrics"};
 
 /// "gum_force_n.max" -> "gum_force_n/max".
 [[nodiscard]] inline std::string path_of(const ParameterField& field) {
@@ -102,6 +103,22 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "centre line of the tube from connector to tip: step, node, x y z, patient frame",
         [](auto& r) -> auto& { return r.tube_nodes; }, tube_nodes);
 
+    add(
+        "contacts/pressed", "N",
+        "sum of the shell's normal forces on the blade, of each tissue: soft, tongue, epiglottis, larynx, "
+        "trachea, oesophagus, upper gum, lower gum, palate, skull, mandible, spine, hyoid",
+        [](auto& r) -> auto& { return r.loads.pressed; });
+    add(
+        "contacts/net", "N",
+        "net force of a tissue's particles on the blade: step, tissue as in pressed, x y z, patient frame",
+        [](auto& r) -> auto& { return r.loads.net; });
+    add(
+        "contacts/place", "m",
+        "where it touches the blade, mean weighted by force: step, tissue as in pressed, x y z, patient "
+        "frame; "
+        "NaN without contact",
+        [](auto& r) -> auto& { return r.loads.place; });
+
     for (const LiveField& field : live_fields) {
         column(
             std::string(field.group) + "/" + std::string(field.name), hdf5::Label{field.si, field.help},
@@ -124,6 +141,11 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "metrics/tube_depth_past_glottis", "m",
         "depth of the tube's tip past the glottis, negative before it",
         [](auto& r) -> auto& { return r.tube_depth_past_glottis; });
+    add(
+        "metrics/eye_used", "m",
+        "where the glottis was last looked at from, by the trainee or, without an eye_pose, where it is seen "
+        "best: x y z, patient frame; 30 times a second",
+        [](auto& r) -> auto& { return r.eye_used; });
     parameter_columns("metrics", column);
 }
 
@@ -336,6 +358,11 @@ void summary_columns(const Column& column) {
     add(
         "summary/reason", "1", "why it counts as success or failure",
         [](auto& r) -> auto& { return r.outcome.reason; }, text_bytes);
+    add(
+        "summary/began", "s", "simulation time at which the attempt began",
+        [](auto& r) -> auto& { return r.began; });
+    add(
+        "summary/ended", "s", "simulation time at which it ended", [](auto& r) -> auto& { return r.ended; });
     parameter_columns("summary", column);
 }
 

@@ -157,7 +157,7 @@ Salvaged salvage_table(const Source& source, std::size_t chunk, const Visit& vis
     std::vector<std::vector<std::byte>> fills;
     visit([&](const std::string& path, const hdf5::Label& label, auto field, std::size_t width) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        if (std::is_floating_point_v<Field> && !root.has(path)) {
+        if (is_measure<Field> && !root.has(path)) {
             return;  // a measure that is newer than the file
         }
         Column& column = table.columns.emplace_back();

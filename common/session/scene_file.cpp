@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <array>
 
+#include <algorithm>
+
 #include "common/hdf5/packing.hpp"
 #include "common/session/cell.hpp"
 #include "common/session/layout.hpp"
@@ -20,6 +22,8 @@ struct TextField {
     const char* attribute;
     std::string SessionInfo::*value;
 };
+constexpr const char* blade_length = "blade_length_m";
+
 constexpr TextField text_fields[] = {
     {"session", &SessionInfo::session},        {"start_time", &SessionInfo::start_time},
     {"scenario", &SessionInfo::scenario},      {"scenario_text", &SessionInfo::scenario_text},
@@ -122,6 +126,10 @@ SessionInfo read_info(const Group& meta) {
 }
 
 void write_scene(const Group& group, const SceneRecord& scene) {
+    group.set_text(
+        "patient_frame",
+        "+x to the patient's left, +y posterior, +z superior; origin at the midpoint of the upper gum's "
+        "crest at rest; it tilts with the table");
     write_rows(group, "frame_rest_centre", scene.frame_rest_centre,
                {"m", "rest centre of each frame: trunk, skull, mandible, then the clusters; patient frame"});
     const Group surfaces = group.create("surfaces");
@@ -132,9 +140,18 @@ void write_scene(const Group& group, const SceneRecord& scene) {
     write_points(group.create("glottis_contour"), scene.glottis_contour, false);
     const Group laryngoscope = group.create("laryngoscope");
     laryngoscope.set_text("blade", scene.blade);
+    laryngoscope.set_text(
+        "tool_frame",
+        "origin where blade and handle meet, +z along the blade to its tip, +y along the handle "
+        "away from the blade, +x = y cross z");
+    laryngoscope.set_number(blade_length, static_cast<double>(scene.blade_length));
     write_mesh(laryngoscope, scene.laryngoscope);
     write_start(laryngoscope, scene.laryngoscope_start);
     const Group tube = group.create("tube");
+    tube.set_text(
+        "tool_frame",
+        "origin at the grip on the centre line, +z along the tube to its tip, +y the concave side of its "
+        "curve, +x = y cross z");
     tube.set_number("outer_diameter_m", static_cast<double>(scene.tube_outer_diameter));
     tube.set_number("inner_diameter_m", static_cast<double>(scene.tube_inner_diameter));
     tube.set_integer("nodes", scene.tube_nodes);
@@ -154,6 +171,9 @@ SceneRecord read_scene(const Group& group) {
     scene.glottis_contour = read_points(group.open("glottis_contour"), frames, false);
     const Group laryngoscope = group.open("laryngoscope");
     scene.blade = laryngoscope.text("blade");
+    if (std::ranges::count(laryngoscope.attributes(), blade_length) > 0) {  // not in every file
+        scene.blade_length = static_cast<float>(laryngoscope.number(blade_length));
+    }
     scene.laryngoscope = read_mesh(laryngoscope);
     scene.laryngoscope_start = read_start(laryngoscope);
     const Group tube = group.open("tube");

@@ -73,8 +73,9 @@ std::vector<TableState> survey(const Group& root) {
     for (const EqualLength& table : tables(root)) {
         TableState state{table.what, {}, std::numeric_limits<std::size_t>::max()};
         for (const std::string& path : table.paths) {
-            const bool parameter = path.starts_with("metrics/") || path.starts_with("summary/");
-            if (parameter && !root.has(path)) {
+            const bool measure =
+                path.starts_with("metrics/") || path.starts_with("summary/") || path.starts_with("contacts/");
+            if (measure && !root.has(path)) {
                 continue;  // newer than the file
             }
             const Condition& found = state.series.emplace_back(path, examine(root, path)).condition;

@@ -58,12 +58,12 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
         parameters_ = metrics.live_parameters();
     }
     if (watcher_) {
-        fill(watched_, snapshot, metrics.live(), parameters_, eye);
+        fill(watched_, snapshot, metrics.live(), parameters_, eye, assessor_.eye());
         watcher_(watched_);
     }
     if (recorder_ != nullptr) {
         keep(inputs);
-        recorder_->record(snapshot, metrics.live(), parameters_, eye);
+        recorder_->record(snapshot, metrics.live(), parameters_, eye, assessor_.eye());
         note_events();
     }
     if (metrics.attempts().size() > seen_attempts_) {

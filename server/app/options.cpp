@@ -29,6 +29,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                        ? std::string("names no file; give one, or leave the option out to record nothing")
                        : std::string();
         });
+    app.add_option("--participant", options.participant,
+                   "Pseudonym of who is trained, for the session file; no name that says who it is");
     bus::add_options(app, options.bus);
     app.add_flag("--fast", options.fast, "Simulate as fast as possible instead of by the clock");
     app.add_flag("!--no-dds", options.with_bus, "Run without the bus");

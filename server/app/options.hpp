@@ -17,6 +17,7 @@ struct Options {
     std::vector<std::string> scenarios{"term"};  ///< one session after another; never empty
     std::string operator_name;                   ///< empty: the hands come over the bus
     std::filesystem::path record;                ///< empty: no session file
+    std::string participant;                     ///< pseudonym, for the session file
     bus::Options bus{.name = std::string(bus::server_name)};
     bool fast = false;  ///< ignore the clock
     bool with_bus = true;

@@ -103,7 +103,7 @@ class SessionFile(support.Case):
             steps = file["inputs/step"][:]
             self.assertGreaterEqual(len(steps), at_least)
             numpy.testing.assert_array_equal(steps, numpy.arange(len(steps)))
-            for group in ("inputs", "tools", "skeleton", "tissue", "metrics"):
+            for group in ("inputs", "tools", "contacts", "skeleton", "tissue", "metrics"):
                 for name, item in file[group].items():
                     if isinstance(item, h5py.Dataset):
                         self.assertEqual(len(item), len(steps), item.name)
@@ -396,7 +396,8 @@ class SessionFile(support.Case):
         done = self.review("export", self.file, "--out", out)
         self.assertEqual(done.returncode, 0, done.stderr)
         tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
-        self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "skeleton", "metrics", "deformation",
+        self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "contacts",
+                                       "contact_forces", "skeleton", "metrics", "deformation",
                                        "state", "events", "summary", "annotations"})
         for name in ("inputs", "tools", "tube_nodes", "skeleton", "metrics"):
             self.assertEqual(len(tables[name]), 301, name)

@@ -69,7 +69,7 @@ bool same(const StepRecord& a, const StepRecord& b) {
     step_columns(0, [&](const std::string&, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(a))>;
         if constexpr (!std::is_same_v<Field, std::vector<Vec3f>>) {
-            std::array<std::byte, 64> left{}, right{};
+            std::vector<std::byte> left(Cell<Field>::bytes(0)), right(left.size());
             Cell<Field>::pack(field(a), 0, left.data());
             Cell<Field>::pack(field(b), 0, right.data());
             equal = equal && left == right;
@@ -167,6 +167,7 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     EXPECT_EQ(scene.surfaces[1].skin[7].weight, expected.surfaces[1].skin[7].weight);
     EXPECT_EQ(scene.landmarks[1].name, "carina");
     EXPECT_EQ(scene.blade, "miller_1");
+    EXPECT_EQ(scene.blade_length, 0.125f);
     EXPECT_EQ(scene.tube_outer_diameter, expected.tube_outer_diameter);
     EXPECT_TRUE(check(path).sound());
 }
