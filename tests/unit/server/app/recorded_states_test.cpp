@@ -79,7 +79,7 @@ class RecordedStatesTest : public ::testing::Test {
 };
 
 TEST_F(RecordedStatesTest, ToolsAreExactAndTissueMovesEvenlyBetweenRecords) {
-    record(361, [&](float step) {
+    record(360, [&](float step) {
         snapshot.proxy.translation.x() = 1e-4f * step;
         snapshot.tube_nodes[1].y() = 2e-4f * step;
         snapshot.live.jaw_opening = 1e-3f * step;
@@ -106,7 +106,7 @@ TEST_F(RecordedStatesTest, ToolsAreExactAndTissueMovesEvenlyBetweenRecords) {
         EXPECT_LE((is.frames[5].centre - was.frames[5].centre).norm(), shift_tolerance);
     }
     // A point goes with its frame.
-    const scene::Snapshot& last = states.at(truth.size() - 2);
+    const scene::Snapshot& last = states.at(truth.size() - 1);
     EXPECT_NEAR(last.landmarks[3].x(), 0.03f - 0.01f + 5e-5f * 360.0f, shift_tolerance);
 }
 
