@@ -8,6 +8,7 @@
 #include <string>
 
 #include "client/review/export.hpp"
+#include "client/review/report.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
@@ -88,6 +89,19 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     return stop_asked() ? interrupted : 0;
 }
 
+int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, bool json) {
+    const std::filesystem::path written = review::write_report(files, folder, stop_asked);
+    if (written.empty()) {
+        return interrupted;
+    }
+    if (json) {
+        std::cout << nlohmann::ordered_json{{"written", written.string()}}.dump(2) << '\n';
+    } else {
+        std::cout << written.string() << '\n';
+    }
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -118,6 +132,17 @@ int main(int argc, char** argv) {
     std::filesystem::path folder;
     export_command->add_option("--out", folder, "Folder to write into; made if missing")->required();
 
+    CLI::App* const report_command = app.add_subcommand(
+        "report",
+        "Write one page that opens offline: outcome, parameters, time line, tools over the anatomy");
+    std::vector<std::filesystem::path> files;
+    report_command
+        ->add_option("FILE", files, "Session files; the first is compared with the others, at most four")
+        ->required()
+        ->expected(1, 4);
+    report_command->add_option("--out", folder, "Folder to write report.html into; made if missing")
+        ->required();
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -135,6 +160,9 @@ int main(int argc, char** argv) {
             if (check_command->parsed()) {
                 return check(file, repair, json);
             }
+            if (report_command->parsed()) {
+                return report(files, folder, json);
+            }
             return export_csv(file, folder, json);
         } catch (const std::exception& error) {
             std::cerr << "eti-review: " << error.what() << '\n';
@@ -142,8 +170,8 @@ int main(int argc, char** argv) {
         }
     });
     if (ended.broken) {
-        std::cerr << "eti-review: " << file.string() << ": damaged: reading it ended with " << *ended.broken
-                  << '\n';
+        std::cerr << "eti-review: " << (files.empty() ? file : files.front()).string()
+                  << ": damaged: reading it ended with " << *ended.broken << '\n';
         return refused;
     }
     return ended.status;
