@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/review/export.hpp"
+#include "client/review/report.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
@@ -126,6 +127,19 @@ int replay(const std::filesystem::path& file, const Replay& how, const std::vect
     return refused;
 }
 
+int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, bool json) {
+    const std::filesystem::path written = review::write_report(files, folder, stop_asked);
+    if (written.empty()) {
+        return interrupted;
+    }
+    if (json) {
+        std::cout << nlohmann::ordered_json{{"written", written.string()}}.dump(2) << '\n';
+    } else {
+        std::cout << written.string() << '\n';
+    }
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,6 +185,17 @@ int main(int argc, char** argv) {
         "q ends. What else is given (--session, --domain, --peer, ...) goes to eti-server.");
     replay_command->allow_extras()->fallthrough(false);
 
+    CLI::App* const report_command = app.add_subcommand(
+        "report",
+        "Write one page that opens offline: outcome, parameters, time line, tools over the anatomy");
+    std::vector<std::filesystem::path> files;
+    report_command
+        ->add_option("FILE", files, "Session files; the first is compared with the others, at most four")
+        ->required()
+        ->expected(1, 4);
+    report_command->add_option("--out", folder, "Folder to write report.html into; made if missing")
+        ->required();
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -191,6 +216,9 @@ int main(int argc, char** argv) {
             if (check_command->parsed()) {
                 return check(file, repair, json);
             }
+            if (report_command->parsed()) {
+                return report(files, folder, json);
+            }
             return export_csv(file, folder, json);
         } catch (const std::exception& error) {
             std::cerr << "eti-review: " << error.what() << '\n';
@@ -198,8 +226,8 @@ int main(int argc, char** argv) {
         }
     });
     if (ended.broken) {
-        std::cerr << "eti-review: " << file.string() << ": damaged: reading it ended with " << *ended.broken
-                  << '\n';
+        std::cerr << "eti-review: " << (files.empty() ? file : files.front()).string()
+                  << ": damaged: reading it ended with " << *ended.broken << '\n';
         return refused;
     }
     return ended.status;
