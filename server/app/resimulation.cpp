@@ -285,11 +285,12 @@ class Resimulation {
         std::vector<SummaryRecord> recorded = recording_.summaries;
         const bool whole = row_ == recording_.steps.size();
         const bool summed_up = recording_.summed_up();
-        if (!summed_up && row_ > 0) {
+        if (!summed_up) {
             // Nobody summed it up: what the last step says.
-            recorded.insert(recorded.begin(), {0,
-                                               {false, "the recording ends before the run was summed up"},
-                                               recording_.steps[row_ - 1].parameters});
+            recorded.insert(recorded.begin(),
+                            {0,
+                             {false, "the recording ends before the run was summed up"},
+                             recording_.steps[std::max<std::size_t>(row_, 1) - 1].parameters});
         }
         const bool steps_equal =
             row_ > 0 && comparison_.equal() == comparison_.steps() && equal_states_ == states_;

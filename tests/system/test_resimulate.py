@@ -4,6 +4,9 @@
 
 import json
 import shutil
+import signal
+import subprocess
+import time
 import unittest
 
 import h5py
@@ -161,6 +164,17 @@ class Resimulate(support.Programs):
             self.assertEqual(mended["steps"], steps)
             self.assertTrue(mended["equal"])
         self.assertIn("at step 181 the file holds no pose", mended["ended_early"])
+
+    def test_ctrl_c_ends_it_with_what_was_done(self):
+        self.record_expert("term")
+        for wait in (0.2, 2.0):  # before the patient is there, and probably after
+            running = subprocess.Popen([support.BIN / "eti-server", "--resimulate", self.record, "--json"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(wait)
+            running.send_signal(signal.SIGINT)
+            said, errors = running.communicate(timeout=60)
+            self.assertEqual(running.returncode, 130, errors)
+            self.assertLess(json.loads(said)["steps"], SECONDS * 180)
 
     def test_what_cannot_be_done_is_refused(self):
         foreign = self.folder / "foreign.h5"
