@@ -16,8 +16,8 @@ export function anatomySection(sessions, seek) {
   const play = element("button", { onclick: () => (timer === null ? start() : stop()) }, "Play");
   const section = element("input", { type: "checkbox", checked: "", onchange: () => viewer?.cut(section.checked) });
   const views = element("select", { "aria-label": "View from", onchange: () => viewer?.look(views.value) },
-    element("option", { value: "beside" }, "from the left"),
-    element("option", { value: "near" }, "from the left, near"), element("option", { value: "above" }, "from above the face"),
+    element("option", { value: "near" }, "from the left, near"),
+    element("option", { value: "beside" }, "from the left"), element("option", { value: "above" }, "from above the face"),
     element("option", { value: "eye" }, "from the operator"));
   const choice = element("select", { "aria-label": "Session", onchange: () => open(Number(choice.value), 0) },
     ...sessions.map((session, index) => element("option", { value: index }, sessionName(session, index, sessions.length))));
@@ -115,7 +115,8 @@ export function anatomySection(sessions, seek) {
   return {
     section: whole,
     async draw() {
-      await open(0, sessions[0].moments[0]?.time_s ?? 0);
+      await open(0, 0);
+      seek(sessions[0].moments[0]?.time_s ?? 0, 0);
       whole.dataset.ready = "yes";
     },
     seek(time, session) {

@@ -46,9 +46,12 @@ export function number(value) {
   return Number.isInteger(value) && Math.abs(value) < 1e6 ? value.toFixed(0) : value.toFixed(2);
 }
 
-/// A field's aim in words; another parameter that it names, by that one's label.
+/// A field's aim in words; where it names another parameter, with what that one is.
 export function aimOf(field, fields) {
-  return field.norm.replace(/`([^`]*)`/g, (_, key) => fields.find((one) => one.key === key)?.label ?? key);
+  return field.norm.replace(/`([^`]*)`/g, (_, key) => {
+    const other = fields.find((one) => one.key === key);
+    return other ? `${other.label}: ${other.definition}` : key;
+  });
 }
 
 /// A button that goes to a moment.

@@ -118,7 +118,7 @@ export class Viewer {
     this.middle = new Vector3(...glottis).add(new Vector3(...gum)).multiplyScalar(0.5);
     this.resize(width, height);
     this.cut(true);
-    this.look("beside");
+    this.look("near");
   }
 
   /// From where: "beside" (the patient's left), "near" (the same, on the airway), "above" (over the face), "eye" (along
