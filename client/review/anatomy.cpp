@@ -89,6 +89,17 @@ std::size_t nearest(const PointGrid& grid, const Vec3f& point, float cell) {
     }
 }
 
+/// [m]; about as far apart as vertices are, but so that a surface of any size has a bounded number of cells.
+float cell_of(const std::vector<Vec3f>& vertices) {
+    constexpr float usual = 2e-3f, most_along_an_axis = 150.0f;
+    Vec3f low = Vec3f::Constant(INFINITY), high = -low;
+    for (const Vec3f& vertex : vertices) {
+        low = low.cwiseMin(vertex);
+        high = high.cwiseMax(vertex);
+    }
+    return vertices.empty() ? usual : std::max(usual, (high - low).maxCoeff() / most_along_an_axis);
+}
+
 /// Simplified; each vertex is carried as the nearest one of the surface is, and has its tissue.
 ordered_json surface_json(const Surface& surface) {
     const std::size_t budget = surface.name == "body"     ? body_triangles
@@ -104,7 +115,7 @@ ordered_json surface_json(const Surface& surface) {
             tissue[v] = surface.triangle_tissue[t];
         }
     }
-    constexpr float cell = 2e-3f;
+    const float cell = cell_of(surface.mesh.vertices);
     const PointGrid grid(surface.mesh.vertices, cell);
     std::vector<float> rest;
     std::vector<std::uint16_t> frames;
