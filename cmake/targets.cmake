@@ -56,8 +56,8 @@ function(eti_test_label result)
   set(${result} ${label} PARENT_SCOPE)
 endfunction()
 
-# A test program; every TEST becomes a ctest case. Under a sanitizer the whole program is one: what its tests share, such
-# as a newborn that takes a minute to build, is then made once.
+# A test program; every suite becomes a ctest case PROGRAM.SUITE. What the tests of a suite share, such as a newborn that
+# takes seconds to build, is then made once. Under a sanitizer, where it takes a minute, the whole program is one case.
 function(eti_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -71,7 +71,13 @@ function(eti_test name)
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${name} PROPERTIES TIMEOUT 10800 LABELS ${label})
   else()
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${label})
+    set(found ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+    add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${found}
+      COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DNAME=${name} -DLABEL=${label} -DOUT=${found}
+              -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
+    # A program that was not built shows as a case that cannot be run.
+    file(WRITE ${found}.include "if(EXISTS \"${found}\")\n  include(\"${found}\")\nelse()\n  add_test(${name} ${name}_NOT_BUILT)\n  set_tests_properties(${name} PROPERTIES LABELS ${label})\nendif()\n")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${found}.include)
   endif()
 endfunction()
 

@@ -6,12 +6,13 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers panel first_session)
+PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers panel first_session report)
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute"
-                  [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes")
+                  [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes"
+                  [report]="two minutes")
 PICTURES=(laryngoscope section overview)
 LESSONS=(lesson_2 lesson_3 lesson_4 lesson_5 final)
 CHARTS=$ETI_ROOT/docs/charts
@@ -33,7 +34,7 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --help        print this
 Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, render what one
 sees against its goals, readers what a lab's own program reads and what that costs, panel the instructor's beside a session,
-first_session the steps of an intubation with mouse and keys.
+first_session the steps of an intubation with mouse and keys, report the page about two recorded sessions.
 USAGE
 }
 
@@ -151,13 +152,26 @@ first_session() {
     done
 }
 
+# The page about an expert's session beside a novice's, in a browser that draws in software.
+report() {
+    local folder=$OUT/report bin=$ETI_ROOT/build/release/bin operator
+    rm -rf "$folder" && mkdir -p "$folder"
+    for operator in expert novice; do
+        "$bin/eti-server" --scenario term --operator "$operator" --fast --no-dds --record "$folder/$operator.eti.h5" >&2 || return 1
+    done
+    "$bin/eti-review" report "$folder"/{novice,expert}.eti.h5 --out "$folder" >&2 &&
+        chromium --headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader \
+            --hide-scrollbars --window-size=1200,1960 --virtual-time-budget=20000 --user-data-dir="$folder/profile" \
+            --screenshot="$ETI_ROOT/docs/report.png" "file://$folder/report.html" >&2
+}
+
 measure() {
     case $1 in
         accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;
-        anatomy | pictures | render | readers | panel | first_session) "$1" ;;
+        anatomy | pictures | render | readers | panel | first_session | report) "$1" ;;
     esac
 }
 
@@ -171,6 +185,7 @@ if [ $list = yes ]; then
             first_session) printf "$ETI_ROOT/docs/first_session_%s.png\n" "${LESSONS[@]}" ;;
             readers) printf '%s\n' "$ETI_ROOT/docs/lab_readers.png" ;;
             panel) printf '%s\n' "$ETI_ROOT/docs/panel.png" ;;
+            report) printf '%s\n' "$ETI_ROOT/docs/report.png" ;;
         esac
     done | sed "s|^$ETI_ROOT/||"
     exit 0

@@ -256,6 +256,15 @@ class Session:
         table = subprocess.run(review, stdout=subprocess.PIPE, text=True, check=True)
         return json.loads(as_json.stdout), table.stdout
 
+    def report(self):
+        """Writes the page about the session; its path, or None where eti-review was built without it."""
+        done = subprocess.run([self.bin / "eti-review", "report", self.record, "--out", self.folder],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            self.say(f"No report was written: {done.stderr.strip()}")
+            return None
+        return Path(done.stdout.strip())
+
     def said(self, role):
         """The JSON object that a process printed, or an empty one."""
         try:
@@ -323,6 +332,9 @@ def show(session):
         print(f"Pictures      {folder} ({sum(picture.parent == folder for picture in pictures)})")
     for video in videos:
         print(f"Video         {video}")
+    report = session.report()
+    if report:
+        print(f"Report        {report}")
     print(f"Logs          {session.folder / 'logs'}")
     for kind, files in (("picture", pictures), ("video", videos)):
         if not files:

@@ -22,6 +22,8 @@ eti_packages() {
 eti_missing() {
     local installed
     installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | sed -n 's/^installed //p')
+    # A nodejs that is not Debian's brings its own npm, and apt would have to remove it for Debian's.
+    command -v npm >/dev/null && installed+=$'\nnpm'
     printf '%s\n' "$@" | grep -vxF "${installed:-none}"
 }
 

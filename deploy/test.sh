@@ -36,20 +36,44 @@ passed=0 failed=0
 count() {
     local counted
     counted=$(python3 - "$1" <<'PYTHON'
+import re
 import sys
 import xml.etree.ElementTree as ET
 
 passed = failed = 0
+
+
+def named(verdict, said):
+    """GoogleTest's tests of a verdict: it names each where it ends, and some again at the end."""
+    return sorted(set(re.findall(rf"^\[ +{verdict} +\] ([^\s.,]+\.[^\s,]+)", said, re.MULTILINE)))
+
+
+def tell(verdict, name, said=""):
+    print(f"{verdict}: {name}{said}", file=sys.stderr)
+
+
 for case in ET.parse(sys.argv[1]).getroot().iter("testcase"):
-    not_run = case.find("skipped")
-    if case.get("status") == "run":
+    name, said, not_run = case.get("name"), case.findtext("system-out") or "", case.find("skipped")
+    # A suite of GoogleTest is one case, but each of its tests counts.
+    suite = re.search(r"^\[=+\] (\d+) tests? from .* ran\.", said, re.MULTILINE)
+    if suite:
+        wrong, skipped = named("FAILED", said), named("SKIPPED", said)
+        if case.get("status") == "fail" and not wrong:      # such as a crash after its last test
+            wrong = [name]
+        passed += max(0, int(suite[1]) - len(wrong) - len(skipped))
+        failed += len(wrong)
+        for test in wrong:
+            tell("Failed", test)
+        for test in skipped:
+            tell("Skipped", test)
+    elif case.get("status") == "run":
         passed += 1
     elif not_run is not None and not_run.get("message", "").startswith("SKIP_"):
-        reason = [line for line in (case.findtext("system-out") or "").splitlines() if "skipped" in line.lower()]
-        print(f"Skipped: {case.get('name')}: {reason[0].strip() if reason else 'no reason given'}", file=sys.stderr)
+        reason = [line for line in said.splitlines() if "skipped" in line.lower()]
+        tell("Skipped", name, f": {reason[0].strip() if reason else 'no reason given'}")
     else:  # also what could not be started: a missing program, a fixture that failed
         failed += 1
-        print(f"Failed: {case.get('name')}", file=sys.stderr)
+        tell("Failed", name)
 print(passed, failed)
 PYTHON
     ) || counted="0 1"
@@ -65,7 +89,7 @@ run() {
     rm -f "$results"
     eti_say "== Tests of build/$preset"
     (cd "$ETI_ROOT" && ctest --preset "$preset" --parallel "${ETI_TEST_JOBS:-$(($(eti_jobs) + 1))}" --no-tests=error \
-        --output-junit "$results" "$@" >&2)
+        --test-output-size-passed 100000 --output-junit "$results" "$@" >&2)
     count "$results"
 }
 

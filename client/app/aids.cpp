@@ -2,9 +2,11 @@
 // Copyright the NeoETI authors
 #include "client/app/aids.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,14 +29,28 @@ class Projection {
     /// Pixels from the picture's upper left; nothing for what lies behind the camera.
     [[nodiscard]] std::optional<Eigen::Vector2f> pixel(const Vec3f& point) const {
         const Eigen::Vector4f clip = matrix_ * point.homogeneous();
-        if (clip.w() <= 0.0f) {
+        return clip.w() > 0.0f ? std::optional(pixel_of(clip)) : std::nullopt;
+    }
+    /// Both ends of what of a line lies before the camera.
+    [[nodiscard]] std::optional<std::pair<Eigen::Vector2f, Eigen::Vector2f>> line(const Vec3f& from,
+                                                                                  const Vec3f& to) const {
+        constexpr float nearest = 1e-2f;  // [m]; nearer ones would lie far outside
+        Eigen::Vector4f a = matrix_ * from.homogeneous(), b = matrix_ * to.homogeneous();
+        if (a.w() < nearest && b.w() < nearest) {
             return std::nullopt;
         }
+        const Eigen::Vector4f cut = a + (nearest - a.w()) / (b.w() - a.w()) * (b - a);
+        a = a.w() < nearest ? cut : a;
+        b = b.w() < nearest ? cut : b;
+        return std::pair(pixel_of(a), pixel_of(b));
+    }
+
+  private:
+    [[nodiscard]] Eigen::Vector2f pixel_of(const Eigen::Vector4f& clip) const {
         const Eigen::Vector2f place(1.0f + clip.x() / clip.w(), 1.0f - clip.y() / clip.w());
         return corner_ + place.cwiseProduct(half_);
     }
 
-  private:
     Eigen::Matrix4f matrix_;
     Eigen::Vector2f corner_, half_;
 };
@@ -86,21 +102,34 @@ void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const
     }
 }
 
-}  // namespace
-
 bool shows_look(const render::View& view) {
     return view.has(render::Overlay::line_of_sight) || view.has(render::Overlay::sight_dot);
 }
 
-std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
-                               const render::Vantage& from, const std::optional<view::Look>& look,
-                               const hud::Tile& tile) {
+}  // namespace
+
+std::optional<view::Look> look_for(const std::vector<const render::View*>& views,
+                                   const view::SceneView& scene, const render::Vantage& from) {
+    const bool shown = scene.metrics() && scene.shows(&LiveValues::view_sight_line) &&
+                       std::ranges::any_of(views, [](const render::View* view) { return shows_look(*view); });
+    return shown ? std::optional(view::look_of(scene, from.eye)) : std::nullopt;
+}
+
+std::optional<hud::Mark> line_of(const Vec3f& from, const Vec3f& to, const render::Camera& camera,
+                                 const hud::Tile& tile) {
+    const auto line = Projection(camera, tile).line(from, to);
+    return line ? std::optional(hud::Mark{line->first, line->second, hud::Level::neutral, {}}) : std::nullopt;
+}
+
+std::vector<hud::Mark> aids_of(const render::View& view, const render::Camera& camera,
+                               const view::SceneView& scene, const render::Vantage& from,
+                               const std::optional<view::Look>& look, const hud::Tile& tile) {
     using render::Overlay;
     std::vector<hud::Mark> marks;
     if (!scene.metrics()) {
         return marks;
     }
-    const Projection projection(view.camera(scene, from), tile);
+    const Projection projection(camera, tile);
     if (view.has(Overlay::axes) && scene.shows(&LiveValues::view_axes)) {
         add_axes(marks, projection, scene);
     }

@@ -12,14 +12,22 @@
 
 namespace eti::client {
 
-/// What the session's aids draw over a view that fills `tile`: the upper gum in the colour of the force on
-/// it, where it is pressed; the look onto the glottis, with the name of what it meets first; the axes of the
-/// airway. `look`: where the session asks for it; it is the same in every view of a picture.
-[[nodiscard]] std::vector<hud::Mark> aids_of(const render::View& view, const view::SceneView& scene,
-                                             const render::Vantage& from,
+/// What the session's aids draw over a view that fills `tile`, through one of its cameras: the upper gum in
+/// the colour of the force on it, where it is pressed; the look onto the glottis, with the name of what it
+/// meets first; the axes of the airway. `look`: where the session asks for it; it is the same in every view
+/// of a picture.
+[[nodiscard]] std::vector<hud::Mark> aids_of(const render::View& view, const render::Camera& camera,
+                                             const view::SceneView& scene, const render::Vantage& from,
                                              const std::optional<view::Look>& look, const hud::Tile& tile);
 
-/// Whether a view shows where the look onto the glottis ends.
-[[nodiscard]] bool shows_look(const render::View& view);
+/// The look onto the glottis, where the session asks for it and one of these views shows it: every surface is
+/// tried for it, once for all views.
+[[nodiscard]] std::optional<view::Look> look_for(const std::vector<const render::View*>& views,
+                                                 const view::SceneView& scene, const render::Vantage& from);
+
+/// A line between two points [m], patient frame, as a camera that fills `tile` sees it; nothing where all of
+/// it lies behind the camera.
+[[nodiscard]] std::optional<hud::Mark> line_of(const Vec3f& from, const Vec3f& to,
+                                               const render::Camera& camera, const hud::Tile& tile);
 
 }  // namespace eti::client

@@ -32,16 +32,18 @@ std::vector<PlacedView> layout(const Views& views, int width, int height, Arrang
         return rows_of_two(views, width, height);
     }
     std::vector<PlacedView> out;
-    const int beside = static_cast<int>(views.size()) - 1;
-    const int left = beside > 0 ? width * 56 / 100 : width;
-    for (int i = 0; i <= beside; ++i) {
+    const int others = static_cast<int>(views.size()) - 1;
+    const bool upright = height > width;
+    // Along the longer side.
+    const int along = upright ? height : width, across = upright ? width : height;
+    const int first = others > 0 ? along * 56 / 100 : along;
+    for (int i = 0; i <= others; ++i) {
         const render::View* const view = views[static_cast<std::size_t>(i)];
-        if (i == 0) {
-            out.push_back({view, {view->name, 0, 0, left, height}});
-        } else {
-            const int top = height * (i - 1) / beside, bottom = height * i / beside;
-            out.push_back({view, {view->name, left, top, width - left, bottom - top}});
-        }
+        const int begin = i == 0 ? 0 : across * (i - 1) / others;
+        const int end = i == 0 ? across : across * i / others;
+        const int near = i == 0 ? 0 : first, far = i == 0 ? first : along;
+        out.push_back({view, upright ? hud::Tile{view->name, begin, near, end - begin, far - near}
+                                     : hud::Tile{view->name, near, begin, far - near, end - begin}});
     }
     return out;
 }
@@ -58,14 +60,22 @@ std::optional<PlacedView> placed_at(const Selection& selection, const view::Scen
 }
 
 Compositor::Compositor(int width, int height, const render::Quality& quality)
-    : quality_(quality),
+    : quality_(&quality),
       target_(width, height, quality.samples),
-      renderer_(quality),
+      renderer_(std::in_place, quality),
       times_(render::views().size()) {}
+
+void Compositor::set_quality(const render::Quality& quality) {
+    if (quality_ != &quality) {
+        quality_ = &quality;
+        target_ = render::RenderTarget(target_.width(), target_.height(), quality.samples);
+        renderer_.emplace(quality);
+    }
+}
 
 void Compositor::resize(int width, int height) {
     if (width != target_.width() || height != target_.height()) {
-        target_ = render::RenderTarget(width, height, quality_.samples);
+        target_ = render::RenderTarget(width, height, quality_->samples);
     }
 }
 
@@ -76,24 +86,19 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
     glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
     const auto start = std::chrono::steady_clock::now();
-    renderer_.sync(scene, baking_);
+    renderer_->sync(scene, baking_);
     if (measured) {
         glFinish();
         sync_time_.add(start);
     }
-    // Every surface is tried for it: once for all views.
-    std::optional<view::Look> look;
-    if (scene.metrics() && scene.shows(&LiveValues::view_sight_line) &&
-        std::ranges::any_of(views, [](const render::View* view) { return shows_look(*view); })) {
-        look = view::look_of(scene, from.eye);
-    }
+    const std::optional<view::Look> look = look_for(views, scene, from);
     for (const PlacedView& placed : layout(views, target_.width(), target_.height(), arrangement)) {
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
-        tile.marks = aids_of(*placed.view, scene, from, look, tile);
+        tile.marks = aids_of(*placed.view, placed.view->camera(scene, from), scene, from, look, tile);
         // OpenGL counts rows from below.
-        renderer_.draw(*placed.view, scene, target_,
-                       {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);
+        renderer_->draw(*placed.view, scene, target_,
+                        {tile.x, target_.height() - tile.y - tile.height, tile.width, tile.height}, from);
         tiles.push_back(tile);
         if (measured) {
             glFinish();

@@ -54,7 +54,9 @@ class Compositor {
     void bake_beside() { baking_ = render::Baking::go_on; }
 
     [[nodiscard]] const render::RenderTarget& target() const { return target_; }
-    [[nodiscard]] const render::Quality& quality() const { return quality_; }
+    [[nodiscard]] const render::Quality& quality() const { return *quality_; }
+    /// From now on; what was on the graphics card is made anew.
+    void set_quality(const render::Quality& quality);
     void resize(int width, int height);
     /// Of bringing the scene's state to the graphics card.
     [[nodiscard]] const DrawTime& sync_time() const { return sync_time_; }
@@ -62,10 +64,10 @@ class Compositor {
     [[nodiscard]] const std::vector<DrawTime>& times() const { return times_; }
 
   private:
-    const render::Quality& quality_;
+    const render::Quality* quality_;
     render::Baking baking_ = render::Baking::wait;
     render::RenderTarget target_;
-    render::SceneRenderer renderer_;
+    std::optional<render::SceneRenderer> renderer_;
     hud::Hud hud_;
     DrawTime sync_time_;
     std::vector<DrawTime> times_;

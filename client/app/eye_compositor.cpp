@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
+#include "client/app/aids.hpp"
 #include "client/render/view_table.hpp"
 
 namespace eti::client {
@@ -23,12 +25,30 @@ EyeCompositor::EyeCompositor(int eye_width, int eye_height, const render::Qualit
       sheet_(sheet_width, sheet_height, 1),
       renderer_(quality) {}
 
-void EyeCompositor::draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown) {
+void EyeCompositor::draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown,
+                              std::span<const Ray> rays) {
+    const render::View& view = render::headset_view();
     clear(both_, 1.0f);
     renderer_.sync(scene, render::Baking::go_on);
-    if (shown) {
-        renderer_.draw(render::headset_view(), scene, both_, {0, 0, both_.width(), both_.height()}, from);
+    if (!shown || from.worn.size() != 2) {
+        return;
     }
+    renderer_.draw(view, scene, both_, {0, 0, both_.width(), both_.height()}, from);
+    const std::optional<view::Look> look = look_for({&view}, scene, from);
+    const int wide = both_.width() / 2;
+    std::array<hud::Tile, 2> eyes{hud::Tile{{}, 0, 0, wide, both_.height()},
+                                  hud::Tile{{}, wide, 0, wide, both_.height()}};
+    for (std::size_t i = 0; i < eyes.size(); ++i) {
+        hud::Tile& eye = eyes[i];
+        eye.marks = aids_of(view, from.worn[i], scene, from, look, eye);
+        for (const Ray& ray : rays) {
+            if (const auto line = line_of(ray.from, ray.to, from.worn[i], eye)) {
+                eye.marks.push_back(*line);
+            }
+        }
+    }
+    both_.bind_picture();
+    hud_.draw_eyes(eyes, both_.width(), both_.height());
 }
 
 void EyeCompositor::finish() const {

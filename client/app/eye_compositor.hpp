@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <span>
+
 #include "client/hud/hud.hpp"
 #include "client/hud/readout.hpp"
 #include "client/render/render_target.hpp"
@@ -10,16 +12,23 @@
 
 namespace eti::client {
 
-/// Draws what a headset shows: a picture for each eye, and a sheet with the readout. Text over the eyes'
-/// pictures would lie at no distance that eyes can settle on.
+/// Draws what a headset shows: a picture for each eye, and a sheet with the readout. Over the eyes' pictures
+/// only marks are drawn: each lies as far away as what it marks, where eyes settle on both.
 class EyeCompositor {
   public:
     static constexpr int sheet_width = 768, sheet_height = 448;
 
     EyeCompositor(int eye_width, int eye_height, const render::Quality& quality);
 
-    /// Both eyes are then in both(), side by side. `shown`: there is a patient to be seen.
-    void draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown);
+    /// A line [m] in the patient frame: what a hand points with.
+    struct Ray {
+        Vec3f from, to;
+    };
+
+    /// Both eyes are then in both(), side by side, with the session's aids. `shown`: there is a patient to be
+    /// seen.
+    void draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown,
+                   std::span<const Ray> rays = {});
     /// The readout is then in sheet(), clear where it says nothing.
     void draw_sheet(const hud::Readout& readout);
 

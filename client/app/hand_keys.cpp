@@ -2,16 +2,16 @@
 // Copyright the NeoETI authors
 #include "client/app/hand_keys.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "client/app/command_keys.hpp"
+#include "client/app/laser_pointer.hpp"
 
 namespace eti::client {
 namespace {
 
-// A trigger that trembles about one threshold would switch the suction on and off.
-constexpr float trigger_on = 0.5f, trigger_off = 0.3f;
 // In the pad's middle no direction is meant.
 constexpr float pad_middle = 0.3f;
 
@@ -27,17 +27,17 @@ char32_t key_of(const hmd::Pad& pad, char32_t up, char32_t down, char32_t left, 
 }
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> help{
-    {{"trigger", "suction while held"},
+    {{"trigger", "suction while held; pointing at the panel, a click"},
      {"right pad", "pressed up or down: head; right or left: jaw open or closed"},
      {"left pad", "pressed up or down: table"},
-     {"menu", "enhanced view on or off"},
+     {"menu", "right: enhanced view; left: panel"},
      {"two buttons", "right: suction, enhanced view; left: head up, head down"}}};
 
 }  // namespace
 
 std::vector<KeyEvent> HandKeys::follow(const hmd::HandInput& hands) {
     std::set<char32_t> now;
-    if (hands.suction >= (held_.contains(U's') ? trigger_off : trigger_on)) {
+    if (pulled(std::max(hands.hands[0].trigger, hands.hands[1].trigger), held_.contains(U's'))) {
         now.insert(U's');
     }
     now.insert(key_of(hands.head_and_jaw, key_up, key_down, key_left, key_right));
@@ -50,6 +50,9 @@ std::vector<KeyEvent> HandKeys::follow(const hmd::HandInput& hands) {
     }
     if (hands.enhanced) {
         now.insert(U'e');
+    }
+    if (hands.panel) {
+        now.insert(U'p');
     }
     now.erase(0);
     std::vector<KeyEvent> out;

@@ -17,7 +17,8 @@ namespace eti::client {
 /// then those of the keyboard.
 class HandKeys {
   public:
-    /// What has changed since the last call, and again what is held. Fingers at rest let go of every key.
+    /// What has changed since the last call, and again what is held. Fingers at rest let go of every key. Of
+    /// the triggers the one that is pulled further sucks.
     [[nodiscard]] std::vector<KeyEvent> follow(const hmd::HandInput& hands);
 
   private:

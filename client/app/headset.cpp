@@ -4,16 +4,19 @@
 
 #include <spdlog/spdlog.h>
 
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
 #include "client/app/eye_compositor.hpp"
 #include "client/app/hand_keys.hpp"
+#include "client/app/headset_panel.hpp"
 #include "client/app/session_input.hpp"
 #include "client/app/window.hpp"
 #include "client/hmd/graphics.hpp"
@@ -76,6 +79,7 @@ class HeadsetClient {
             commands_.emplace(node_, options.bus.name);
         }
         controls_.emplace(*options.selection, commands_ ? &*commands_ : nullptr, options.vantage);
+        panel_.emplace(node_, commands_ ? &*commands_ : nullptr, options.panel);
     }
 
     void run(std::optional<hmd::Runtime>& runtime) {
@@ -118,6 +122,7 @@ class HeadsetClient {
     [[nodiscard]] nlohmann::json report() {
         nlohmann::json out{{"session", options_.bus.session},
                            {"view", "hmd"},
+                           {"scenarios", input_.scenarios()},
                            {"end", end()},
                            {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
                            {"frames", frames_},
@@ -183,8 +188,10 @@ class HeadsetClient {
             pictures_ = std::make_unique<EyeCompositor>(headset.eye_width, headset.eye_height, quality_);
         }
         {
-            hmd::Session session(runtime, headset, graphics_, EyeCompositor::sheet_width,
-                                 EyeCompositor::sheet_height);
+            constexpr std::array<hmd::Session::PanelSize, 2> panels{
+                {{EyeCompositor::sheet_width, EyeCompositor::sheet_height},
+                 {HeadsetPanel::width, HeadsetPanel::height}}};
+            hmd::Session session(runtime, headset, graphics_, panels);
             layered_ = session.layered();
             spdlog::info("{}: {} x {} pixels an eye, {}", headset.name, headset.eye_width, headset.eye_height,
                          layered_ ? "both in one picture of two layers" : "a picture for each");
@@ -225,8 +232,12 @@ class HeadsetClient {
         }
         scene_.update();
         tend_window();
-        press(hand_keys_.follow(session.hands()));
+        hmd::HandInput hands = session.hands(frame);
+        panel_->point(hands);
+        press(hand_keys_.follow(hands));
         controls_->tend(now);
+        panel_->follow(scene_, input_, controls_->refusals(), now);
+        std::vector<hmd::Panel> panels{sheet};
         std::optional<hmd::Eyes> eyes = session.eyes(frame);
         if (eyes) {
             look_through(*eyes);
@@ -236,18 +247,25 @@ class HeadsetClient {
             eyes.reset();
         }
         if (eyes) {
-            hud::Readout readout = hud::readout_of(scene_, server_lost());
+            hud::Readout readout = hud::readout_of(scene_, server_lost(), node_.contested());
             if (frames_ < frames_with_help && !options_.observe) {
                 for (const auto& [input, meaning] : hands_help()) {
                     readout.keys.emplace_back(std::string(input) + ':', meaning);
                 }
             }
             controls_->put_into(readout, now);
-            measure(eyes_time_, [&] { pictures_->draw_eyes(scene_, vantage_, scene_.shaped()); });
-            measure(sheet_time_, [&] { pictures_->draw_sheet(readout); });
-            measure(hand_over_time_, [&] { session.draw(pictures_->both(), pictures_->sheet()); });
+            measure(eyes_time_, [&] { pictures_->draw_eyes(scene_, vantage_, scene_.shaped(), rays()); });
+            std::vector<const render::RenderTarget*> drawn{&pictures_->sheet()};
+            measure(sheet_time_, [&] {
+                pictures_->draw_sheet(readout);
+                if (panel_->shown()) {
+                    drawn.push_back(&panel_->draw(now));
+                    panels.push_back(HeadsetPanel::place());
+                }
+            });
+            measure(hand_over_time_, [&] { session.draw(pictures_->both(), drawn); });
         }
-        session.end_frame(frame, eyes, sheet);
+        session.end_frame(frame, eyes, panels);
         if (Window* const window = screen_.window(); window != nullptr && eyes && !window->minimised()) {
             graphics_.make_current();
             pictures_->mirror(window->width(), window->height());
@@ -282,11 +300,30 @@ class HeadsetClient {
     void press(const std::vector<KeyEvent>& keys) {
         const auto now = Clock::now();
         for (const KeyEvent& event : keys) {
+            if (event.key == U'p' || event.key == key_f1) {
+                if (event.down && !event.repeated) {
+                    panel_->toggle();
+                }
+                continue;
+            }
             event.down ? controls_->press(event.key, event.repeated, scene_, now)
                        : controls_->release(event.key, now);
         }
     }
-    void let_go_of_hands() { press(hand_keys_.follow({})); }
+    // In the patient's frame, as the eyes are.
+    [[nodiscard]] std::vector<EyeCompositor::Ray> rays() const {
+        const RigidTransform to_patient = room_.patient(scene_.live().table_angle).inverse();
+        std::vector<EyeCompositor::Ray> out;
+        for (const LaserPointer::Ray& ray : panel_->rays()) {
+            out.push_back({to_patient * ray.from, to_patient * ray.to});
+        }
+        return out;
+    }
+    void let_go_of_hands() {
+        hmd::HandInput none;
+        panel_->point(none);
+        press(hand_keys_.follow(none));
+    }
 
     [[nodiscard]] bool server_lost() const {
         return (input_.presence() == Presence::gone || input_.presence() == Presence::silent) &&
@@ -302,6 +339,7 @@ class HeadsetClient {
     std::optional<bus::CommandSender> commands_;
     std::optional<Controls> controls_;
     HandKeys hand_keys_;
+    std::optional<HeadsetPanel> panel_;
     hmd::Room room_;
     view::SceneView scene_;
     render::Vantage vantage_;

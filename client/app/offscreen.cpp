@@ -60,8 +60,8 @@ class Offscreen {
           node_(node),
           // Frames are drawn at most at the video's rate; 30 Hz of shapes are enough for that.
           input_(node, options.frames_per_second > 30.0, options.is_trainee()),
-          compositor_(options.width, options.height,
-                      options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          compositor_(options.width, options.height, quality_),
           pictures_(options.offscreen) {
         if (options.hands) {
             hands_ = std::make_unique<HandControls>(node, options.play, options.tutorial);
@@ -105,11 +105,9 @@ class Offscreen {
 
     void follow() {
         while (end_ == End::none) {
-            input_.take_into(scene_);
-            best_.consider(scene_);
+            look();
             if (hands_ && hands_->look(scene_, selection())) {
-                scene_.update();
-                take_pictures(scene_, fmt::format("lesson_{}", hands_->lesson()));
+                take_pictures_now(fmt::format("lesson_{}", hands_->lesson()));
             }
             end_ = why_to_end();
             if (end_ == End::none && !draw_if_due()) {
@@ -119,8 +117,7 @@ class Offscreen {
         if (end_ == End::finished) {
             // Shapes and status travel on different topics; let the last shapes arrive.
             for (const auto until = Clock::now() + 300ms; Clock::now() < until; input_.wait(20ms)) {
-                input_.take_into(scene_);
-                best_.consider(scene_);
+                look();
             }
         }
     }
@@ -128,7 +125,7 @@ class Offscreen {
     void finish() {
         if (scene_.complete()) {
             scene_.update();
-            take_pictures(scene_, "final");
+            take_pictures(scene_, readout(), "final");
             if (video_) {
                 compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), false,
                                  selection().arrangement);
@@ -136,9 +133,7 @@ class Offscreen {
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
             if (best_.scene()) {
-                view::SceneView best = *best_.scene();
-                best.update();
-                take_pictures(best, "best");
+                take_best_pictures(*best_.scene());
             }
         }
         if (video_) {
@@ -161,12 +156,13 @@ class Offscreen {
         nlohmann::json report{
             {"session", options_.bus.session},
             {"view", std::string(options_.selection->name)},
+            {"scenarios", input_.scenarios()},
             {"end", name_of(end_)},
             {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
             {"frames", frames_},
             {"frames_drawn", drawn_},
             {"frames_held", held_},
-            {"quality", std::string(compositor_.quality().name)},
+            {"quality", std::string(quality_.name)},
             {"sync_ms", compositor_.sync_time().mean_ms()},
             {"draw_ms", times},
             {"best_glottic_opening_percent", best_.percent()},
@@ -185,7 +181,7 @@ class Offscreen {
         return report;
     }
 
-    [[nodiscard]] const render::Quality& quality() const { return compositor_.quality(); }
+    [[nodiscard]] const render::Quality& quality() const { return quality_; }
     [[nodiscard]] End end() const { return end_; }
     [[nodiscard]] bool has_scene() const { return scene_.complete(); }
 
@@ -200,7 +196,8 @@ class Offscreen {
     }
 
     [[nodiscard]] hud::Readout readout() const {
-        hud::Readout out = hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone);
+        hud::Readout out = hud::readout_of(scene_, end_ == End::lost || input_.presence() == Presence::gone,
+                                           node_.contested());
         if (hands_) {
             hands_->put_into(out);
         }
@@ -240,19 +237,16 @@ class Offscreen {
         const auto begin = Clock::now();
         const bool picture_due =
             options_.every_s > 0.0 && (frames_ == 0 || time_s >= next_picture_s_ || tick < last_tick_);
-        // Surfaces are brought up to date where somebody will see them.
-        if (picture_due || video_) {
-            scene_.update();
-        }
-        if (picture_due) {
-            take_pictures(scene_, "");
-            next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
-        }
         if (video_) {
+            scene_.update();
             compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), true,
                              selection().arrangement);
             add_to_video(tick);
             ++drawn_;
+        }
+        if (picture_due) {
+            take_pictures_now("");
+            next_picture_s_ = (std::floor(time_s / options_.every_s) + 1.0) * options_.every_s;
         }
         input_.publish_eye(scene_, options_.vantage.eye);
         ++frames_;
@@ -273,10 +267,30 @@ class Offscreen {
         video_->add(last_image_);
     }
 
-    void take_pictures(const view::SceneView& scene, std::string_view occasion) {
-        const bool live = &scene == &scene_;
-        pictures_.take(compositor_, selection(), scene, live ? readout() : hud::readout_of(scene, false),
-                       vantage_of(scene), occasion);
+    void look() {
+        input_.take_into(scene_);
+        best_.consider(scene_);
+    }
+
+    /// Of the scene as it is now, which goes on meanwhile: what is seen best may last less than they take.
+    void take_pictures_now(std::string_view occasion) {
+        view::SceneView now = scene_;
+        now.update();
+        take_pictures(now, readout(), occasion, [this] { look(); });
+    }
+
+    /// The session is over: unless told otherwise, time is taken to draw them as well as it goes.
+    void take_best_pictures(view::SceneView best) {
+        best.update();
+        if (options_.quality == nullptr) {
+            compositor_.set_quality(render::qualities().back());
+        }
+        take_pictures(best, hud::readout_of(best, false), "best");
+    }
+
+    void take_pictures(const view::SceneView& scene, const hud::Readout& said, std::string_view occasion,
+                       const std::function<void()>& between = {}) {
+        pictures_.take(compositor_, selection(), scene, said, vantage_of(scene), occasion, between);
     }
 
     const Options& options_;
@@ -285,6 +299,7 @@ class Offscreen {
     SessionInput input_;
     view::SceneView scene_;
     render::HeadlessContext context_;
+    const render::Quality& quality_;  // of all but what is drawn when the session is over
     Compositor compositor_;
     Pictures pictures_;
     BestView best_;

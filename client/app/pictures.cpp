@@ -55,8 +55,12 @@ void BestView::consider(const view::SceneView& scene) {
 }
 
 void Pictures::take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
-                    const hud::Readout& readout, const render::Vantage& from, std::string_view occasion) {
+                    const hud::Readout& readout, const render::Vantage& from, std::string_view occasion,
+                    const std::function<void()>& between) {
     const auto draw = [&](std::string_view name, const Views& views) {
+        if (between) {
+            between();
+        }
         compositor.draw(views, scene, readout, from, false, selection.arrangement);
         const auto file = folder_ / picture_name(name, occasion, readout.time_s);
         render::write_png(compositor.target().read(), file);

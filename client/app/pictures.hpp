@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -38,9 +39,11 @@ class Pictures {
   public:
     explicit Pictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    /// Throws std::runtime_error when a picture cannot be written.
+    /// Calls `between` before each picture: one takes a software rasteriser seconds. Throws
+    /// std::runtime_error when a picture cannot be written.
     void take(Compositor& compositor, const Selection& selection, const view::SceneView& scene,
-              const hud::Readout& readout, const render::Vantage& from, std::string_view occasion);
+              const hud::Readout& readout, const render::Vantage& from, std::string_view occasion,
+              const std::function<void()>& between);
     [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
 
   private:

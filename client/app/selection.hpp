@@ -16,7 +16,8 @@ using Views = std::vector<const render::View*>;
 
 /// How several views share a picture.
 enum class Arrangement : std::uint8_t {
-    first_large,  ///< the others stand beside it one above the other
+    first_large,  ///< the others stand beside it one above the other; below it side by side where it is
+                  ///< upright
     even,         ///< all alike, in rows of two
 };
 

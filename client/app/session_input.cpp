@@ -37,7 +37,13 @@ bool SessionInput::take_into(view::SceneView& scene) {
             any = true;
         }
     };
-    take_all(description_, description_message_);
+    while (description_.take(description_message_)) {
+        any = true;
+        const std::string scenario = description_message_.scenario().to_string();
+        if (scene.apply(description_message_) && (scenarios_.empty() || scenarios_.back() != scenario)) {
+            scenarios_.push_back(scenario);
+        }
+    }
     take_all(scene_, scene_message_);
     take_all(status_, status_message_);
     while (deformation_.take(deformation_message_)) {

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "client/app/arrival.hpp"
 #include "client/view/scene_view.hpp"
@@ -37,6 +39,8 @@ class SessionInput {
     [[nodiscard]] Presence presence() const { return presence_; }
     /// Since when presence() is what it is [s].
     [[nodiscard]] double presence_for_s() const;
+    /// Of the sessions that were shown, one after another; of several of one scenario, one name.
+    [[nodiscard]] const std::vector<std::string>& scenarios() const { return scenarios_; }
     /// How shapes arrive.
     [[nodiscard]] const Arrival& arrival() const { return arrival_; }
     /// A server is on the bus, though it may not have published its scene yet.
@@ -46,6 +50,7 @@ class SessionInput {
     void update_presence();
 
     Arrival arrival_;
+    std::vector<std::string> scenarios_;
     bus::Subscriber<msg::SessionDescription> description_;
     bus::Subscriber<msg::SceneDescription> scene_;
     bus::Subscriber<msg::DeformationState> deformation_;

@@ -2,15 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <chrono>
 #include <span>
 
-#include "client/app/session_input.hpp"
+#include "client/app/session_panel.hpp"
 #include "client/app/window.hpp"
 #include "client/panel/drawing.hpp"
-#include "client/panel/model.hpp"
-#include "common/bus/bus.hpp"
-#include "common/bus/command_sender.hpp"
 
 namespace eti::client {
 
@@ -34,22 +30,18 @@ class WindowPanel {
 
     /// Takes in what the server says, and sends what was asked for.
     void follow(const view::SceneView& scene, const SessionInput& input,
-                std::span<const bus::Refusal> refusals, Time now);
+                std::span<const bus::Refusal> refusals, Time now) {
+        session_.follow(scene, input, refusals, now);
+    }
     /// Of the window, what is left to the scene.
     [[nodiscard]] panel::Area scene_area() const;
     /// Into the window, beside the scene.
     void draw(Time now);
 
   private:
-    void note_programs(Time now);
-
     Window& window_;
-    bus::Node& node_;
-    bus::CommandSender* commands_;
+    SessionPanel session_;
     panel::Drawing drawing_;
-    panel::Model model_;
-    panel::Connection connection_;
-    Time programs_noted_{};
     bool shown_;
 };
 

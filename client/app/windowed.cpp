@@ -132,7 +132,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         }
         if (const auto shown = shown_now(selection, scene, window.minimised())) {
             compositor.resize(area.width, area.height);
-            hud::Readout readout = hud::readout_of(scene, was_lost);
+            hud::Readout readout = hud::readout_of(scene, was_lost, node.contested());
             if (hands) {
                 hands->put_into(readout);
             }
@@ -162,6 +162,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     }
     result = {{"session", options.bus.session},
               {"view", std::string(controls.selection().name)},
+              {"scenarios", input.scenarios()},
               {"end", stop_asked() ? "stopped" : "closed"},
               {"simulation_time_s", 1e-9 * static_cast<double>(scene.simulation_time_ns())},
               {"frames", frames},

@@ -21,7 +21,9 @@ Actions::Actions(XrInstance instance, XrSession session) : session_(session) {
     std::strncpy(info.actionSetName, "hands", XR_MAX_ACTION_SET_NAME_SIZE - 1);
     std::strncpy(info.localizedActionSetName, "Hands", XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE - 1);
     check(xrCreateActionSet(instance, &info, set_.put()), "xrCreateActionSet");
-    suction_ = make(XR_ACTION_TYPE_FLOAT_INPUT, "suction", "Suction");
+    hands_ = {path(instance, "/user/hand/left"), path(instance, "/user/hand/right")};
+    trigger_ = make(XR_ACTION_TYPE_FLOAT_INPUT, "trigger", "Suction, or a click on the panel", Of::each_hand);
+    aim_ = make(XR_ACTION_TYPE_POSE_INPUT, "aim", "Point at the panel", Of::each_hand);
     head_and_jaw_ =
         make(XR_ACTION_TYPE_VECTOR2F_INPUT, "head_and_jaw", "Head up and down, jaw open and closed");
     head_and_jaw_pressed_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "head_and_jaw_pressed", "Move head or jaw");
@@ -30,19 +32,31 @@ Actions::Actions(XrInstance instance, XrSession session) : session_(session) {
     head_up_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "head_up", "Head up");
     head_down_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "head_down", "Head down");
     enhanced_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "enhanced", "Enhanced view on or off");
+    panel_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "panel", "Instructor's panel on or off");
     suggest(instance);
     const XrActionSet set = set_.get();
     auto attach = made<XrSessionActionSetsAttachInfo>(XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO);
     attach.countActionSets = 1;
     attach.actionSets = &set;
     check(xrAttachSessionActionSets(session, &attach), "xrAttachSessionActionSets");
+    for (std::size_t hand = 0; hand < hands_.size(); ++hand) {
+        auto space = made<XrActionSpaceCreateInfo>(XR_TYPE_ACTION_SPACE_CREATE_INFO);
+        space.action = aim_;
+        space.subactionPath = hands_[hand];
+        space.poseInActionSpace = to_xr(RigidTransform{});
+        check(xrCreateActionSpace(session, &space, aims_[hand].put()), "xrCreateActionSpace");
+    }
 }
 
-XrAction Actions::make(XrActionType type, const char* name, const char* shown) const {
+XrAction Actions::make(XrActionType type, const char* name, const char* shown, Of of) const {
     auto info = made<XrActionCreateInfo>(XR_TYPE_ACTION_CREATE_INFO);
     info.actionType = type;
     std::strncpy(info.actionName, name, XR_MAX_ACTION_NAME_SIZE - 1);
     std::strncpy(info.localizedActionName, shown, XR_MAX_LOCALIZED_ACTION_NAME_SIZE - 1);
+    if (of == Of::each_hand) {
+        info.countSubactionPaths = static_cast<std::uint32_t>(hands_.size());
+        info.subactionPaths = hands_.data();
+    }
     XrAction action = XR_NULL_HANDLE;
     check(xrCreateAction(set_.get(), &info, &action), "xrCreateAction");
     return action;
@@ -59,17 +73,20 @@ void Actions::suggest(XrInstance instance) const {
         std::vector<Row> rows;
     };
     const std::vector<Profile> profiles{{"/interaction_profiles/htc/vive_controller",
-                                         {{suction_, "/user/hand/right/input/trigger/value"},
-                                          {suction_, "/user/hand/left/input/trigger/value"},
+                                         {{trigger_, "/user/hand/right/input/trigger/value"},
+                                          {trigger_, "/user/hand/left/input/trigger/value"},
+                                          {aim_, "/user/hand/right/input/aim/pose"},
+                                          {aim_, "/user/hand/left/input/aim/pose"},
                                           {head_and_jaw_, "/user/hand/right/input/trackpad"},
                                           {head_and_jaw_pressed_, "/user/hand/right/input/trackpad/click"},
                                           {table_, "/user/hand/left/input/trackpad"},
                                           {table_pressed_, "/user/hand/left/input/trackpad/click"},
                                           {enhanced_, "/user/hand/right/input/menu/click"},
-                                          {enhanced_, "/user/hand/left/input/menu/click"}}},
+                                          {panel_, "/user/hand/left/input/menu/click"}}},
                                         // Two buttons a hand: enough for what a trainee asks for most.
                                         {"/interaction_profiles/khr/simple_controller",
-                                         {{suction_, "/user/hand/right/input/select/click"},
+                                         {{trigger_, "/user/hand/right/input/select/click"},
+                                          {aim_, "/user/hand/right/input/aim/pose"},
                                           {enhanced_, "/user/hand/right/input/menu/click"},
                                           {head_up_, "/user/hand/left/input/select/click"},
                                           {head_down_, "/user/hand/left/input/menu/click"}}}};
@@ -88,7 +105,7 @@ void Actions::suggest(XrInstance instance) const {
     }
 }
 
-HandInput Actions::read() const {
+HandInput Actions::read(XrSpace world, XrTime at) const {
     const XrActiveActionSet set{set_.get(), XR_NULL_PATH};
     auto sync = made<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
     sync.countActiveActionSets = 1;
@@ -97,17 +114,33 @@ HandInput Actions::read() const {
         return {};
     }
     HandInput out;
-    auto info = made<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
-    info.action = suction_;
-    auto suction = made<XrActionStateFloat>(XR_TYPE_ACTION_STATE_FLOAT);
-    check(xrGetActionStateFloat(session_, &info, &suction), "xrGetActionStateFloat");
-    out.suction = suction.isActive == XR_TRUE ? suction.currentState : 0.0f;
+    for (std::size_t hand = 0; hand < hands_.size(); ++hand) {
+        out.hands[hand] = {aim(hand, world, at), trigger(hand)};
+    }
     out.head_and_jaw = pad(head_and_jaw_, head_and_jaw_pressed_);
     out.table = pad(table_, table_pressed_);
     out.head_up = pressed(head_up_);
     out.head_down = pressed(head_down_);
     out.enhanced = pressed(enhanced_);
+    out.panel = pressed(panel_);
     return out;
+}
+
+float Actions::trigger(std::size_t hand) const {
+    auto info = made<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
+    info.action = trigger_;
+    info.subactionPath = hands_[hand];
+    auto state = made<XrActionStateFloat>(XR_TYPE_ACTION_STATE_FLOAT);
+    check(xrGetActionStateFloat(session_, &info, &state), "xrGetActionStateFloat");
+    return state.isActive == XR_TRUE ? state.currentState : 0.0f;
+}
+
+std::optional<RigidTransform> Actions::aim(std::size_t hand, XrSpace world, XrTime at) const {
+    auto location = made<XrSpaceLocation>(XR_TYPE_SPACE_LOCATION);
+    check(xrLocateSpace(aims_[hand].get(), world, at, &location), "xrLocateSpace");
+    constexpr XrSpaceLocationFlags known =
+        XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
+    return (location.locationFlags & known) == known ? std::optional(from_xr(location.pose)) : std::nullopt;
 }
 
 bool Actions::pressed(XrAction action) const {

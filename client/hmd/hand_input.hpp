@@ -2,6 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
+#include <optional>
+
+#include "common/math/transform.hpp"
+
 namespace eti::hmd {
 
 /// A round pad under the thumb: -1 to 1 to the right and up.
@@ -10,14 +15,21 @@ struct Pad {
     bool pressed = false;
 };
 
+/// One hand.
+struct Hand {
+    std::optional<RigidTransform> aim;  ///< where it points from, along -z, in the world; nothing: unknown
+    float trigger = 0.0f;               ///< 0-1
+};
+
 /// What both hand controllers do, by what it is meant for. All at rest while no hand is there.
 struct HandInput {
-    float suction = 0.0f;  ///< 0-1
-    Pad head_and_jaw{};    ///< up and down: the head; right and left: the jaw
-    Pad table{};           ///< up and down
-    bool head_up = false;  ///< of controllers without a pad
+    std::array<Hand, 2> hands{};  ///< left first; a trigger sucks, or clicks at what is pointed at
+    Pad head_and_jaw{};           ///< up and down: the head; right and left: the jaw
+    Pad table{};                  ///< up and down
+    bool head_up = false;         ///< of controllers without a pad
     bool head_down = false;
     bool enhanced = false;
+    bool panel = false;  ///< the instructor's, shown or hidden
 };
 
 }  // namespace eti::hmd

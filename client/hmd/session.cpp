@@ -54,8 +54,8 @@ void ask_for_versions(const Runtime& runtime, XrSystemId system) {
 
 }  // namespace
 
-Session::Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics, int panel_width,
-                 int panel_height)
+Session::Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics,
+                 std::span<const PanelSize> panels)
     : runtime_(runtime) {
     ask_for_versions(runtime, headset.system);
     auto info = made<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
@@ -69,7 +69,10 @@ Session::Session(const Runtime& runtime, const Headset& headset, const Graphics&
     check(xrCreateReferenceSpace(session_.get(), &space, world_.put()), "xrCreateReferenceSpace");
     actions_.emplace(runtime.instance(), session_.get());
     eye_images_.emplace(session_.get(), graphics, headset.eye_width, headset.eye_height);
-    panel_image_.emplace(session_.get(), graphics, panel_width, panel_height);
+    for (const PanelSize& panel : panels) {
+        panel_images_.push_back(
+            std::make_unique<PanelImage>(session_.get(), graphics, panel.width, panel.height));
+    }
 }
 
 // What the runtime refuses because session or runtime is lost ends the session; other refusals are passed on.
@@ -180,22 +183,27 @@ std::optional<Eyes> Session::eyes(const Frame& frame) {
     });
 }
 
-HandInput Session::hands() {
-    return guarded([&] { return life_.focused() ? actions_->read() : HandInput{}; });
+HandInput Session::hands(const Frame& frame) {
+    return guarded(
+        [&] { return life_.focused() ? actions_->read(world_.get(), frame.seen_at) : HandInput{}; });
 }
 
-void Session::draw(const render::RenderTarget& both, const render::RenderTarget& panel) {
+void Session::draw(const render::RenderTarget& both, std::span<const render::RenderTarget* const> panels) {
     guarded([&] {
         eye_images_->show(both);
-        panel_image_->show(panel);
+        for (std::size_t i = 0; i < panels.size(); ++i) {
+            panel_images_[i]->show(*panels[i]);
+        }
     });
 }
 
-void Session::end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, const Panel& panel) {
+void Session::end_frame(const Frame& frame, const std::optional<Eyes>& seen_by,
+                        std::span<const Panel> panels) {
     guarded([&] {
         std::array<XrCompositionLayerProjectionView, 2> views{};
         auto room = made<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
-        auto sheet = made<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD);
+        std::vector<XrCompositionLayerQuad> sheets(
+            panels.size(), made<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD));
         std::vector<const XrCompositionLayerBaseHeader*> layers;
         if (seen_by) {
             for (std::size_t i = 0; i < views.size(); ++i) {
@@ -206,13 +214,16 @@ void Session::end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, 
             room.viewCount = static_cast<std::uint32_t>(views.size());
             room.views = views.data();
             layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&room));
-            sheet.layerFlags = XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
-            sheet.space = world_.get();
-            sheet.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
-            sheet.subImage = panel_image_->image();
-            sheet.pose = to_xr(panel.pose);
-            sheet.size = {panel.width, panel.height};
-            layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&sheet));
+            for (std::size_t i = 0; i < panels.size(); ++i) {
+                XrCompositionLayerQuad& sheet = sheets[i];
+                sheet.layerFlags = XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
+                sheet.space = world_.get();
+                sheet.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
+                sheet.subImage = panel_images_[i]->image();
+                sheet.pose = to_xr(panels[i].pose);
+                sheet.size = {panels[i].width, panels[i].height};
+                layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&sheet));
+            }
         }
         auto info = made<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
         info.displayTime = frame.seen_at;

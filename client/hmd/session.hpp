@@ -3,20 +3,18 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "client/hmd/actions.hpp"
 #include "client/hmd/eye_images.hpp"
 #include "client/hmd/life_cycle.hpp"
+#include "client/hmd/panel.hpp"
 #include "client/hmd/runtime.hpp"
 
 namespace eti::hmd {
-
-/// A flat sheet in the room, of one colour picture: where it hangs in the world and how wide it is [m].
-struct Panel {
-    RigidTransform pose;
-    float width = 0.0f, height = 0.0f;
-};
 
 /// An eye as it will be when the frame is seen, in the world.
 struct Eye {
@@ -36,9 +34,14 @@ struct Frame {
 /// see life().
 class Session {
   public:
+    /// Of a panel's picture [pixels].
+    struct PanelSize {
+        int width, height;
+    };
+
     /// Throws CallFailed.
-    Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics, int panel_width,
-            int panel_height);
+    Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics,
+            std::span<const PanelSize> panels);
 
     /// Takes in what the runtime says, and does what that obliges to.
     void poll();
@@ -50,11 +53,12 @@ class Session {
     [[nodiscard]] std::optional<Frame> wait_frame();
     /// Nothing while the headset does not know where it is.
     [[nodiscard]] std::optional<Eyes> eyes(const Frame& frame);
-    [[nodiscard]] HandInput hands();
-    /// What the next end_frame() shows: both eyes side by side, left first, and the sheet.
-    void draw(const render::RenderTarget& both, const render::RenderTarget& panel);
-    /// Ends the frame with what was drawn for these eyes; nothing: with an empty picture.
-    void end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, const Panel& panel);
+    [[nodiscard]] HandInput hands(const Frame& frame);
+    /// What the next end_frame() shows: both eyes side by side, left first, and the first of the panels.
+    void draw(const render::RenderTarget& both, std::span<const render::RenderTarget* const> panels);
+    /// Ends the frame with what was drawn for these eyes; nothing: with an empty picture. Where the panels
+    /// that were drawn hang.
+    void end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, std::span<const Panel> panels);
 
     /// How often whoever wears the headset has centred it anew.
     [[nodiscard]] unsigned recentred() const { return recentred_; }
@@ -71,7 +75,7 @@ class Session {
     Owned<XrSpace, xrDestroySpace> world_;
     std::optional<Actions> actions_;
     std::optional<EyeImages> eye_images_;
-    std::optional<PanelImage> panel_image_;
+    std::vector<std::unique_ptr<PanelImage>> panel_images_;
     unsigned recentred_ = 0;
 };
 

@@ -16,7 +16,8 @@ struct Font {
 };
 
 Font font_of(const PanelFonts& fonts, const PanelLine& line) {
-    return line.large ? Font{fonts.large, fonts.large->FontSize} : Font{fonts.small, fonts.small->FontSize};
+    ImFont* const font = line.large ? fonts.large : fonts.small;
+    return {font, height_of(*font)};
 }
 
 // Wrapped at the panel's inner width. That as the greatest width, too, would end the measure at a line that
@@ -26,6 +27,24 @@ ImVec2 extent(const Font& font, const PanelLine& line, float inner) {
 }
 
 }  // namespace
+
+ImU32 colour_of(Level level) {
+    switch (level) {
+        case Level::good:
+            return green;
+        case Level::warning:
+            return amber;
+        case Level::bad:
+            return red;
+        case Level::neutral:
+            break;
+    }
+    return white;
+}
+
+float height_of(const ImFont& font) {
+    return font.Scale * font.FontSize;
+}
 
 float panel_height(const PanelFonts& fonts, std::span<const PanelLine> lines, float width) {
     float height = 2.0f * margin - gap;

@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include "client/hud/readout.hpp"
+
 namespace eti::hud {
 
 constexpr ImU32 white = IM_COL32(240, 244, 246, 255);
@@ -16,6 +18,11 @@ constexpr ImU32 red = IM_COL32(240, 84, 70, 255);
 constexpr ImU32 green = IM_COL32(96, 208, 140, 255);
 constexpr ImU32 blue = IM_COL32(110, 180, 255, 255);  // of marks, too
 constexpr ImU32 shade = IM_COL32(8, 12, 14, 150);
+
+[[nodiscard]] ImU32 colour_of(Level level);
+
+/// Of its letters [pixels], as they are drawn.
+[[nodiscard]] float height_of(const ImFont& font);
 
 /// A line of a panel, or a row of two columns.
 struct PanelLine {

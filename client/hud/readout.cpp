@@ -135,14 +135,14 @@ float blade_depth(const Landmarks& points, const Vec3f& tip) {
     return past.dot(at(points, Landmark::glottis) - gum) > 0.0f ? past.norm() : 0.0f;
 }
 
-Readout readout_of(const view::SceneView& scene, bool server_lost) {
+Readout readout_of(const view::SceneView& scene, bool server_lost, bool contested) {
     Readout readout;
     readout.time_s = 1e-9 * static_cast<double>(scene.simulation_time_ns());
     if (const auto& status = scene.status()) {
         readout.link = status->phase() == msg::PHASE_FINISHED ? Link::finished : Link::running;
         readout.server_load = status->load();
         readout.behind_s = status->behind_s();
-        readout.warning = warning_of(*status);
+        readout.warning = contested ? "two servers serve this session: end one" : warning_of(*status);
     }
     if (const auto& description = scene.description()) {
         readout.scenario = description->scenario().to_string();

@@ -71,7 +71,7 @@ struct Readout {
     std::string scenario;             ///< its name
     std::string description;          ///< of the scenario, in the first seconds and while waiting; else empty
     std::string message;              ///< the server's newest
-    std::string warning;              ///< of a device that fell silent; else empty
+    std::string warning;              ///< of a second server, or a device that fell silent; else empty
     std::string note;                 ///< what an instructor or observer wrote last, for some seconds
     std::string notice;               ///< what this client has to say, e.g. of a refused command
     std::vector<std::string> guidance;  ///< what to do next, where somebody is led: a title, then sentences
@@ -79,7 +79,8 @@ struct Readout {
     std::optional<Verdict> verdict;  ///< for some seconds after an attempt, and once the session has finished
 };
 
-[[nodiscard]] Readout readout_of(const view::SceneView& scene, bool server_lost);
+/// `contested`: a second server is there for the same session.
+[[nodiscard]] Readout readout_of(const view::SceneView& scene, bool server_lost, bool contested = false);
 
 /// Straight distance [m] from the gum's midpoint to the blade's tip, 0 while the tip has not passed
 /// the gum on its way to the glottis.

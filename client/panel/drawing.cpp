@@ -25,20 +25,6 @@ ImVec4 colour(ImU32 packed) {
     return ImGui::ColorConvertU32ToFloat4(packed);
 }
 
-ImU32 colour_of(hud::Level level) {
-    switch (level) {
-        case hud::Level::good:
-            return hud::green;
-        case hud::Level::warning:
-            return hud::amber;
-        case hud::Level::bad:
-            return hud::red;
-        case hud::Level::neutral:
-            break;
-    }
-    return hud::white;
-}
-
 void text(std::string_view words, ImU32 in = hud::white) {
     ImGui::PushStyleColor(ImGuiCol_Text, in);
     ImGui::TextUnformatted(words.data(), words.data() + words.size());
@@ -156,12 +142,20 @@ void Drawing::forget_input() {
 }
 
 void Drawing::draw(Model& model, int width, int height, Model::Time now) {
+    draw_into(panel_area(width, height), text_height(height), model, width, height, now);
+}
+
+void Drawing::draw_alone(Model& model, int width, int height, Model::Time now) {
+    shows_pointer_ = true;
+    draw_into({0, 0, width, height}, std::max(least_text, width / across), model, width, height, now);
+}
+
+void Drawing::draw_into(const Area& area, int letters, Model& model, int width, int height, Model::Time now) {
     const Canvas::Use use(canvas_);
     const float seconds = last_ ? std::chrono::duration<float>(now - *last_).count() : 0.0f;
     last_ = now;
-    canvas_.begin(width, height, text_height(height), std::max(seconds, 1e-3f));
+    canvas_.begin(width, height, letters, std::max(seconds, 1e-3f));
     places_.clear();
-    const Area area = panel_area(width, height);
     ImGui::SetNextWindowPos(ImVec2(static_cast<float>(area.x), static_cast<float>(area.y)));
     ImGui::SetNextWindowSize(ImVec2(static_cast<float>(area.width), static_cast<float>(area.height)));
     if (take_keyboard_) {
@@ -190,6 +184,11 @@ void Drawing::draw(Model& model, int width, int height, Model::Time now) {
     has_mouse_ = io.WantCaptureMouse;
     has_keyboard_ = io.WantCaptureKeyboard;
     has_text_ = io.WantTextInput;
+    if (shows_pointer_ && ImGui::IsMousePosValid()) {
+        const float radius = 0.35f * ImGui::GetFontSize();
+        ImGui::GetForegroundDrawList()->AddCircleFilled(io.MousePos, radius, hud::white);
+        ImGui::GetForegroundDrawList()->AddCircle(io.MousePos, radius, IM_COL32(8, 12, 14, 255), 0, 2.0f);
+    }
     canvas_.end();
 }
 
@@ -214,9 +213,15 @@ bool Drawing::button(const std::string& words) {
 
 void Drawing::draw_head(const Model& model, Model::Time now) {
     const Model::Session& session = model.session();
+    constexpr const char* watching = "watching only";
+    // Its lines end before what stands at the right.
+    ImGui::PushTextWrapPos(
+        ImGui::GetContentRegionMax().x -
+        (model.commands() ? 0.0f : ImGui::CalcTextSize(watching).x + ImGui::GetFontSize()));
     text(session.scenario.empty() ? "no session yet" : session.scenario);
+    ImGui::PopTextWrapPos();
     if (!model.commands()) {
-        at_right("watching only", hud::grey);
+        at_right(watching, hud::grey);
     }
     if (model.stale(now)) {
         text(model.silent_s(now) > 0.0 ? fmt::format("no news for {:.0f} s", model.silent_s(now))
@@ -473,9 +478,9 @@ void Drawing::draw_health(const Model& model) {
         text(line.label, hud::grey);
         const float room = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(line.label.c_str()).x;
         if (ImGui::CalcTextSize(line.value.c_str()).x > room - ImGui::GetFontSize()) {
-            wrapped(line.value, colour_of(line.level));
+            wrapped(line.value, hud::colour_of(line.level));
         } else {
-            at_right(line.value, colour_of(line.level));
+            at_right(line.value, hud::colour_of(line.level));
         }
     }
 }

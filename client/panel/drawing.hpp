@@ -40,6 +40,9 @@ class Drawing {
 
     /// Into a picture of `width` x `height` pixels, where panel_area() says.
     void draw(Model& model, int width, int height, Model::Time now);
+    /// The same, where the picture has nothing but the panel; what points at it is shown. Letters are as high
+    /// as the panel's width allows.
+    void draw_alone(Model& model, int width, int height, Model::Time now);
     /// From now on, without a window.
     void point(const Pointer& pointer);
     /// Keys go to the panel from the next frame on: on the patient's page to the search.
@@ -61,6 +64,7 @@ class Drawing {
     [[nodiscard]] std::optional<Area> place(std::string_view control) const;
 
   private:
+    void draw_into(const Area& area, int letters, Model& model, int width, int height, Model::Time now);
     void draw_head(const Model& model, Model::Time now);
     void draw_page(Model& model);
     void draw_patient(Model& model);
@@ -81,6 +85,7 @@ class Drawing {
     std::optional<Page> drawn_page_;
     std::optional<Model::Time> last_;
     bool asks_to_stop_ = false;
+    bool shows_pointer_ = false;
     bool take_keyboard_ = false;
     bool has_mouse_ = false, has_keyboard_ = false, has_text_ = false;
 };

@@ -230,7 +230,7 @@ void Model::ask(const Preset& preset) {
     if (!commands()) {
         return;
     }
-    for (const Preset::Value& value : preset.values) {
+    for (const LiveSetting& value : preset.values) {
         if (const auto row = std::ranges::find(rows_, value.field->name, &Row::name); row != rows_.end()) {
             ask(static_cast<std::size_t>(row - rows_.begin()), value.value / row->per_unit);
         }

@@ -108,9 +108,11 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const C
     glDepthFunc(GL_LESS);
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
-    // Slope-scaled bias against a surface shading itself; 4 steps cover half a texel's slope of 60 deg.
+    // Slope-scaled bias against a surface shading itself: as far as looks into the map lie aside, along both
+    // of its axes (see unshadowed()). 4 steps cover what rounding leaves.
+    const float slopes = 2.0f * (1.25f + 0.75f * static_cast<float>(taps_ - 1));
     glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(2.5f, 4.0f);
+    glPolygonOffset(slopes, 4.0f);
     ShaderProgram::Defines defines;
     if (caster.define != nullptr) {
         defines.emplace_back(caster.define);
@@ -132,7 +134,7 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const C
     PatientMesh& patient = meshes.patient();
     if (drawing.quality.coarse_shadows) {
         constexpr float steps = 16777216.0f;  // of a depth of 24 bits
-        glPolygonOffset(2.5f, steps * caster.bias / caster.depth);
+        glPolygonOffset(slopes, steps * caster.bias / caster.depth);
         patient.draw(caster.coarse);
     } else {
         const LipRetraction* const lips = lips_aside ? &drawing.lips : nullptr;

@@ -155,9 +155,12 @@ void main() {
     vec4 swell = noise(rest_at * 850.0), pore = noise(rest_at * 2600.0);
     vec3 slope = 0.10 * swell.yzw + 0.07 * pore.yzw;
     s.coat = normalize(n - mix(0.6, 1.0, s.wet) * (1.0 - 0.6 * s.film) * (slope - dot(slope, n) * n));
-    float ridge = 1.0 - abs(2.0 * noise(rest_at * 260.0 + 0.6 * swell.x).x - 1.0);
-    float vessel = smoothstep(0.93, 0.995, ridge) * smoothstep(0.35, 0.7, noise(rest_at * 90.0 + 5.0).x);
-    s.albedo *= mix(vec3(1.0), vec3(0.80, 0.42, 0.42), 0.55 * relief_at.y * vessel);
+    // Ridges of noise that thin out to nothing: contours of the same noise would close to rings.
+    vec3 bent = rest_at * 170.0 + 0.9 * noise(rest_at * 330.0 + 9.0).yzw + 0.3 * swell.x;
+    float ridge = 1.0 - abs(2.0 * noise(bent).x - 1.0);
+    float breadth = 0.085 * smoothstep(0.4, 0.8, noise(rest_at * 120.0 + 5.0).x);
+    float vessel = smoothstep(0.0, 0.03, breadth + ridge - 1.0);
+    s.albedo *= mix(vec3(1.0), vec3(0.80, 0.42, 0.42), 0.45 * relief_at.y * vessel);
     s.albedo *= 0.94 + 0.12 * swell.x;
 #endif
     vec3 sum = without_lights(s, v);

@@ -119,8 +119,7 @@ const View& headset_view() {
                            .cameras = [](const view::SceneView&, const Vantage& from) { return from.worn; },
                            .lighting = worn_lighting,
                            .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools,
-                                      Pass::liquid, Pass::annotations},
-                           .overlays = {},  // they would need a depth
+                                      Pass::liquid, Pass::glottis, Pass::annotations},
                            .background = Vec3f(0.035f, 0.065f, 0.075f),
                            .automatic = Automatic::alone,
                            .moves = Moves::eye,

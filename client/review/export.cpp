@@ -267,7 +267,10 @@ std::vector<std::filesystem::path> export_csv(
     };
     (void)(table("inputs", "inputs", false) && table("inputs/commands", "commands", false) &&
            table("tools", "tools", false) && table("tools", "tube_nodes", true) &&
+           (!reader.root().has("contacts") ||
+            (table("contacts", "contacts", false) && table("contacts", "contact_forces", true))) &&
            table("skeleton", "skeleton", false) && table("metrics", "metrics", false) &&
+           (!reader.root().has("state") || table("state", "state", false)) &&
            own("deformation.csv", write_deformation) && table("events", "events", false) &&
            own("annotations.csv", write_annotations) && table("summary", "summary", false));
     return written;

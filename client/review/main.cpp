@@ -6,8 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "client/review/export.hpp"
+#include "client/review/report.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
@@ -88,6 +91,55 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     return stop_asked() ? interrupted : 0;
 }
 
+/// Options of a replay, as eti-server takes them.
+struct Replay {
+    std::string speed, from, to;
+    bool loop = false, pause = false;
+};
+
+/// The server publishes it, as only it speaks for a session. Returns only where there is none.
+int replay(const std::filesystem::path& file, const Replay& how, const std::vector<std::string>& further) {
+    std::vector<std::string> words{"eti-server", "--replay", file.string()};
+    for (const auto& [name, value] :
+         {std::pair("--speed", how.speed), {"--from", how.from}, {"--to", how.to}}) {
+        if (!value.empty()) {
+            words.insert(words.end(), {name, value});
+        }
+    }
+    if (how.loop) {
+        words.emplace_back("--loop");
+    }
+    if (how.pause) {
+        words.emplace_back("--pause");
+    }
+    words.insert(words.end(), further.begin(), further.end());
+    std::vector<char*> arguments;
+    for (std::string& word : words) {
+        arguments.push_back(word.data());
+    }
+    arguments.push_back(nullptr);
+    std::error_code error;
+    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+    ::execv((self.parent_path() / "eti-server").c_str(), arguments.data());
+    ::execvp("eti-server", arguments.data());
+    std::cerr << "eti-review: eti-server, which publishes a replay, is neither in "
+              << self.parent_path().string() << " nor in the PATH: install it (docs/packages.md)\n";
+    return refused;
+}
+
+int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, bool json) {
+    const std::filesystem::path written = review::write_report(files, folder, stop_asked);
+    if (written.empty()) {
+        return interrupted;
+    }
+    if (json) {
+        std::cout << nlohmann::ordered_json{{"written", written.string()}}.dump(2) << '\n';
+    } else {
+        std::cout << written.string() << '\n';
+    }
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -118,10 +170,39 @@ int main(int argc, char** argv) {
     std::filesystem::path folder;
     export_command->add_option("--out", folder, "Folder to write into; made if missing")->required();
 
+    CLI::App* const replay_command = app.add_subcommand(
+        "replay", "Publish a session on the bus as if it went on now, for clients to show");
+    replay_command->add_option("FILE", file, "Session file; comes first")->required();
+    Replay how;
+    replay_command->add_option("--speed", how.speed, "Times real time, 1/16 to 16");
+    replay_command->add_option("--from", how.from, "Where it begins [s]");
+    replay_command->add_option("--to", how.to, "Where it ends [s]");
+    replay_command->add_flag("--loop", how.loop, "Begin again at the end");
+    replay_command->add_flag("--pause", how.pause, "Begin paused");
+    replay_command->footer(
+        "On a terminal: space pauses, arrows go 1 s, < and > a state, [ and ] change the speed, 0 begins "
+        "again, "
+        "q ends. What else is given (--session, --domain, --peer, ...) goes to eti-server.");
+    replay_command->allow_extras()->fallthrough(false);
+
+    CLI::App* const report_command = app.add_subcommand(
+        "report",
+        "Write one page that opens offline: outcome, parameters, time line, tools over the anatomy");
+    std::vector<std::filesystem::path> files;
+    report_command
+        ->add_option("FILE", files, "Session files; the first is compared with the others, at most four")
+        ->required()
+        ->expected(1, 4);
+    report_command->add_option("--out", folder, "Folder to write report.html into; made if missing")
+        ->required();
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : misused;
+    }
+    if (replay_command->parsed()) {
+        return replay(file, how, replay_command->remaining());
     }
     // The task below decides when to end; it inherits the handler.
     catch_stop_signals();
@@ -135,6 +216,9 @@ int main(int argc, char** argv) {
             if (check_command->parsed()) {
                 return check(file, repair, json);
             }
+            if (report_command->parsed()) {
+                return report(files, folder, json);
+            }
             return export_csv(file, folder, json);
         } catch (const std::exception& error) {
             std::cerr << "eti-review: " << error.what() << '\n';
@@ -142,8 +226,8 @@ int main(int argc, char** argv) {
         }
     });
     if (ended.broken) {
-        std::cerr << "eti-review: " << file.string() << ": damaged: reading it ended with " << *ended.broken
-                  << '\n';
+        std::cerr << "eti-review: " << (files.empty() ? file : files.front()).string()
+                  << ": damaged: reading it ended with " << *ended.broken << '\n';
         return refused;
     }
     return ended.status;

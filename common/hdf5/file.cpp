@@ -18,6 +18,8 @@ Handle access_properties() {
     H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG);
     // Some network file systems know no locks; recording there is better than refusing.
     H5Pset_file_locking(properties.get(), true, true);
+    // What is written lies in the file when the call returns, where a kill cannot take it.
+    H5Pset_sieve_buf_size(properties.get(), 0);
     return properties;
 }
 
@@ -95,7 +97,7 @@ File File::create(const std::filesystem::path& path) {
     return {std::move(id), path};
 }
 
-File File::open(const std::filesystem::path& path, Access access) {
+File File::open(const std::filesystem::path& path, Access access, const std::filesystem::path& shown_as) {
     prepare_thread();
     require_plain_file(path);
     if (H5Fis_hdf5(path.c_str()) <= 0) {
@@ -110,7 +112,7 @@ File File::open(const std::filesystem::path& path, Access access) {
     if (!id) {
         throw Error(fmt::format("{}: cannot be opened: {}", path.string(), last_error()));
     }
-    return {std::move(id), path};
+    return {std::move(id), shown_as.empty() ? path : shown_as};
 }
 
 void File::close() {

@@ -26,7 +26,9 @@ class File {
     /// Creates the file, in the format of HDF5 1.10 (which the access modes above need); refuses to replace
     /// one.
     [[nodiscard]] static File create(const std::filesystem::path& path);
-    [[nodiscard]] static File open(const std::filesystem::path& path, Access access);
+    /// `shown_as`: what messages call it, where that is not its path.
+    [[nodiscard]] static File open(const std::filesystem::path& path, Access access,
+                                   const std::filesystem::path& shown_as = {});
 
     [[nodiscard]] const Group& root() const { return root_; }
     [[nodiscard]] hid_t id() const { return id_.get(); }

@@ -6,19 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "common/model/live.hpp"
+#include "common/scenario/setting.hpp"
 
 namespace eti {
 
 /// Values of what lives that go together: how hard an intubation is.
 struct Preset {
-    struct Value {
-        const LiveField* field;
-        float value;  ///< SI
-    };
-    std::string name;           ///< what to ask for it by
-    std::string description;    ///< a sentence for whoever chooses
-    std::vector<Value> values;  ///< in the order of live_fields; never empty
+    std::string name;                 ///< what to ask for it by
+    std::string description;          ///< a sentence for whoever chooses
+    std::vector<LiveSetting> values;  ///< in the order of live_fields; never empty
 };
 
 /// Reads and checks a preset: `name`, `description`, and under `set` keys as eti-controller --set has them.

@@ -120,6 +120,7 @@ Scenario load_scenario(const std::filesystem::path& file) {
 Scenario parse_scenario(const std::string& text, const std::filesystem::path& file) {
     Scenario s;
     s.text = text;
+    s.folder = file.parent_path();
     YamlMap root = YamlMap::parse(text, file.string());
     s.name = root.name("name", file.stem().string());
     s.description = root.text("description", "");
@@ -134,7 +135,7 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
             }
             refuse_what_a_model_holds(*patient, held);
             // Beside the scenario, wherever the server was started.
-            p.model = file.parent_path() / model;
+            p.model = s.folder / model;
         }
         patient->finish();
     }

@@ -20,7 +20,8 @@ namespace eti {
 struct Scenario {
     std::string name;
     std::string description;
-    std::string text;  ///< the file as read, for the session record
+    std::string text;              ///< the file as read, for the session record
+    std::filesystem::path folder;  ///< of that file; names of other files in it start here
 
     struct Patient {
         NewbornShape shape;

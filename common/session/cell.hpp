@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -30,6 +31,33 @@ struct Cell {
     static void pack(const T& value, std::size_t, std::byte* row) { std::memcpy(row, &value, sizeof(T)); }
     static void unpack(const std::byte* row, std::size_t, T& value) { std::memcpy(&value, row, sizeof(T)); }
 };
+
+template <class T, std::size_t N>
+struct Cell<std::array<T, N>> {
+    static hdf5::Handle type(std::size_t width) { return Cell<T>::type(width); }
+    static hdf5::Shape shape(std::size_t width) {
+        hdf5::Shape shape = Cell<T>::shape(width);
+        shape.insert(shape.begin(), N);
+        return shape;
+    }
+    static std::size_t bytes(std::size_t width) { return N * Cell<T>::bytes(width); }
+    static void pack(const std::array<T, N>& value, std::size_t width, std::byte* row) {
+        for (std::size_t i = 0; i < N; ++i) {
+            Cell<T>::pack(value[i], width, row + i * Cell<T>::bytes(width));
+        }
+    }
+    static void unpack(const std::byte* row, std::size_t width, std::array<T, N>& value) {
+        for (std::size_t i = 0; i < N; ++i) {
+            Cell<T>::unpack(row + i * Cell<T>::bytes(width), width, value[i]);
+        }
+    }
+};
+
+/// Measures: floating-point numbers and arrays of them. One may be newer than a file.
+template <class T>
+inline constexpr bool is_measure = std::is_floating_point_v<T>;
+template <class T, std::size_t N>
+inline constexpr bool is_measure<std::array<T, N>> = is_measure<T>;
 
 /// 0 or 1 in one byte.
 template <>

@@ -42,6 +42,12 @@ CheckResult check(const std::filesystem::path& path) {
             "the program that recorded was killed: the file is marked as open for writing, and other HDF5 "
             "programs "
             "refuse it");
+    } else if (reader.rows_in_tail() > 0) {
+        result.damage.push_back(
+            fmt::format("the program that recorded was killed: {} rows are in the file's tail alone, where "
+                        "other programs "
+                        "do not look",
+                        reader.rows_in_tail()));
     } else if (!reader.finished()) {
         result.remarks.push_back("the recording was cut off before its end");
     }

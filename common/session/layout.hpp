@@ -22,18 +22,19 @@ inline constexpr std::uint64_t schema = 1;
 inline constexpr std::size_t kind_bytes = 32;
 inline constexpr std::size_t sender_bytes = 48;
 inline constexpr std::size_t text_bytes = 256;
+inline constexpr std::size_t hash_bytes = 16;
 
-// Rows per chunk. A quarter of a second of steps: full chunks go to disk at once, and what is not there
-// yet is what a killed server loses. On a recorded session chunks of 45 steps took 5 % more room than
-// chunks of 90, chunks of 512 frames 5 % more than of 1024; but a server that falls behind the clock
-// writes unfinished chunks, each of which wastes its first place, and the larger the more.
-inline constexpr std::size_t step_chunk = 45;
-inline constexpr std::size_t moved_frame_chunk = 512;
-inline constexpr std::size_t fluid_chunk = 4096;
+// Rows per chunk: half a second of steps. Full chunks go to their series at once; until then the rows are in
+// the tail (tail.hpp), whose halves hold more than a chunk of each. A chunk of more than a page of the file
+// begins on a page of its own: of 1024 frames, pages took half as much again as what was in them.
+inline constexpr std::size_t step_chunk = 90;
+inline constexpr std::size_t moved_frame_chunk = 4096;
+inline constexpr std::size_t fluid_chunk = 8192;
 inline constexpr std::size_t small_chunk = 16;
 
 /// Groups of the step series; each shows the common time axis as `time_ns`.
-inline constexpr std::string_view step_groups[] = {"inputs", "tools", "skeleton", "tissue", "metrics"};
+inline constexpr std::string_view step_groups[] = {"inputs",   "tools",  "contacts",
+                                                   "skeleton", "tissue", "metrics"};
 
 /// "gum_force_n.max" -> "gum_force_n/max".
 [[nodiscard]] inline std::string path_of(const ParameterField& field) {
@@ -102,6 +103,22 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "centre line of the tube from connector to tip: step, node, x y z, patient frame",
         [](auto& r) -> auto& { return r.tube_nodes; }, tube_nodes);
 
+    add(
+        "contacts/pressed", "N",
+        "sum of the shell's normal forces on the blade, of each tissue: soft, tongue, epiglottis, larynx, "
+        "trachea, oesophagus, upper gum, lower gum, palate, skull, mandible, spine, hyoid",
+        [](auto& r) -> auto& { return r.loads.pressed; });
+    add(
+        "contacts/net", "N",
+        "net force of a tissue's particles on the blade: step, tissue as in pressed, x y z, patient frame",
+        [](auto& r) -> auto& { return r.loads.net; });
+    add(
+        "contacts/place", "m",
+        "where it touches the blade, mean weighted by force: step, tissue as in pressed, x y z, patient "
+        "frame; "
+        "NaN without contact",
+        [](auto& r) -> auto& { return r.loads.place; });
+
     for (const LiveField& field : live_fields) {
         column(
             std::string(field.group) + "/" + std::string(field.name), hdf5::Label{field.si, field.help},
@@ -124,6 +141,11 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "metrics/tube_depth_past_glottis", "m",
         "depth of the tube's tip past the glottis, negative before it",
         [](auto& r) -> auto& { return r.tube_depth_past_glottis; });
+    add(
+        "metrics/eye_used", "m",
+        "where the glottis was last looked at from, by the trainee or, without an eye_pose, where it is seen "
+        "best: x y z, patient frame; 30 times a second",
+        [](auto& r) -> auto& { return r.eye_used; });
     parameter_columns("metrics", column);
 }
 
@@ -149,6 +171,23 @@ void command_columns(const Column& column) {
         "inputs/commands/sender", "1", "who asked", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
     add(
         "inputs/commands/id", "1", "number chosen by the sender", [](auto& r) -> auto& { return r.id; });
+}
+
+template <class Column>
+void state_columns(const Column& column) {
+    const auto add = [&](const char* path, const char* units, const char* description, auto field,
+                         std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+    add(
+        "state/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
+    add(
+        "state/step", "1", "number of the simulation step", [](auto& r) -> auto& { return r.step; });
+    add(
+        "state/hash", "1",
+        "FNV-1a over the bits of places and velocities of tissue, tube, proxy and liquid after this step; 16 "
+        "hexadecimal digits",
+        [](auto& r) -> auto& { return r.hash; }, hash_bytes);
 }
 
 /// One row per record of the deformation: which rows of the moved frames belong to it.
@@ -319,6 +358,11 @@ void summary_columns(const Column& column) {
     add(
         "summary/reason", "1", "why it counts as success or failure",
         [](auto& r) -> auto& { return r.outcome.reason; }, text_bytes);
+    add(
+        "summary/began", "s", "simulation time at which the attempt began",
+        [](auto& r) -> auto& { return r.began; });
+    add(
+        "summary/ended", "s", "simulation time at which it ended", [](auto& r) -> auto& { return r.ended; });
     parameter_columns("summary", column);
 }
 

@@ -2,8 +2,13 @@
 // Copyright the NeoETI authors
 #include "common/session/reader.hpp"
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <map>
 
@@ -11,6 +16,8 @@
 #include "common/session/liveness.hpp"
 #include "common/session/rows.hpp"
 #include "common/session/scene_file.hpp"
+#include "common/session/superblock.hpp"
+#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -31,6 +38,27 @@ hdf5::File open_session(const std::filesystem::path& path, bool live) {
             error.what(), path.string()));
     }
 }
+
+/// A copy for as long as it is read.
+class PassingCopy {
+  public:
+    explicit PassingCopy(const std::filesystem::path& of)
+        : path_((std::filesystem::temp_directory_path() / "eti-session-XXXXXX").string()) {
+        const int descriptor = ::mkstemp(path_.data());
+        if (descriptor < 0) {
+            throw hdf5::Error(fmt::format("{}: cannot be copied: {}", of.string(), std::strerror(errno)));
+        }
+        ::close(descriptor);
+        std::filesystem::copy_file(of, path_, std::filesystem::copy_options::overwrite_existing);
+    }
+    ~PassingCopy() { ::unlink(path_.c_str()); }
+    PassingCopy(const PassingCopy&) = delete;
+    PassingCopy& operator=(const PassingCopy&) = delete;
+    [[nodiscard]] const std::string& path() const { return path_; }
+
+  private:
+    std::string path_;
+};
 
 void require_session(const Group& root, const std::filesystem::path& path) {
     const auto names = root.attributes();
@@ -99,6 +127,29 @@ SessionReader::SessionReader(const std::filesystem::path& path)
     info_ = read_info(meta);
     finished_ = meta.integer("finished") != 0;
     lost_ = meta.integer("lost_records");
+    if (!live_ && !finished_ && file_.root().has("tail")) {
+        take_in_tail(path);
+    }
+}
+
+void SessionReader::take_in_tail(const std::filesystem::path& path) {
+    try {
+        const PassingCopy copy(path);
+        if (!mend_superblock(copy.path())) {
+            return;
+        }
+        const std::size_t rows = session::take_in_tail(copy.path());
+        file_ = hdf5::File::open(copy.path(), hdf5::Access::read, path);
+        rows_in_tail_ = rows;
+    } catch (const hdf5::Error&) {
+        // What is damaged is read without its tail.
+    } catch (const std::filesystem::filesystem_error& error) {
+        throw hdf5::Error(
+            fmt::format("{}: its newest rows are read from a copy, which cannot be made: {}. Remedy: make "
+                        "room there, or name "
+                        "another folder in TMPDIR, or run: eti-review check --repair {}",
+                        path.string(), error.code().message(), path.string()));
+    }
 }
 
 double SessionReader::duration() const {
@@ -125,6 +176,13 @@ std::vector<StepRecord> SessionReader::steps() const {
 
 std::vector<CommandRecord> SessionReader::commands() const {
     return read_records<CommandRecord>(file_.root(), [](const auto& column) { command_columns(column); });
+}
+
+std::vector<StateRecord> SessionReader::states() const {
+    if (!file_.root().has("state")) {
+        return {};
+    }
+    return read_records<StateRecord>(file_.root(), [](const auto& column) { state_columns(column); });
 }
 
 std::vector<DeformationRecord> SessionReader::deformations() const {

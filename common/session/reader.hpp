@@ -24,7 +24,8 @@ struct Series {
 };
 
 /// Reads a session file: finished, still being recorded (what is on disk by now), or left behind by a
-/// killed program. Changes nothing. Data sets of unequal length, as a killed writer leaves them, are
+/// killed program. Changes nothing: of what a killed program left in the tail it makes a copy, while it opens
+/// the file. Data sets of unequal length, as a killed writer leaves them, are
 /// read up to the last row that all have. All functions throw hdf5::Error.
 ///
 /// The HDF5 library itself may crash on a hostile file: read files of unknown origin in run_guarded().
@@ -36,6 +37,8 @@ class SessionReader {
     [[nodiscard]] const SessionInfo& info() const { return info_; }
     [[nodiscard]] bool finished() const { return finished_; }  ///< closed in order
     [[nodiscard]] bool live() const { return live_; }          ///< being recorded by a running program
+    /// Rows that only the tail of a killed program's file holds.
+    [[nodiscard]] std::size_t rows_in_tail() const { return rows_in_tail_; }
     [[nodiscard]] std::uint64_t lost_records() const { return lost_; }
     /// Time of the last step [s].
     [[nodiscard]] double duration() const;
@@ -43,6 +46,8 @@ class SessionReader {
     [[nodiscard]] SceneRecord scene() const;
     [[nodiscard]] std::vector<StepRecord> steps() const;
     [[nodiscard]] std::vector<CommandRecord> commands() const;
+    /// Empty for files older than these.
+    [[nodiscard]] std::vector<StateRecord> states() const;
     [[nodiscard]] std::vector<DeformationRecord> deformations() const;
     /// Empty for a session without secretions.
     [[nodiscard]] std::vector<FluidRecord> fluids() const;
@@ -57,8 +62,11 @@ class SessionReader {
     [[nodiscard]] std::vector<Series> series(const std::string& group) const;
 
   private:
+    void take_in_tail(const std::filesystem::path& path);
+
     bool live_ = false;
     hdf5::File file_;
+    std::size_t rows_in_tail_ = 0;
     SessionInfo info_;
     bool finished_ = false;
     std::uint64_t lost_ = 0;

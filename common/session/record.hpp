@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -16,6 +17,7 @@
 #include "common/model/live.hpp"
 #include "common/model/parameters.hpp"
 #include "common/model/surface.hpp"
+#include "common/model/tissue.hpp"
 
 namespace eti::session {
 
@@ -40,6 +42,13 @@ struct PointRecord {
     SkinWeights skin;
 };
 
+inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+
+/// A pose that did not arrive: every number is NaN.
+[[nodiscard]] inline RigidTransform no_pose() {
+    return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
+}
+
 /// What does not change during a session, so that a replay needs neither server nor scenario.
 struct SceneRecord {
     std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, clusters, the head's
@@ -48,18 +57,25 @@ struct SceneRecord {
     std::vector<PointRecord> glottis_contour;
     std::string blade;
     TriangleMesh laryngoscope;         ///< tool frame
+    float blade_length = no_number;    ///< [m], from the tool's origin to the tip along +z
     float tube_outer_diameter = 0.0f;  ///< [m]
     float tube_inner_diameter = 0.0f;  ///< [m]
     std::size_t tube_nodes = 0;        ///< points of the centre line in every step
     bool liquid = false;               ///< whether the session has secretions
+    /// Where the tools were before the first step; no_pose() in a file that does not say it.
+    RigidTransform laryngoscope_start = no_pose(), tube_grip_start = no_pose();
 };
 
-inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+/// The first so many tissues may be touched.
+inline constexpr std::size_t touched_tissues = static_cast<std::size_t>(Tissue::vocal_cord);
 
-/// A pose that did not arrive: every number is NaN.
-[[nodiscard]] inline RigidTransform no_pose() {
-    return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
-}
+/// What the blade meets of each tissue, by the tissue's number.
+struct TissueLoads {
+    std::array<float, touched_tissues> pressed{};             ///< [N], sum of the shell's normal forces
+    std::array<std::array<float, 3>, touched_tissues> net{};  ///< [N], of its particles on the blade
+    /// [m], mean of the contacts with shell and particles, weighted by force; NaN where there is none.
+    std::array<std::array<float, 3>, touched_tissues> place{};
+};
 
 /// One simulation step. Patient frame, unless said otherwise.
 struct StepRecord {
@@ -77,12 +93,14 @@ struct StepRecord {
     Vec3f tissue_torque = Vec3f::Zero();  ///< [N m], about the proxy's origin
     std::vector<Vec3f> tube_nodes;        ///< [m], connector to tip
     LiveValues live;                      ///< what commands change, as it was in this step
+    TissueLoads loads;                    ///< of the blade
     // Metrics.
     std::uint32_t attempt = 0;  ///< 0 before the first
     bool attempt_running = false;
     float glottic_opening_percent = 0.0f;  ///< now in sight
     float gum_force_n = 0.0f;              ///< now
     float tube_depth_past_glottis = 0.0f;  ///< [m], negative before the cords
+    std::array<float, 3> eye_used{};       ///< [m], where the glottis was last looked at from
     Parameters parameters;                 ///< of the current attempt so far
 };
 
@@ -94,6 +112,13 @@ struct CommandRecord {
     double value = 0.0;  ///< SI, as the command's kind says (idl/eti.idl)
     std::string sender;
     std::uint32_t id = 0;  ///< chosen by the sender
+};
+
+/// The simulation's state after a step, in one number: what the same inputs give again.
+struct StateRecord {
+    std::uint64_t time_ns = 0;
+    std::uint64_t step = 0;
+    std::string hash;  ///< 16 hexadecimal digits
 };
 
 /// Where the frames are that moved since the record before.
@@ -111,6 +136,9 @@ struct FluidRecord {
 
 /// Kinds of what people leave in a session: what they write, and what they do with marks.
 inline constexpr std::string_view note_event = "note", annotation_event = "annotation";
+/// The kind of "laryngoscope here", "tube silent", "tube back". The first of a tool says that it was put,
+/// before the next step, where its device holds it.
+inline constexpr std::string_view device_event = "device";
 
 struct EventRecord {
     std::uint64_t time_ns = 0;
@@ -135,6 +163,8 @@ struct SummaryRecord {
     std::uint32_t attempt = 0;
     Outcome outcome;
     Parameters parameters;
+    double began = std::numeric_limits<double>::quiet_NaN();  ///< [s], simulation time
+    double ended = began;
 };
 
 }  // namespace eti::session

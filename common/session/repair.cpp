@@ -20,6 +20,7 @@
 #include "common/session/superblock.hpp"
 #include "common/session/survey.hpp"
 #include "common/session/table.hpp"
+#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -58,6 +59,7 @@ struct Column {
 struct Salvaged {
     std::vector<Column> columns;
     std::size_t rows = 0;
+    std::size_t unfinished = 0;  ///< rows behind them that a killed writer had begun, and that are left out
     [[nodiscard]] Column& at(std::string_view path) {
         return *std::ranges::find(columns, path, &Column::path);
     }
@@ -117,20 +119,19 @@ void bridge(Column& column, std::size_t rows) {
     }
 }
 
-/// Of a write that a kill cut short some series have a chunk more than others: those rows are left out.
+/// A write that a kill cut short leaves some series a chunk longer than others, which may state its rows and
+/// not hold them: those rows are left out. What is missing before them is damage.
 void leave_out_unfinished(Salvaged& table, std::size_t chunk) {
     std::size_t finished = table.rows;
     for (const Column& column : table.columns) {
-        if (column.condition.whole()) {
-            finished = std::min(finished, column.condition.stated);
+        if (column.condition.there && table.rows - column.condition.end() <= chunk) {
+            finished = std::min(finished, column.condition.end());
         }
     }
-    if (table.rows - finished <= chunk) {
-        table.rows = finished;
-    }
+    table.unfinished = table.rows - finished;
+    table.rows = finished;
 }
 
-/// `chunk`: rows in each of the table's chunks.
 Condition condition_in(const std::vector<TableState>& states, const std::string& path) {
     for (const TableState& state : states) {
         const auto found = std::ranges::find(state.series, path, &TableState::Series::path);
@@ -141,14 +142,22 @@ Condition condition_in(const std::vector<TableState>& states, const std::string&
     return {};
 }
 
+/// What is repaired.
+struct Source {
+    const Group& root;
+    const std::vector<TableState>& states;
+    bool killed = false;  ///< its writer did not come to the end
+};
+
+/// `chunk`: rows in each of the table's chunks.
 template <class Record, class Visit>
-Salvaged salvage_table(const Group& root, const std::vector<TableState>& states, std::size_t chunk,
-                       const Visit& visit) {
+Salvaged salvage_table(const Source& source, std::size_t chunk, const Visit& visit) {
+    const Group& root = source.root;
     Salvaged table;
     std::vector<std::vector<std::byte>> fills;
     visit([&](const std::string& path, const hdf5::Label& label, auto field, std::size_t width) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        if (std::is_floating_point_v<Field> && !root.has(path)) {
+        if (is_measure<Field> && !root.has(path)) {
             return;  // a measure that is newer than the file
         }
         Column& column = table.columns.emplace_back();
@@ -158,11 +167,13 @@ Salvaged salvage_table(const Group& root, const std::vector<TableState>& states,
         column.type = Cell<Field>::type(width);
         column.row_shape = Cell<Field>::shape(width);
         column.row_bytes = Cell<Field>::bytes(width);
-        column.condition = condition_in(states, path);
+        column.condition = condition_in(source.states, path);
         table.rows = std::max(table.rows, column.condition.end());
         fills.push_back(nothing<Field>(column.row_bytes));
     });
-    leave_out_unfinished(table, chunk);
+    if (source.killed) {
+        leave_out_unfinished(table, chunk);
+    }
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
         Column& column = table.columns[i];
         try {
@@ -173,14 +184,15 @@ Salvaged salvage_table(const Group& root, const std::vector<TableState>& states,
             column.image = salvage(root, column.path, column.type.get(), column.row_shape, table.rows,
                                    column.condition, fills[i]);
         }
-        if (column.path.ends_with("/time_ns") || column.path == "inputs/step") {
+        if (column.path.ends_with("/time_ns") || column.path.ends_with("/step")) {
             bridge<std::uint64_t>(column, table.rows);
         }
     }
     return table;
 }
 
-/// Keeps the times of which all rows are there, and their rows.
+/// Keeps the times of which all rows are there, and their rows. Of a killed writer's file the last times may
+/// point to rows that were left out: so are they.
 void keep_whole_times(const std::string& group, Salvaged& times, Salvaged& rows,
                       std::vector<Damage>& damage) {
     Column& first = times.at(group + "/first_row");
@@ -189,6 +201,14 @@ void keep_whole_times(const std::string& group, Salvaged& times, Salvaged& rows,
     std::vector<bool> row_lost(rows.rows);
     for (std::size_t row = 0; row < rows.rows; ++row) {
         row_lost[row] = rows.lost(row);
+    }
+    const auto past = [&](std::size_t i) {
+        return first.value<std::uint64_t>(i) + count.value<std::uint32_t>(i);
+    };
+    while (rows.unfinished > 0 && times.rows > 0 && !times.lost(times.rows - 1) &&
+           past(times.rows - 1) > rows.rows && past(times.rows - 1) <= rows.rows + rows.unfinished) {
+        --times.rows;
+        ++times.unfinished;
     }
     for (std::size_t i = 0; i < times.rows; ++i) {
         const std::uint64_t from = first.value<std::uint64_t>(i), n = count.value<std::uint32_t>(i);
@@ -265,11 +285,18 @@ std::size_t tube_nodes_of(const Group& root) {
     }
 }
 
-/// Writes all that can be read of `from` into a new file `to`. Returns what is lost.
-std::vector<Damage> rewrite(const SessionReader& from, const std::vector<TableState>& states,
-                            const std::filesystem::path& to) {
-    const Group& root = from.root();
+struct Rewritten {
     std::vector<Damage> damage;
+    std::vector<std::string> left_out;  ///< what a killed writer had begun, in words
+};
+
+/// Writes all that can be read of `from` into a new file `to`.
+Rewritten rewrite(const SessionReader& from, const std::vector<TableState>& states,
+                  const std::filesystem::path& to) {
+    const Group& root = from.root();
+    const Source source{root, states, !from.finished()};
+    Rewritten result;
+    std::vector<Damage>& damage = result.damage;
     SceneRecord scene;
     try {
         scene = from.scene();
@@ -279,47 +306,58 @@ std::vector<Damage> rewrite(const SessionReader& from, const std::vector<TableSt
     }
     hdf5::File file = hdf5::File::create(to);
     write_head(file.root(), from.info(), scene, from.lost_records());
-    const auto plain = [&](const Salvaged& table, std::size_t chunk) {
-        list_damage(table, damage);
+    const auto write = [&](const Salvaged& table, std::size_t chunk) {
+        if (table.unfinished > 0) {
+            result.left_out.push_back(fmt::format("left out {} rows of {} that were not written to their end",
+                                                  table.unfinished, table.columns.front().path));
+        }
         write_table(file.root(), table, chunk);
     };
+    const auto plain = [&](const Salvaged& table, std::size_t chunk) {
+        list_damage(table, damage);
+        write(table, chunk);
+    };
     const std::size_t nodes = tube_nodes_of(root);
-    plain(salvage_table<StepRecord>(root, states, step_chunk,
+    plain(salvage_table<StepRecord>(source, step_chunk,
                                     [nodes](const auto& column) { step_columns(nodes, column); }),
           step_chunk);
-    plain(salvage_table<CommandRecord>(root, states, small_chunk,
+    plain(salvage_table<CommandRecord>(source, small_chunk,
                                        [](const auto& column) { command_columns(column); }),
           small_chunk);
-    plain(salvage_table<EventRecord>(root, states, small_chunk,
-                                     [](const auto& column) { event_columns(column); }),
+    if (root.has("state")) {
+        plain(salvage_table<StateRecord>(source, small_chunk,
+                                         [](const auto& column) { state_columns(column); }),
+              small_chunk);
+    }
+    plain(salvage_table<EventRecord>(source, small_chunk, [](const auto& column) { event_columns(column); }),
           small_chunk);
-    plain(salvage_table<SummaryRecord>(root, states, small_chunk,
+    plain(salvage_table<SummaryRecord>(source, small_chunk,
                                        [](const auto& column) { summary_columns(column); }),
           small_chunk);
     const auto listed = [&](const char* group, Salvaged times, Salvaged rows, std::size_t rows_chunk) {
         keep_whole_times(group, times, rows, damage);
-        write_table(file.root(), rows, rows_chunk);
-        write_table(file.root(), times, small_chunk);
+        write(rows, rows_chunk);
+        write(times, small_chunk);
     };
     listed("deformation",
-           salvage_table<MovedFrames>(root, states, small_chunk,
+           salvage_table<MovedFrames>(source, small_chunk,
                                       [](const auto& column) { moved_frames_columns(column); }),
-           salvage_table<MovedFrame>(root, states, moved_frame_chunk,
+           salvage_table<MovedFrame>(source, moved_frame_chunk,
                                      [](const auto& column) { moved_frame_columns(column); }),
            moved_frame_chunk);
     if (root.has("fluid")) {
         listed("fluid",
-               salvage_table<FluidRows>(root, states, small_chunk,
+               salvage_table<FluidRows>(source, small_chunk,
                                         [](const auto& column) { fluid_rows_columns(column); }),
-               salvage_table<FluidParticle>(root, states, fluid_chunk,
+               salvage_table<FluidParticle>(source, fluid_chunk,
                                             [](const auto& column) { fluid_columns(column); }),
                fluid_chunk);
     }
     if (root.has("annotations")) {
         listed("annotations",
-               salvage_table<AnnotationRows>(root, states, small_chunk,
+               salvage_table<AnnotationRows>(source, small_chunk,
                                              [](const auto& column) { annotation_rows_columns(column); }),
-               salvage_table<AnnotationPlace>(root, states, small_chunk,
+               salvage_table<AnnotationPlace>(source, small_chunk,
                                               [](const auto& column) { annotation_place_columns(column); }),
                small_chunk);
     }
@@ -331,7 +369,7 @@ std::vector<Damage> rewrite(const SessionReader& from, const std::vector<TableSt
         throw hdf5::Error(fmt::format("{}: cannot be written", to.string()));
     }
     file.close();
-    return damage;
+    return result;
 }
 
 /// Whatever ends the repair, no unfinished file stays.
@@ -388,16 +426,32 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
         clear_mark(copy.path);
         done.push_back("cleared the mark of the killed writer and stated the file's size");
     }
+    std::size_t from_tail = 0;
+    try {
+        from_tail = take_in_tail(copy.path);
+    } catch (const hdf5::Error&) {  // damaged: what is there without it
+        std::filesystem::copy_file(path, copy.path, std::filesystem::copy_options::overwrite_existing);
+        if (marked) {
+            clear_mark(copy.path);
+        }
+    }
+    if (from_tail > 0) {
+        done.push_back(fmt::format("moved the newest {} rows from the tail into their series", from_tail));
+    }
     {
         const SessionReader reader(copy.path);  // refuses what is no session
         const auto states = survey(reader.root());
         if (std::ranges::all_of(states, &TableState::whole) && scene_is_whole(reader)) {
-            if (marked) {
+            if (from_tail > 0) {
+                std::filesystem::rename(copy.path, path);
+            } else if (marked) {
                 clear_mark(path);
             }
             return done;
         }
-        for (const Damage& lost : rewrite(reader, states, rewritten.path)) {
+        const Rewritten result = rewrite(reader, states, rewritten.path);
+        done.insert(done.end(), result.left_out.begin(), result.left_out.end());
+        for (const Damage& lost : result.damage) {
             done.push_back(words_of(lost));
         }
     }

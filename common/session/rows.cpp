@@ -137,6 +137,24 @@ std::size_t readable_rows(const hdf5::Group& root, const std::string& path) {
     return condition_of(open(root, path), true).prefix();
 }
 
+RowsEnd rows_end(const hdf5::Group& root, const std::string& path) {
+    const Opened opened = open(root, path);
+    const std::size_t stated = opened.extent[0], step = chunk_rows(opened);
+    const hdf5::Shape row_shape(opened.extent.begin() + 1, opened.extent.end());
+    std::vector<std::byte> buffer(std::min(step, stated) * row_bytes(opened));
+    // A kill spoils the last chunk, or what was its beginning before it.
+    constexpr std::size_t most_spoilt = 2;
+    std::size_t end = stated;
+    for (std::size_t i = 0; i <= most_spoilt && end > 0; ++i) {
+        const std::size_t first = (end - 1) / step * step;
+        if (has_chunk(opened, first) && read(opened, opened.type.get(), first, end - first, buffer.data())) {
+            return {end, row_shape};
+        }
+        end = first;
+    }
+    return {end == 0 ? 0 : stated, row_shape};
+}
+
 Condition examine(const hdf5::Group& root, const std::string& path) {
     try {
         return condition_of(open(root, path), false);

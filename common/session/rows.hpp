@@ -34,6 +34,15 @@ struct Condition {
     [[nodiscard]] std::size_t end() const;
 };
 
+/// Where a data set ends that a killed writer left.
+struct RowsEnd {
+    std::size_t end = 0;  ///< one past the last row that can be read, if that is near its stated end
+    hdf5::Shape row_shape;
+};
+
+/// Looks at the last chunks alone. Throws hdf5::Error where `path` is no data set.
+[[nodiscard]] RowsEnd rows_end(const hdf5::Group& root, const std::string& path);
+
 /// Reads a data set chunk by chunk. Does not throw: a data set that cannot be opened is not there.
 [[nodiscard]] Condition examine(const hdf5::Group& root, const std::string& path);
 
@@ -55,24 +64,33 @@ struct Condition {
 [[nodiscard]] std::string text_of(const hdf5::Group& root, const std::string& path,
                                   const char* attribute_name);
 
+template <class T>
+void set_missing(T& value) {
+    if constexpr (std::is_floating_point_v<T>) {
+        value = std::numeric_limits<T>::quiet_NaN();
+    } else {
+        std::ranges::for_each(value, [](auto& element) { set_missing(element); });
+    }
+}
+
 /// Reads the records of a list in layout.hpp, as many as all its data sets have.
 template <class Record, class Visit>
 [[nodiscard]] std::vector<Record> read_records(const hdf5::Group& root, const Visit& visit) {
     std::size_t rows = std::numeric_limits<std::size_t>::max();
     visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        // A single measure may be newer than the file; everything else is needed.
-        if (!std::is_floating_point_v<Field> || root.has(path)) {
+        // A measure may be newer than the file; everything else is needed.
+        if (!is_measure<Field> || root.has(path)) {
             rows = std::min(rows, readable_rows(root, path));
         }
     });
     std::vector<Record> records(rows);
     visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t width) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        if constexpr (std::is_floating_point_v<Field>) {
+        if constexpr (is_measure<Field>) {
             if (!root.has(path)) {
                 for (Record& record : records) {
-                    field(record) = std::numeric_limits<Field>::quiet_NaN();
+                    set_missing(field(record));
                 }
                 return;
             }

@@ -3,8 +3,12 @@
 #include "common/session/scene_file.hpp"
 
 #include <fmt/format.h>
+#include <array>
+
+#include <algorithm>
 
 #include "common/hdf5/packing.hpp"
+#include "common/session/cell.hpp"
 #include "common/session/layout.hpp"
 
 namespace eti::session {
@@ -18,6 +22,8 @@ struct TextField {
     const char* attribute;
     std::string SessionInfo::*value;
 };
+constexpr const char* blade_length = "blade_length_m";
+
 constexpr TextField text_fields[] = {
     {"session", &SessionInfo::session},        {"start_time", &SessionInfo::start_time},
     {"scenario", &SessionInfo::scenario},      {"scenario_text", &SessionInfo::scenario_text},
@@ -59,6 +65,28 @@ std::vector<PointRecord> read_points(const Group& group, std::size_t frames, boo
     return points;
 }
 
+constexpr const char* start_pose = "start_pose";
+
+void write_start(const Group& group, const RigidTransform& pose) {
+    std::array<float, 7> numbers{};
+    Cell<RigidTransform>::pack(pose, 0, reinterpret_cast<std::byte*>(numbers.data()));
+    group.write<float>(start_pose, numbers, {numbers.size()},
+                       {"m, 1",
+                        "where the tool was before the first step: position x y z, unit quaternion w x y z, "
+                        "patient frame"});
+}
+
+/// Not in every file.
+RigidTransform read_start(const Group& group) {
+    if (!group.has(start_pose)) {
+        return no_pose();
+    }
+    const auto numbers = group.read<float>(start_pose, {7}).values;
+    RigidTransform pose;
+    Cell<RigidTransform>::unpack(reinterpret_cast<const std::byte*>(numbers.data()), 0, pose);
+    return pose;
+}
+
 }  // namespace
 
 void write_head(const Group& root, const SessionInfo& info, const SceneRecord& scene,
@@ -98,6 +126,10 @@ SessionInfo read_info(const Group& meta) {
 }
 
 void write_scene(const Group& group, const SceneRecord& scene) {
+    group.set_text(
+        "patient_frame",
+        "+x to the patient's left, +y posterior, +z superior; origin at the midpoint of the upper gum's "
+        "crest at rest; it tilts with the table");
     write_rows(group, "frame_rest_centre", scene.frame_rest_centre,
                {"m", "rest centre of each frame: trunk, skull, mandible, then the clusters; patient frame"});
     const Group surfaces = group.create("surfaces");
@@ -108,11 +140,22 @@ void write_scene(const Group& group, const SceneRecord& scene) {
     write_points(group.create("glottis_contour"), scene.glottis_contour, false);
     const Group laryngoscope = group.create("laryngoscope");
     laryngoscope.set_text("blade", scene.blade);
+    laryngoscope.set_text(
+        "tool_frame",
+        "origin where blade and handle meet, +z along the blade to its tip, +y along the handle "
+        "away from the blade, +x = y cross z");
+    laryngoscope.set_number(blade_length, static_cast<double>(scene.blade_length));
     write_mesh(laryngoscope, scene.laryngoscope);
+    write_start(laryngoscope, scene.laryngoscope_start);
     const Group tube = group.create("tube");
+    tube.set_text(
+        "tool_frame",
+        "origin at the grip on the centre line, +z along the tube to its tip, +y the concave side of its "
+        "curve, +x = y cross z");
     tube.set_number("outer_diameter_m", static_cast<double>(scene.tube_outer_diameter));
     tube.set_number("inner_diameter_m", static_cast<double>(scene.tube_inner_diameter));
     tube.set_integer("nodes", scene.tube_nodes);
+    write_start(tube, scene.tube_grip_start);
 }
 
 SceneRecord read_scene(const Group& group) {
@@ -128,11 +171,16 @@ SceneRecord read_scene(const Group& group) {
     scene.glottis_contour = read_points(group.open("glottis_contour"), frames, false);
     const Group laryngoscope = group.open("laryngoscope");
     scene.blade = laryngoscope.text("blade");
+    if (std::ranges::count(laryngoscope.attributes(), blade_length) > 0) {  // not in every file
+        scene.blade_length = static_cast<float>(laryngoscope.number(blade_length));
+    }
     scene.laryngoscope = read_mesh(laryngoscope);
+    scene.laryngoscope_start = read_start(laryngoscope);
     const Group tube = group.open("tube");
     scene.tube_outer_diameter = static_cast<float>(tube.number("outer_diameter_m"));
     scene.tube_inner_diameter = static_cast<float>(tube.number("inner_diameter_m"));
     scene.tube_nodes = tube.integer("nodes");
+    scene.tube_grip_start = read_start(tube);
     return scene;
 }
 

@@ -32,7 +32,7 @@ void drop_incomplete(const Group& root, const std::string& group, std::size_t ro
     }
 }
 
-std::vector<EqualLength> tables(bool liquid, bool annotations) {
+std::vector<EqualLength> tables(const Group& root) {
     std::vector<EqualLength> all;
     const auto add = [&](const char* what, const auto& visit) {
         EqualLength table{what, {}};
@@ -47,13 +47,16 @@ std::vector<EqualLength> tables(bool liquid, bool annotations) {
     add("deformations", [](const auto& column) { moved_frames_columns(column); });
     add("events", [](const auto& column) { event_columns(column); });
     add("summaries", [](const auto& column) { summary_columns(column); });
-    if (liquid) {
+    if (root.has("fluid")) {
         add("liquid particles", [](const auto& column) { fluid_columns(column); });
         add("states of the liquid", [](const auto& column) { fluid_rows_columns(column); });
     }
-    if (annotations) {
+    if (root.has("annotations")) {
         add("places of annotations", [](const auto& column) { annotation_place_columns(column); });
         add("annotations", [](const auto& column) { annotation_rows_columns(column); });
+    }
+    if (root.has("state")) {
+        add("hashes of the state", [](const auto& column) { state_columns(column); });
     }
     return all;
 }
@@ -67,12 +70,12 @@ bool TableState::whole() const {
 
 std::vector<TableState> survey(const Group& root) {
     std::vector<TableState> states;
-    const bool liquid = root.has("fluid"), annotations = root.has("annotations");
-    for (const EqualLength& table : tables(liquid, annotations)) {
+    for (const EqualLength& table : tables(root)) {
         TableState state{table.what, {}, std::numeric_limits<std::size_t>::max()};
         for (const std::string& path : table.paths) {
-            const bool parameter = path.starts_with("metrics/") || path.starts_with("summary/");
-            if (parameter && !root.has(path)) {
+            const bool measure =
+                path.starts_with("metrics/") || path.starts_with("summary/") || path.starts_with("contacts/");
+            if (measure && !root.has(path)) {
                 continue;  // newer than the file
             }
             const Condition& found = state.series.emplace_back(path, examine(root, path)).condition;
@@ -81,14 +84,19 @@ std::vector<TableState> survey(const Group& root) {
         }
         states.push_back(std::move(state));
     }
+    const auto rows_of = [&](std::string_view what) {
+        const auto found = std::ranges::find(states, what, &TableState::what);
+        return found == states.end() ? nullptr : &found->common;
+    };
     // A time of the deformation counts if all its frames are there, one of the liquid if all its particles.
-    drop_incomplete(root, "deformation", states[2].common, states[3].common);
-    if (liquid) {
-        drop_incomplete(root, "fluid", states[6].common, states[7].common);
-    }
-    if (annotations) {
-        drop_incomplete(root, "annotations", states[states.size() - 2].common, states.back().common);
-    }
+    const auto drop = [&](const char* group, const char* rows, const char* times) {
+        if (rows_of(rows) != nullptr) {
+            drop_incomplete(root, group, *rows_of(rows), *rows_of(times));
+        }
+    };
+    drop("deformation", "moved frames", "deformations");
+    drop("fluid", "liquid particles", "states of the liquid");
+    drop("annotations", "places of annotations", "annotations");
     return states;
 }
 

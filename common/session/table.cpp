@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/session/layout.hpp"
 
 namespace eti::session {
@@ -73,17 +75,41 @@ std::byte* Table::next_cell() {
     return column.pending.data() + offset;
 }
 
-bool Table::has_full_chunk() const {
-    return rows() / chunk_rows_ > written_ / chunk_rows_;
+std::vector<std::string> Table::paths() const {
+    std::vector<std::string> paths;
+    for (const Column& column : columns_) {
+        paths.push_back(column.path);
+    }
+    return paths;
+}
+
+std::size_t Table::row_bytes() const {
+    std::size_t bytes = 0;
+    for (const Column& column : columns_) {
+        bytes += column.row_bytes;
+    }
+    return bytes;
+}
+
+void Table::copy_pending(std::size_t first, std::size_t rows, std::vector<std::byte>& to) const {
+    for (const Column& column : columns_) {
+        const auto from =
+            column.pending.begin() + static_cast<std::ptrdiff_t>((first - written_) * column.row_bytes);
+        to.insert(to.end(), from, from + static_cast<std::ptrdiff_t>(rows * column.row_bytes));
+    }
+}
+
+bool Table::has_chunk(bool unfinished) const {
+    return unfinished ? pending_ > 0 : rows() / chunk_rows_ > written_ / chunk_rows_;
 }
 
 bool Table::overdue(std::chrono::steady_clock::duration limit) const {
     return pending_ > 0 && std::chrono::steady_clock::now() - pending_since_ >= limit;
 }
 
-bool Table::write_full_chunks() {
-    const std::size_t full = rows() / chunk_rows_ * chunk_rows_;
-    return full <= written_ || write(full - written_);
+bool Table::write_chunk(bool unfinished) {
+    const std::size_t room = chunk_rows_ - written_ % chunk_rows_;
+    return !has_chunk(unfinished) || write(std::min(room, pending_));
 }
 
 bool Table::write_all() {

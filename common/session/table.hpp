@@ -27,15 +27,22 @@ class Table {
     /// Room for the next row's value in the next column; columns in the order they were created.
     [[nodiscard]] std::byte* next_cell();
 
+    [[nodiscard]] std::vector<std::string> paths() const;
     [[nodiscard]] std::size_t rows() const { return written_ + pending_; }
     [[nodiscard]] std::size_t written() const { return written_; }
-    [[nodiscard]] bool has_pending() const { return pending_ > 0; }
-    [[nodiscard]] bool has_full_chunk() const;
+    /// Whether write_chunk() has something to write.
+    [[nodiscard]] bool has_chunk(bool unfinished) const;
     /// Whether a row has waited in memory for longer than `limit`.
     [[nodiscard]] bool overdue(std::chrono::steady_clock::duration limit) const;
 
-    /// Writes full chunks, or everything. False on failure; error() tells why.
-    [[nodiscard]] bool write_full_chunks();
+    [[nodiscard]] std::size_t row_bytes() const;
+    /// Appends waiting rows from row `first` on, column by column, to `to`.
+    void copy_pending(std::size_t first, std::size_t rows, std::vector<std::byte>& to) const;
+
+    /// Writes up to the end of the next chunk; one that is not full yet only if asked to. Series of one table
+    /// then differ by a chunk at most when a kill comes between. False on failure; error() tells why.
+    [[nodiscard]] bool write_chunk(bool unfinished);
+    /// Everything at once: for a file that nobody misses when it stays unfinished.
     [[nodiscard]] bool write_all();
 
     [[nodiscard]] const std::string& error() const { return error_; }

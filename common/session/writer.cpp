@@ -11,7 +11,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -22,6 +21,7 @@
 #include "common/session/ring.hpp"
 #include "common/session/scene_file.hpp"
 #include "common/session/table.hpp"
+#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -32,8 +32,8 @@ using namespace std::chrono_literals;
 
 /// How often the queues are emptied.
 constexpr auto poll = 20ms;
-/// Longest that a record waits in memory; with poll and the time of a write it stays under one second.
-constexpr auto longest_unwritten = 750ms;
+/// Longest that a record is in the tail only, which other programs do not read beside this one.
+constexpr auto longest_unwritten = 5s;
 constexpr auto warning_period = 10s;
 
 std::size_t deformations_waiting(std::size_t steps) {
@@ -50,6 +50,7 @@ struct SessionWriter::Impl {
           tube_nodes(std::max<std::size_t>(scene.tube_nodes, 1)),
           steps(settings.waiting_steps),
           commands(256),
+          states(64),
           deformations(deformations_waiting(settings.waiting_steps)),
           fluids(deformations_waiting(settings.waiting_steps)),
           events(1024),
@@ -63,7 +64,7 @@ struct SessionWriter::Impl {
     void create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene);
     void run();
     void drain();
-    [[nodiscard]] std::optional<std::string> write(bool everything);
+    [[nodiscard]] std::optional<std::string> write_chunks(bool everything, bool& more);
     void finish();
     void fail(const std::string& reason);
     void warn_of_losses();
@@ -90,6 +91,7 @@ struct SessionWriter::Impl {
 
     Ring<StepRecord> steps;
     Ring<CommandRecord> commands;
+    Ring<StateRecord> states;
     Ring<DeformationRecord> deformations;
     Ring<FluidRecord> fluids;
     Ring<EventRecord> events;
@@ -101,6 +103,7 @@ struct SessionWriter::Impl {
     hdf5::Group meta;
     Table step_table{step_chunk};
     Table command_table{small_chunk};
+    Table state_table{small_chunk};
     Table frame_table{moved_frame_chunk};
     Table deformation_table{small_chunk};
     Table fluid_table{fluid_chunk};
@@ -109,10 +112,11 @@ struct SessionWriter::Impl {
     Table annotation_table{small_chunk};
     Table annotation_place_table{small_chunk};
     Table summary_table{small_chunk};
-    std::vector<Table*> tables{&step_table,  &command_table, &frame_table,      &deformation_table,
-                               &event_table, &summary_table, &annotation_table, &annotation_place_table};
-    std::deque<MovedFrames> moved_waiting;
-    std::deque<FluidRows> fluid_waiting;
+    // What points to rows of another table comes behind it, and much that is worth little at the end.
+    std::vector<Table*> tables{&step_table,       &command_table, &state_table,
+                               &event_table,      &summary_table, &annotation_place_table,
+                               &annotation_table, &frame_table,   &deformation_table};
+    Tail tail{tables};
     std::uint64_t lost_reported = 0;
     Clock::time_point warned_at{};
     bool said_deleted = false;
@@ -146,6 +150,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     write_head(root, info, scene, 0);
     step_columns(tube_nodes, creating<StepRecord>(step_table, root));
     command_columns(creating<CommandRecord>(command_table, root));
+    state_columns(creating<StateRecord>(state_table, root));
     moved_frame_columns(creating<MovedFrame>(frame_table, root));
     moved_frames_columns(creating<MovedFrames>(deformation_table, root));
     if (scene.liquid) {
@@ -158,6 +163,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     annotation_place_columns(creating<AnnotationPlace>(annotation_place_table, root));
     summary_columns(creating<SummaryRecord>(summary_table, root));
     link_time_axis(root);
+    tail.create(root);
     made.close();
 
     // From here on in single-writer mode, in which nothing but rows may be added.
@@ -166,6 +172,7 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
     for (Table* table : tables) {
         table->open(file.root());
     }
+    tail.open(file.root());
     live.set(path);
 }
 
@@ -175,18 +182,21 @@ void SessionWriter::Impl::run() {
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
     hdf5::prepare_thread();
-    for (bool last = false; !last;) {
+    for (bool last = false, more = false; !last || more;) {
         {
             std::unique_lock lock(mutex);
-            last = wake.wait_for(lock, poll, [this] { return stop; });
+            last = wake.wait_for(lock, more ? 0ms : poll, [this] { return stop; });
         }
         drain();
+        more = false;
         if (has_failed) {
             continue;
         }
         warn_of_losses();
         warn_of_deletion();
-        if (const auto why = write(last)) {
+        if (!tail.write()) {
+            fail(tail.error());
+        } else if (const auto why = write_chunks(last, more)) {
             fail(*why);
         }
     }
@@ -210,15 +220,16 @@ void SessionWriter::Impl::drain() {
     };
     take(commands, [this](const CommandRecord& r) { command_columns(appending(command_table, r)); });
     take(deformations, [this](const DeformationRecord& r) {
-        moved_waiting.push_back({r.time_ns, frame_table.rows(), static_cast<std::uint32_t>(r.frame.size())});
+        const MovedFrames moved{r.time_ns, frame_table.rows(), static_cast<std::uint32_t>(r.frame.size())};
+        moved_frames_columns(appending(deformation_table, moved));
         for (std::size_t i = 0; i < r.frame.size(); ++i) {
             const MovedFrame frame{r.frame[i], r.pose[i]};
             moved_frame_columns(appending(frame_table, frame));
         }
     });
     take(fluids, [this](const FluidRecord& r) {
-        fluid_waiting.push_back(
-            {r.time_ns, fluid_table.rows(), static_cast<std::uint32_t>(r.position.size())});
+        const FluidRows rows{r.time_ns, fluid_table.rows(), static_cast<std::uint32_t>(r.position.size())};
+        fluid_rows_columns(appending(fluid_rows_table, rows));
         for (const Vec3f& position : r.position) {
             const FluidParticle particle{position};
             fluid_columns(appending(fluid_table, particle));
@@ -228,6 +239,7 @@ void SessionWriter::Impl::drain() {
         step_columns(tube_nodes, appending(step_table, r));
         last_time_ns = r.time_ns;
     });
+    take(states, [this](const StateRecord& r) { state_columns(appending(state_table, r)); });
     take(events, [this](const EventRecord& r) { event_columns(appending(event_table, r)); });
     take(annotations, [this](const AnnotationRecord& r) {
         const AnnotationRows rows{r.time_ns,
@@ -247,43 +259,20 @@ void SessionWriter::Impl::drain() {
     take(summaries, [this](const SummaryRecord& r) { summary_columns(appending(summary_table, r)); });
 }
 
-/// Writes full chunks and what has waited long enough, or everything. Nothing on success, else why not.
-std::optional<std::string> SessionWriter::Impl::write(bool everything) {
+/// Writes of each table a chunk, if it is full, has waited long enough, or `everything` has to be written.
+/// `more`: whether there is another. Nothing on success, else why not.
+std::optional<std::string> SessionWriter::Impl::write_chunks(bool everything, bool& more) {
+    // What a kill leaves between two flushes may be in some series and not in others. So a flush follows
+    // every chunk, however much has gathered while the machine was busy.
+    more = false;
     bool any = false;
-    const auto written = [&](Table& table, bool all) {
-        any = any || (all ? table.has_pending() : table.has_full_chunk());
-        return all ? table.write_all() : table.write_full_chunks();
-    };
-    const auto due = [&](const Table& table) { return everything || table.overdue(longest_unwritten); };
-    if (!written(frame_table, due(frame_table))) {
-        return frame_table.error();
-    }
-    // A row of the deformation follows the rows of frames that it points to.
-    while (!moved_waiting.empty() &&
-           moved_waiting.front().first_row + moved_waiting.front().row_count <= frame_table.written()) {
-        moved_frames_columns(appending(deformation_table, moved_waiting.front()));
-        moved_waiting.pop_front();
-    }
-    if (!written(deformation_table, true)) {
-        return deformation_table.error();
-    }
-    if (!written(fluid_table, due(fluid_table))) {
-        return fluid_table.error();
-    }
-    while (!fluid_waiting.empty() &&
-           fluid_waiting.front().first_row + fluid_waiting.front().row_count <= fluid_table.written()) {
-        fluid_rows_columns(appending(fluid_rows_table, fluid_waiting.front()));
-        fluid_waiting.pop_front();
-    }
-    if (!written(fluid_rows_table, true)) {
-        return fluid_rows_table.error();
-    }
-    // A row of an annotation follows the rows of places that it points to.
-    for (Table* table : {&step_table, &command_table, &event_table, &annotation_place_table,
-                         &annotation_table, &summary_table}) {
-        if (!written(*table, due(*table))) {
+    for (Table* table : tables) {
+        const bool due = everything || table->overdue(longest_unwritten);
+        any = any || table->has_chunk(due);
+        if (!table->write_chunk(due)) {
             return table->error();
         }
+        more = more || table->has_chunk(everything);
     }
     if (any && !file.flush()) {
         return hdf5::last_error();
@@ -330,6 +319,7 @@ void SessionWriter::Impl::fail(const std::string& reason) {
     for (Table* table : tables) {
         table->abandon();
     }
+    tail.abandon();
     meta = {};
     file.abandon();
     live.clear();
@@ -373,6 +363,9 @@ bool SessionWriter::push(const StepRecord& record) {
 }
 bool SessionWriter::push(const CommandRecord& record) {
     return impl_->push(impl_->commands, record);
+}
+bool SessionWriter::push(const StateRecord& record) {
+    return impl_->push(impl_->states, record);
 }
 bool SessionWriter::push(const DeformationRecord& record) {
     return impl_->push(impl_->deformations, record);

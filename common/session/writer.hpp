@@ -14,9 +14,9 @@ namespace eti::session {
 
 /// Writes a session file on a thread of its own.
 ///
-/// What is on disk is a consistent file at any time (HDF5's single-writer mode), at most one second
-/// behind what was pushed: a killed program leaves a file that SessionReader reads and that
-/// `repair` opens to every HDF5 tool. All push() calls must come from one thread; none ever waits,
+/// What is on disk is a consistent file at any time (HDF5's single-writer mode): a killed program leaves a
+/// file that SessionReader reads and that `repair` opens to every HDF5 tool. What was pushed a quarter of a
+/// second before is in it. All push() calls must come from one thread; none ever waits,
 /// unless Settings::wait_when_full says so.
 class SessionWriter {
   public:
@@ -43,6 +43,7 @@ class SessionWriter {
     /// False if the record was lost: no room, or recording has failed.
     bool push(const StepRecord& record);
     bool push(const CommandRecord& record);
+    bool push(const StateRecord& record);
     bool push(const DeformationRecord& record);
     /// Only for a scene with liquid.
     bool push(const FluidRecord& record);

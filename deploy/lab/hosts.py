@@ -93,6 +93,14 @@ class Host:
     def shared_memory_files(self):
         return sorted(self.run("ls", "/dev/shm").split())
 
+    def dropped(self):
+        """Packets that its own kernel has thrown away so far, because an interface's or a socket's queue was full."""
+        interfaces = [line.split(":")[1].split() for line in self.run("cat", "/proc/net/dev").splitlines()[2:]]
+        names, counts = [line.split()[1:] for line in self.run("cat", "/proc/net/snmp").splitlines()
+                         if line.startswith("Udp:")]
+        sockets = dict(zip(names, map(int, counts)))
+        return sum(int(fields[3]) + int(fields[11]) for fields in interfaces) + sockets["RcvbufErrors"]
+
     def close(self):
         """Ends what runs on it, then the host."""
         if self.process.poll() is None:

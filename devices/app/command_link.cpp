@@ -2,53 +2,23 @@
 // Copyright the NeoETI authors
 #include "devices/app/command_link.hpp"
 
-#include <spdlog/fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <charconv>
-
 #include "common/bus/convert.hpp"
-#include "common/model/live.hpp"
 #include "common/scenario/preset.hpp"
 #include "common/scenario/scenario.hpp"
+#include "common/scenario/setting.hpp"
 
 namespace eti::devices {
 
-std::string command_keys() {
-    std::string text;
-    for (const LiveField& field : live_fields) {
-        text +=
-            fmt::format("{}{} ({:g} to {:g})", text.empty() ? "" : ", ", field.key(), field.low, field.high);
-    }
-    return text;
-}
-
-// The range is the server's to check: it knows what its patient bears.
 PadCommand command_from(const std::string& typed) {
-    const std::size_t equals = typed.find('=');
-    const auto field = std::ranges::find(live_fields, typed.substr(0, equals), &LiveField::key);
-    if (equals == std::string::npos || field == live_fields.end()) {
-        throw InputError(fmt::format("--set {}: expected KEY=VALUE with a key of {}", typed, command_keys()));
-    }
-    const std::string wanted = typed.substr(equals + 1);
-    if (field->on_off && (wanted == "on" || wanted == "off")) {
-        return {field->name, wanted == "on" ? 1.0f : 0.0f};
-    }
-    float value = 0.0f;
-    const char* const end = wanted.data() + wanted.size();
-    const auto [stop, error] = std::from_chars(wanted.data(), end, value);
-    if (error != std::errc() || stop != end) {
-        throw InputError(fmt::format("--set {}: expected {} after '=', {:g} to {:g}", typed,
-                                     field->on_off ? "on, off or a plain number" : "a plain number",
-                                     field->low, field->high));
-    }
-    return {field->name, value * field->per_unit};
+    const LiveSetting setting = live_setting(typed);
+    return {setting.field->name, setting.value};
 }
 
 std::vector<PadCommand> commands_of_preset(const std::string& name_or_path) {
     std::vector<PadCommand> out;
-    for (const Preset::Value& value : load_preset(find_data_file(name_or_path, "presets")).values) {
+    for (const LiveSetting& value : load_preset(find_data_file(name_or_path, "presets")).values) {
         out.push_back({value.field->name, value.value});
     }
     return out;

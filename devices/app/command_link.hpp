@@ -22,9 +22,6 @@ namespace eti::devices {
 /// The commands of a preset by name or path. Throws InputError naming those there are.
 [[nodiscard]] std::vector<PadCommand> commands_of_preset(const std::string& name_or_path);
 
-/// The keys of command_from() with their units and ranges, for help texts.
-[[nodiscard]] std::string command_keys();
-
 /// Sends commands to a session and takes the server's answers. For one thread.
 class CommandLink {
   public:

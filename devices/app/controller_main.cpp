@@ -12,6 +12,7 @@
 #include "common/bus/convert.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
+#include "common/scenario/setting.hpp"
 #include "devices/app/command_link.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/session_list.hpp"
@@ -166,10 +167,11 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
 /// What is asked for on the command line, once.
 struct Once {
     std::string command;             ///< without a value
+    std::optional<float> seek;       ///< [s]
     std::string preset;              ///< by name or path
     std::vector<std::string> typed;  ///< KEY=VALUE
 };
-constexpr std::array<std::string_view, 4> plain_commands{"start", "stop", "reset", "next"};
+constexpr std::array<std::string_view, 5> plain_commands{"start", "stop", "reset", "next", "pause"};
 
 int run(const ProgramOptions& options, const Once& once, const std::string& remark, bool list) {
     if (list) {
@@ -185,9 +187,10 @@ int run(const ProgramOptions& options, const Once& once, const std::string& rema
         options.json ? std::cout << noted.dump(2) << std::endl : std::cout;
         return noted["ended"] == "noted" ? 0 : 1;
     }
-    if (options.device.empty() && once.typed.empty() && once.preset.empty() && once.command.empty()) {
+    if (options.device.empty() && once.typed.empty() && once.preset.empty() && once.command.empty() &&
+        !once.seek) {
         throw InputError(
-            "neither --device, --set, --preset, --command, --note nor --list is given; see --help");
+            "neither --device, --set, --preset, --command, --seek, --note nor --list is given; see --help");
     }
     nlohmann::ordered_json result;
     bool well = true;
@@ -199,6 +202,9 @@ int run(const ProgramOptions& options, const Once& once, const std::string& rema
         if (const auto plain = std::ranges::find(plain_commands, once.command);
             plain != plain_commands.end()) {
             wanted.push_back({*plain, 1.0f});
+        }
+        if (once.seek) {
+            wanted.push_back({"seek", *once.seek});
         }
         std::ranges::transform(once.typed, std::back_inserter(wanted), command_from);
         result = set_once(options, wanted);
@@ -232,7 +238,7 @@ int main(int argc, char** argv) {
         "opening, right stick up and down table (up: head-up).\n"
         "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table.\n"
         "Keys of --set: " +
-        command_keys() + ". Exit status 0 only if the server accepted all.");
+        eti::live_keys() + ". Exit status 0 only if the server accepted all.");
     add_device_options(app, options, Use::commands);
     Once once;
     auto* const device = app.get_option("--device")->required(false);
@@ -248,9 +254,12 @@ int main(int argc, char** argv) {
         app.add_option(
                "--command", once.command,
                "start; stop: the session ends; reset: tissue and tube back to rest; next: the session "
-               "that follows, where the server was given several scenarios")
+               "that follows, where the server was given several scenarios; pause: of a replay")
             ->check(CLI::IsMember(std::vector<std::string>(plain_commands.begin(), plain_commands.end())))
             ->excludes(device);
+    auto* const place = app.add_option("--seek", once.seek, "Where a replay goes on [s]")
+                            ->check(CLI::NonNegativeNumber)
+                            ->excludes(device);
     bool list = false;
     auto* const listing =
         app.add_flag("--list", list,
@@ -258,7 +267,8 @@ int main(int argc, char** argv) {
             ->excludes(device)
             ->excludes(set)
             ->excludes(choice)
-            ->excludes(plain);
+            ->excludes(plain)
+            ->excludes(place);
     std::string remark;
     app.add_option("--note", remark,
                    "Leave this remark, of at most 200 letters, in the session's record, and end")
@@ -266,6 +276,7 @@ int main(int argc, char** argv) {
         ->excludes(set)
         ->excludes(choice)
         ->excludes(plain)
+        ->excludes(place)
         ->excludes(listing)
         ->check([](const std::string& text) {
             return !text.empty() && text.size() <= msg::bound::Annotation_text

@@ -11,9 +11,9 @@
 
 #include "common/process/priority.hpp"
 #include "common/process/service_notify.hpp"
+#include "common/process/terminal.hpp"
 #include "devices/app/program.hpp"
 #include "devices/haptics/haptic_loop.hpp"
-#include "devices/sensor/terminal.hpp"
 
 namespace eti::devices {
 namespace {

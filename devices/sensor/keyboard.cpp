@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "common/process/terminal.hpp"
 #include "devices/sensor/polled_sensor.hpp"
-#include "devices/sensor/terminal.hpp"
 
 namespace eti::devices {
 

@@ -112,7 +112,7 @@ std::string AnnotationBoard::words_of(const msg::Annotation& annotation) const {
         case msg::ANNOTATION_STROKE:
             return fmt::format("{} draws on {}{}", sender, on(), said);
         case msg::ANNOTATION_CLEAR:
-            return fmt::format("{} wipes all marks away", sender);
+            return fmt::format("{}{}", sender, wipes);
         case msg::ANNOTATION_NOTE:
             break;
     }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/topics.hpp"
@@ -21,6 +22,9 @@ class AnnotationBoard {
   public:
     /// As many marks stay; the newest takes the place of the oldest.
     static constexpr std::uint32_t most = 64;
+
+    /// How the event of an annotation of kind ANNOTATION_CLEAR ends.
+    static constexpr std::string_view wipes = " wipes all marks away";
 
     /// `patient` has to outlive it. `laryngoscope`: the mesh that clients draw, in the tool's frame.
     AnnotationBoard(const anatomy::Patient& patient, TriangleMesh laryngoscope);

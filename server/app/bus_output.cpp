@@ -203,6 +203,10 @@ void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deq
 
 void BusOutput::publish_step(const Work& work) {
     const scene::Snapshot& s = work.snapshot;
+    if (s.step < last_step_) {  // a replay went back
+        next_slow_ = next_status_ = 0;
+    }
+    last_step_ = s.step;
     sent_.make(s, [this](msg::DeformationState& state) { deformation_.publish(state); });
     if (fluid_) {
         fluid_messages(s, [this](msg::FluidState& state) { fluid_->publish(state); });

@@ -92,8 +92,8 @@ class BusOutput {
     Clock::time_point asserted_{};  // that this process is alive
 
     DeformationMessages sent_, sent_slow_;
-    std::uint64_t next_slow_ = 0, next_status_ = 0;  // steps
-    std::uint32_t number_ = 0;                       // of what does not come with a step
+    std::uint64_t last_step_ = 0, next_slow_ = 0, next_status_ = 0;
+    std::uint32_t number_ = 0;  // of what does not come with a step
     std::thread thread_;
 };
 

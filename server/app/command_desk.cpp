@@ -31,7 +31,7 @@ std::string outside(const LiveField& field, float typed, float low, float high) 
 }  // namespace
 
 void CommandDesk::handle(const ReceivedCommand& command) {
-    const std::string refusal = carry_out(command);
+    const std::string refusal = take(command);
     answer_.recipient(command.sender);
     answer_.id(command.id);
     answer_.accepted(refusal.empty());
@@ -53,7 +53,7 @@ void CommandDesk::pass_over(const ReceivedCommand& command) {
     answer_.reason("a later one of its kind took its place");
 }
 
-std::string CommandDesk::carry_out(const ReceivedCommand& command) {
+std::string CommandDesk::take(const ReceivedCommand& command) {
     if (command.name == "start") {
         return {};  // the simulation runs from the server's start
     }

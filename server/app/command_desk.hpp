@@ -22,6 +22,9 @@ class CommandDesk {
     /// Checks `command` and takes it; the answer is ready afterwards.
     void handle(const ReceivedCommand& command);
 
+    /// Takes `command`; returns why not, or nothing.
+    [[nodiscard]] std::string take(const ReceivedCommand& command);
+
     /// Words the answer to one that a later one of its kind replaced before its turn.
     void pass_over(const ReceivedCommand& command);
 
@@ -35,8 +38,7 @@ class CommandDesk {
     [[nodiscard]] bool take_reset();
 
   private:
-    // Each returns why not, or nothing.
-    [[nodiscard]] std::string carry_out(const ReceivedCommand& command);
+    // Why not, or nothing.
     [[nodiscard]] std::string refusal_of(const LiveField& field, float value) const;
 
     PatientLimits limits_;

@@ -53,21 +53,17 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
                   const StepInputs& inputs) {
     assessor_.observe(snapshot, eye ? std::optional(eye->translation) : std::nullopt);
     const metrics::Metrics& metrics = assessor_.metrics();
-    if (assessor_.looked() && (recorder_ != nullptr || output_ != nullptr)) {
+    if (assessor_.looked() && (recorder_ != nullptr || output_ != nullptr || watcher_)) {
         // Rocking and smoothness look back over the attempt: once per look, not per step.
         parameters_ = metrics.live_parameters();
     }
+    if (watcher_) {
+        fill(watched_, snapshot, metrics.live(), parameters_, eye, assessor_.eye());
+        watcher_(watched_);
+    }
     if (recorder_ != nullptr) {
-        for (const session::CommandRecord& c : inputs.commands) {
-            recorder_->command(c.time_ns, c.step, c.kind, c.value, c.sender, c.id);
-        }
-        for (const session::EventRecord& e : inputs.events) {
-            recorder_->event(e.time_ns, e.kind, e.text);
-        }
-        for (const session::AnnotationRecord& a : inputs.annotations) {
-            recorder_->annotation(a);
-        }
-        recorder_->record(snapshot, metrics.live(), parameters_, eye);
+        keep(inputs);
+        recorder_->record(snapshot, metrics.live(), parameters_, eye, assessor_.eye());
         note_events();
     }
     if (metrics.attempts().size() > seen_attempts_) {
@@ -77,6 +73,21 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
     ended_at_.store(metrics.live().attempt_running ? -1.0 : last_ended_, std::memory_order_relaxed);
     if (output_ != nullptr && assessor_.looked()) {
         tell(snapshot, eye);
+    }
+}
+
+void Judge::keep(const StepInputs& inputs) {
+    for (const session::CommandRecord& c : inputs.commands) {
+        recorder_->command(c.time_ns, c.step, c.kind, c.value, c.sender, c.id);
+    }
+    for (const session::StateRecord& s : inputs.states) {
+        recorder_->state(s);
+    }
+    for (const session::EventRecord& e : inputs.events) {
+        recorder_->event(e.time_ns, e.kind, e.text);
+    }
+    for (const session::AnnotationRecord& a : inputs.annotations) {
+        recorder_->annotation(a);
     }
 }
 
@@ -126,6 +137,8 @@ void Judge::finish() {
     post_summaries();
     const metrics::AttemptSummary run = assessor_.metrics().run();
     if (recorder_ != nullptr) {
+        keep(inputs_);  // no step came after it
+        inputs_.clear();
         note_events();
         recorder_->summary(run);
     }

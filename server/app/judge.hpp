@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <semaphore>
 #include <thread>
@@ -33,10 +34,14 @@ class Judge {
     Judge(const Judge&) = delete;
     Judge& operator=(const Judge&) = delete;
 
-    /// A command that acts from the next step on, or an event that comes with it: into the record.
+    /// A command that acts from the next step on, the state after it, or an event that comes with it: into
+    /// the record.
     void note(session::CommandRecord command) { inputs_.commands.push_back(std::move(command)); }
+    void note(session::StateRecord state) { inputs_.states.push_back(std::move(state)); }
     void note(session::EventRecord event) { inputs_.events.push_back(std::move(event)); }
     void note(session::AnnotationRecord annotation) { inputs_.annotations.push_back(std::move(annotation)); }
+    /// Has `watcher` see each step as it is recorded, with or without a recorder. Before the first step.
+    void watch(std::function<void(const session::StepRecord&)> watcher) { watcher_ = std::move(watcher); }
     /// Takes in the next step. Beside: copies it, and waits only while `most_waiting` others do, for none may
     /// be left out.
     void take(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
@@ -48,13 +53,15 @@ class Judge {
     [[nodiscard]] double ended_at() const { return ended_at_.load(std::memory_order_relaxed); }
 
   private:
-    /// What came in before a step.
+    /// What came with a step.
     struct StepInputs {
         std::vector<session::CommandRecord> commands;
+        std::vector<session::StateRecord> states;
         std::vector<session::EventRecord> events;
         std::vector<session::AnnotationRecord> annotations;
         void clear() {
             commands.clear();
+            states.clear();
             events.clear();
             annotations.clear();
         }
@@ -69,12 +76,15 @@ class Judge {
     void judge(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye,
                const StepInputs& inputs);
     void tell(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
+    void keep(const StepInputs& inputs);
     void note_events();
     void post_summaries();
 
     Assessor& assessor_;
     Recorder* recorder_;
     BusOutput* output_;
+    std::function<void(const session::StepRecord&)> watcher_;
+    session::StepRecord watched_;
     StepInputs inputs_;  // of the step to come
 
     Parameters parameters_;          // newest live values, for the record

@@ -29,6 +29,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                        ? std::string("names no file; give one, or leave the option out to record nothing")
                        : std::string();
         });
+    app.add_option("--participant", options.participant,
+                   "Pseudonym of who is trained, for the session file; no name that says who it is");
     bus::add_options(app, options.bus);
     app.add_flag("--fast", options.fast, "Simulate as fast as possible instead of by the clock");
     app.add_flag("!--no-dds", options.with_bus, "Run without the bus");
@@ -41,6 +43,35 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_option("--seed", options.seed, "Seed of tremor and chance, instead of the scenario's");
     app.add_option("--threads", options.threads, "Solver threads; 0: one per core; the result is the same")
         ->check(CLI::Range(0, 256));
+    CLI::Option* const resimulate =
+        app.add_option("--resimulate", options.resimulate,
+                       "Run the recorded inputs of this session file again, as fast as possible, and compare "
+                       "every step with the record. Exit status 0 only if all came out the same")
+            ->excludes("--scenario", "--operator", "--seed", "--finish-after-attempt", "--duration");
+    app.add_option("--set", options.settings,
+                   "With --resimulate: KEY=VALUE that was otherwise, and both results side by side. A key of "
+                   "eti-controller --set (tissue_stiffness_kpa) holds throughout; one of a scenario "
+                   "(patient.weight_kg, saliva) holds at the start")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->needs(resimulate);
+    CLI::Option* const replay =
+        app.add_option("--replay", options.replay.file,
+                       "Publish what this session file holds as if it went on now; see eti-review replay")
+            ->excludes("--scenario", "--operator", "--seed", "--finish-after-attempt", "--duration",
+                       "--record", "--fast", "--no-dds", "--steps", "--resimulate");
+    app.add_option("--speed", options.replay.speed, "Of the replay, times real time")
+        ->check(CLI::Range(1.0 / 16, 16.0))
+        ->needs(replay);
+    app.add_option("--from", options.replay.from, "Where the replay begins [s]")
+        ->check(CLI::NonNegativeNumber)
+        ->needs(replay);
+    app.add_option("--to", options.replay.to, "Where the replay ends [s]")
+        ->check(CLI::NonNegativeNumber)
+        ->needs(replay);
+    app.add_flag("--loop", options.replay.loop, "Begin the replay again when it is at its end")
+        ->needs(replay);
+    app.add_flag("--pause", options.replay.pause, "Begin the replay paused")->needs(replay);
     bool describe = false;
     app.add_flag("--describe", describe,
                  "Print as JSON what scenarios set, commands change and results hold, with units and ranges");

@@ -17,6 +17,7 @@ struct Options {
     std::vector<std::string> scenarios{"term"};  ///< one session after another; never empty
     std::string operator_name;                   ///< empty: the hands come over the bus
     std::filesystem::path record;                ///< empty: no session file
+    std::string participant;                     ///< pseudonym, for the session file
     bus::Options bus{.name = std::string(bus::server_name)};
     bool fast = false;  ///< ignore the clock
     bool with_bus = true;
@@ -25,6 +26,16 @@ struct Options {
     std::optional<std::uint64_t> steps;
     double duration = 0.0;  ///< [s] of simulation time; 0: no limit
     std::optional<std::uint64_t> seed;
+    std::filesystem::path resimulate;   ///< a session file whose inputs run again; empty: none
+    std::vector<std::string> settings;  ///< of what is set otherwise then, KEY=VALUE
+    struct Replay {
+        std::filesystem::path file;  ///< a session file that is shown again; empty: none
+        double speed = 1.0;
+        double from = 0.0;         ///< [s]
+        std::optional<double> to;  ///< [s]; to its end
+        bool loop = false;
+        bool pause = false;  ///< at the beginning
+    } replay;
     int threads = 0;  ///< 0: as many as there are cores
 };
 

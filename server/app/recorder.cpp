@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -18,7 +19,7 @@ session::PointRecord point(std::string name, const anatomy::CarriedPoint& carrie
 }
 
 session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                              std::size_t tube_nodes, bool saliva) {
+                              const scene::Snapshot& start, bool saliva) {
     session::SceneRecord scene;
     scene.frame_rest_centre = patient.frame_rest_centre;
     scene.surfaces = patient.surfaces;
@@ -30,9 +31,12 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
     }
     scene.blade = name_of(scope.blade);
     scene.laryngoscope = laryngoscope_mesh(scope);
+    scene.blade_length = scope.blade_length;
     scene.tube_outer_diameter = tube.outer_diameter;
     scene.tube_inner_diameter = tube.inner_diameter;
-    scene.tube_nodes = tube_nodes;
+    scene.tube_nodes = start.tube_nodes.size();
+    scene.laryngoscope_start = start.device;
+    scene.tube_grip_start = start.tube_grip;
     scene.liquid = saliva;
     return scene;
 }
@@ -57,6 +61,37 @@ session::SessionWriter::Settings writer_settings(bool wait_when_full) {
     settings.on_error = [](const std::string& text) { spdlog::error("{}", text); };
     settings.on_warning = [](const std::string& text) { spdlog::warn("{}", text); };
     return settings;
+}
+
+std::array<float, 3> numbers(const Vec3f& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+session::TissueLoads loads_of(const scene::Snapshot& snapshot) {
+    session::TissueLoads loads;
+    std::array<Vec3f, session::touched_tissues> net, moment;
+    std::array<float, session::touched_tissues> weight{};
+    net.fill(Vec3f::Zero());
+    moment.fill(Vec3f::Zero());
+    for (const scene::RigidContact& contact : snapshot.shell_contacts) {
+        const auto tissue = static_cast<std::size_t>(contact.tissue);
+        loads.pressed[tissue] += contact.force;
+        moment[tissue] += contact.force * contact.position;
+        weight[tissue] += contact.force;
+    }
+    for (const scene::TissueContact& contact : snapshot.tissue_contacts) {
+        const auto tissue = static_cast<std::size_t>(contact.tissue);
+        const float force = contact.force.norm();
+        net[tissue] += contact.force;
+        moment[tissue] += force * contact.position;
+        weight[tissue] += force;
+    }
+    for (std::size_t i = 0; i < session::touched_tissues; ++i) {
+        loads.net[i] = numbers(net[i]);
+        loads.place[i] = numbers(weight[i] > 0.0f ? Vec3f(moment[i] / weight[i])
+                                                  : Vec3f(Vec3f::Constant(session::no_number)));
+    }
+    return loads;
 }
 
 // Frames are recorded on a grid far finer than the quantum that they must move by: 2^-20 m (1 um) and
@@ -96,30 +131,39 @@ std::string build_description() {
 
 Recorder::Recorder(const std::filesystem::path& path, session::SessionInfo info,
                    const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                   std::size_t tube_nodes, bool saliva, bool wait_when_full)
-    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, tube_nodes, saliva),
+                   const scene::Snapshot& start, bool saliva, bool wait_when_full)
+    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, start, saliva),
               writer_settings(wait_when_full)) {}
 
+void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const metrics::Live& live,
+          const Parameters& parameters, const std::optional<RigidTransform>& eye, const Vec3f& eye_used) {
+    record.time_ns = snapshot.time_ns;
+    record.step = snapshot.step;
+    record.laryngoscope = snapshot.device;
+    record.tube_grip = snapshot.tube_grip;
+    record.eye = eye.value_or(session::no_pose());
+    record.proxy = snapshot.proxy;
+    record.shell_force = snapshot.shell_force;
+    record.shell_torque = snapshot.shell_torque;
+    record.tissue_force = snapshot.tissue_force;
+    record.tissue_torque = snapshot.tissue_torque;
+    record.tube_nodes = snapshot.tube_nodes;
+    record.live = snapshot.live;
+    record.loads = loads_of(snapshot);
+    record.attempt = live.attempt;
+    record.attempt_running = live.attempt_running;
+    record.glottic_opening_percent = live.glottic_opening_percent;
+    record.gum_force_n = live.gum_force;
+    record.tube_depth_past_glottis = live.tube_depth_past_glottis;
+    record.eye_used = numbers(eye_used);
+    record.parameters = parameters;
+}
+
 void Recorder::record(const scene::Snapshot& snapshot, const metrics::Live& live,
-                      const Parameters& parameters, const std::optional<RigidTransform>& eye) {
-    step_.time_ns = snapshot.time_ns;
-    step_.step = snapshot.step;
-    step_.laryngoscope = snapshot.device;
-    step_.tube_grip = snapshot.tube_grip;
-    step_.eye = eye.value_or(session::no_pose());
-    step_.proxy = snapshot.proxy;
-    step_.shell_force = snapshot.shell_force;
-    step_.shell_torque = snapshot.shell_torque;
-    step_.tissue_force = snapshot.tissue_force;
-    step_.tissue_torque = snapshot.tissue_torque;
-    step_.tube_nodes = snapshot.tube_nodes;
-    step_.live = snapshot.live;
-    step_.attempt = live.attempt;
-    step_.attempt_running = live.attempt_running;
-    step_.glottic_opening_percent = live.glottic_opening_percent;
-    step_.gum_force_n = live.gum_force;
-    step_.tube_depth_past_glottis = live.tube_depth_past_glottis;
-    step_.parameters = parameters;
+                      const Parameters& parameters, const std::optional<RigidTransform>& eye,
+                      const Vec3f& eye_used) {
+    first_ns_ = first_ns_.value_or(snapshot.time_ns);
+    fill(step_, snapshot, live, parameters, eye, eye_used);
     writer_.push(step_);
     if (snapshot.time_ns >= next_deformation_ns_) {
         record_deformation(snapshot);
@@ -172,7 +216,10 @@ void Recorder::event(std::uint64_t time_ns, const std::string& kind, const std::
 }
 
 void Recorder::summary(const metrics::AttemptSummary& summary) {
-    writer_.push(session::SummaryRecord{summary.number, summary.outcome, summary.parameters});
+    // A run begins with its first step.
+    const double first = static_cast<double>(first_ns_.value_or(0)) * 1e-9;
+    writer_.push(session::SummaryRecord{summary.number, summary.outcome, summary.parameters,
+                                        first + summary.began, first + summary.ended});
 }
 
 }  // namespace eti::app

@@ -20,18 +20,21 @@ namespace eti::app {
 /// waits for the disk. A failing disk is logged once with its remedy, and the session goes on.
 class Recorder {
   public:
-    /// `info`: start time, version and build are filled in where empty. `wait_when_full`: for runs that
-    /// ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if the file cannot be begun.
+    /// `info`: start time, version and build are filled in where empty. `start`: before the first step.
+    /// `wait_when_full`: for runs that ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if
+    /// the file cannot be begun.
     Recorder(const std::filesystem::path& path, session::SessionInfo info, const anatomy::Patient& patient,
-             const Laryngoscope& scope, const Tube& tube, std::size_t tube_nodes, bool saliva,
+             const Laryngoscope& scope, const Tube& tube, const scene::Snapshot& start, bool saliva,
              bool wait_when_full);
 
-    /// Once per step. `eye`: as latched, if one has arrived.
+    /// Once per step. `eye`: as latched, if one has arrived; `eye_used`: of the last look [m].
     void record(const scene::Snapshot& snapshot, const metrics::Live& live, const Parameters& parameters,
-                const std::optional<RigidTransform>& eye);
+                const std::optional<RigidTransform>& eye, const Vec3f& eye_used);
     /// A command, when it takes effect before step `step`. `value`: SI.
     void command(std::uint64_t time_ns, std::uint64_t step, const std::string& kind, double value,
                  const std::string& sender, std::uint32_t id);
+    /// The state after a step.
+    void state(const session::StateRecord& record) { writer_.push(record); }
     /// `kind`: one word (attempt, command, error, ...).
     void event(std::uint64_t time_ns, const std::string& kind, const std::string& text);
     /// What somebody pointed at or drew.
@@ -50,10 +53,16 @@ class Recorder {
     session::StepRecord step_;
     session::DeformationRecord moved_;
     session::FluidRecord fluid_;
-    std::vector<FramePose> recorded_;  // where each frame was when last recorded
+    std::vector<FramePose> recorded_;        // where each frame was when last recorded
+    std::optional<std::uint64_t> first_ns_;  // of the first step
     std::uint64_t next_deformation_ns_ = 0;
     bool all_frames_ = true;
 };
+
+/// What is recorded of a step. `parameters`: of the attempt so far. `eye`: as latched, if one has arrived;
+/// `eye_used`: of the last look [m].
+void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const metrics::Live& live,
+          const Parameters& parameters, const std::optional<RigidTransform>& eye, const Vec3f& eye_used);
 
 inline constexpr std::uint64_t deformation_period_ns = 1'000'000'000 / 15;
 

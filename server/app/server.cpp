@@ -16,7 +16,6 @@
 #include "common/bus/bus.hpp"
 #include "common/math/units.hpp"
 #include "common/model/pace.hpp"
-#include "common/model/parameters_json.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/service_notify.hpp"
@@ -33,6 +32,9 @@
 #include "server/app/lab_output.hpp"
 #include "server/app/local_operator.hpp"
 #include "server/app/recorder.hpp"
+#include "server/app/replay.hpp"
+#include "server/app/resimulation.hpp"
+#include "server/app/session_info.hpp"
 #include "server/app/simulation.hpp"
 #include "server/parallel/worker_start.hpp"
 
@@ -73,6 +75,7 @@ class Foremost {
 struct FollowedState {
     const char* name;
     msg::DevicePresence presence = msg::DEVICE_NONE;
+    bool appeared = false;  // since the last step, for the first time
 };
 
 class Session {
@@ -105,16 +108,15 @@ class Session {
             simulation_->scene().reset(inputs_);
         }
         if (!options.record.empty()) {
-            session::SessionInfo info;
+            session::SessionInfo info = session_info(scenario_, patient_);
             info.session = options.bus.session;
-            info.scenario = scenario_.name;
-            info.scenario_text = scenario_.text;
             info.operator_name = script ? script->name : "";
             info.operator_text =
                 script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
+            info.more["participant"] = options.participant;
             recorder_.emplace(options.record, std::move(info), patient_, simulation_->scope(), scenario_.tube,
-                              simulation_->snapshot().tube_nodes.size(), scenario_.saliva, options.fast);
+                              simulation_->snapshot(), scenario_.saliva, options.fast);
             spdlog::info("recording to {}", options.record.string());
         }
         start_threads();
@@ -142,12 +144,14 @@ class Session {
                 }
                 clock.wait();
                 latch();
+                put_tools();
                 step(clock);
                 clock.done();
                 say(clock);
             }
         }
         service_.ending();
+        note_state();
         judge_->finish();
         const bool kept = !recorder_ || recorder_->finish();
         lab_.reset();
@@ -207,6 +211,18 @@ class Session {
         if (!operator_ && input_->suction()) {
             inputs_.live.suction = 1.0f;
         }
+    }
+
+    /// What happens to the tools at once. Right before a step, so that the inputs recorded with it say where
+    /// they were put, also after time has stood still.
+    void put_tools() {
+        if (laryngoscope_.appeared) {
+            simulation_->scene().place_laryngoscope(inputs_.laryngoscope);
+        }
+        if (tube_.appeared) {
+            simulation_->scene().place_tube(inputs_.tube_grip);
+        }
+        laryngoscope_.appeared = tube_.appeared = false;
         if (desk_.take_reset()) {
             simulation_->scene().reset(inputs_);
         }
@@ -233,22 +249,18 @@ class Session {
     }
 
     void follow_devices() {
-        const auto follow = [this](const FollowedDevice& device, FollowedState& state, RigidTransform& input,
-                                   const auto& place) {
+        const auto follow = [this](const FollowedDevice& device, FollowedState& state,
+                                   RigidTransform& input) {
             if (device.pose()) {
-                if (state.presence == msg::DEVICE_NONE) {
-                    place(*device.pose());
-                }
+                state.appeared = state.appeared || state.presence == msg::DEVICE_NONE;
                 input = *device.pose();
             }
             if (device.presence() != state.presence) {
                 say_presence(state, device.presence());
             }
         };
-        follow(input_->laryngoscope(), laryngoscope_, inputs_.laryngoscope,
-               [this](const RigidTransform& pose) { simulation_->scene().place_laryngoscope(pose); });
-        follow(input_->tube(), tube_, inputs_.tube_grip,
-               [this](const RigidTransform& pose) { simulation_->scene().place_tube(pose); });
+        follow(input_->laryngoscope(), laryngoscope_, inputs_.laryngoscope);
+        follow(input_->tube(), tube_, inputs_.tube_grip);
     }
 
     void say_presence(FollowedState& state, msg::DevicePresence now) {
@@ -263,7 +275,7 @@ class Session {
             spdlog::info("the {}'s device is back", state.name);
         }
         const char* const what = now == msg::DEVICE_SILENT ? "silent" : back ? "back" : "here";
-        judge_->note(session::EventRecord{simulation_->snapshot().time_ns, "device",
+        judge_->note(session::EventRecord{simulation_->snapshot().time_ns, std::string(session::device_event),
                                           fmt::format("{} {}", state.name, what)});
     }
 
@@ -307,7 +319,23 @@ class Session {
             output_->post(s, status(clock));
             lab_->post(s, simulation_->scene().tissue().body().particles.position);
         }
+        if (s.step % steps_per_second == 0) {
+            note_state();
+        }
         judge_->take(s, input_ ? input_->eye() : std::nullopt);
+    }
+
+    /// Records what the state is in one number.
+    void note_state() {
+        const scene::Snapshot& s = simulation_->snapshot();
+        if (recorder_ && s.step != state_noted_) {
+            state_noted_ = s.step;
+            judge_->note(session::StateRecord{s.time_ns, s.step, state_hash()});
+        }
+    }
+
+    [[nodiscard]] std::string state_hash() const {
+        return fmt::format("{:016x}", simulation_->scene().state_hash());
     }
 
     void say(const StepClock& clock) {
@@ -363,29 +391,19 @@ class Session {
     }
 
     void report(const StepClock& clock) const {
-        const metrics::AttemptSummary run = simulation_->metrics().run();
         if (clock.behind() > 0.1) {
             spdlog::info("simulation time fell {:.2f} s behind the clock in {} late steps", clock.behind(),
                          clock.late());
         }
         if (!options_.json) {
+            const metrics::AttemptSummary run = simulation_->metrics().run();
             spdlog::info("{}: {}", run.outcome.success ? "success" : "no success", run.outcome.reason);
             return;
         }
-        nlohmann::ordered_json out;
-        out["success"] = run.outcome.success;
-        out["reason"] = run.outcome.reason;
+        nlohmann::ordered_json out = result_json(summaries_of(simulation_->metrics()));
         out["scenario"] = scenario_.name;
-        out["parameters"] = parameters_to_json(run.parameters);
-        out["attempts"] = nlohmann::ordered_json::array();
-        for (const metrics::AttemptSummary& a : simulation_->metrics().attempts()) {
-            out["attempts"].push_back({{"attempt", a.number},
-                                       {"success", a.outcome.success},
-                                       {"reason", a.outcome.reason},
-                                       {"parameters", parameters_to_json(a.parameters)}});
-        }
         out["steps"] = simulation_->snapshot().step;
-        out["state_hash"] = fmt::format("{:016x}", simulation_->scene().state_hash());
+        out["state_hash"] = state_hash();
         out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
                           {"p99", 1e3 * clock.percentile(0.99)},
                           {"max", 1e3 * clock.most()}};
@@ -417,6 +435,7 @@ class Session {
     ServiceNotify service_;
     FollowedState laryngoscope_{"laryngoscope"}, tube_{"tube"};
     std::uint64_t stood_still_ = 0;   // steps
+    std::uint64_t state_noted_ = 0;   // step
     double operator_done_at_ = -1.0;  // [s], simulation time
     double warned_behind_ = 0.0;
     bool warned_of_overflow_ = false;
@@ -440,6 +459,12 @@ int run_server(const Options& options) {
                                                     : std::max(1u, std::thread::hardware_concurrency());
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     try {
+        if (!options.resimulate.empty()) {
+            return resimulate(options);
+        }
+        if (!options.replay.file.empty()) {
+            return replay(options);
+        }
         std::vector<Scenario> scenarios;
         for (const std::string& name : options.scenarios) {
             scenarios.push_back(load_scenario(find_data_file(name, "scenarios")));

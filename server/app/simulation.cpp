@@ -100,7 +100,8 @@ Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, c
 void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye) {
     looked_ = snapshot.step % steps_per_look == 0;
     if (looked_) {
-        view_ = viewer_.look(snapshot, eye ? *eye : best_eye(snapshot.landmarks));
+        eye_ = eye ? *eye : best_eye(snapshot.landmarks);
+        view_ = viewer_.look(snapshot, eye_);
     }
     metrics_.observe(snapshot, view_);
 }

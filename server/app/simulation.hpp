@@ -46,6 +46,8 @@ class Assessor {
 
     /// Whether the view of the last step was judged.
     [[nodiscard]] bool looked() const { return looked_; }
+    /// Where that was judged from [m].
+    [[nodiscard]] const Vec3f& eye() const { return eye_; }
     [[nodiscard]] metrics::Metrics& metrics() { return metrics_; }
     [[nodiscard]] const metrics::Metrics& metrics() const { return metrics_; }
 
@@ -53,6 +55,7 @@ class Assessor {
     metrics::GlotticViewer viewer_;
     metrics::GlotticView view_;
     metrics::Metrics metrics_;
+    Vec3f eye_ = Vec3f::Zero();
     bool looked_ = false;
 };
 

@@ -16,6 +16,14 @@ Passage::Change Passage::update(float past, bool in_reach, bool still_there, flo
     return Change::none;
 }
 
+TubePlace AirwayWatch::place() const {
+    return in_main_stem()    ? TubePlace::main_stem
+           : in_trachea()    ? TubePlace::trachea
+           : in_oesophagus() ? TubePlace::oesophagus
+           : in_mouth()      ? TubePlace::mouth
+                             : TubePlace::outside;
+}
+
 AirwayWatch::Changes AirwayWatch::update(const Vec3f& tip, const Places& places) {
     const GateSettings& s = settings_;
     const float to_trachea = places.from_trachea(tip);

@@ -2,10 +2,15 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <cstdint>
+
 #include "common/math/transform.hpp"
 #include "server/metrics/places.hpp"
 
 namespace eti::metrics {
+
+/// Where the tube's tip lies.
+enum class TubePlace : std::uint8_t { outside, mouth, trachea, main_stem, oesophagus };
 
 /// Distances [m] that decide where a tip is. A state is entered `slack` past its gate and left
 /// `slack` before it, so that a trembling tip is counted once.
@@ -50,6 +55,7 @@ class AirwayWatch {
     [[nodiscard]] bool in_trachea() const { return trachea_.inside(); }
     [[nodiscard]] bool in_oesophagus() const { return oesophagus_.inside(); }
     [[nodiscard]] bool in_main_stem() const { return main_stem_.inside(); }
+    [[nodiscard]] TubePlace place() const;
     /// [m] past the glottis along the trachea; minus the distance from the glottis when not through it.
     [[nodiscard]] float past_glottis() const { return past_glottis_; }
 

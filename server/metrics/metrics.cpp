@@ -78,7 +78,7 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
             depth_at_lip_ = static_cast<double>(*depth);
         }
         live_.tube_depth_past_glottis = tube_.past_glottis();
-        live_.tube_place = tube_place();
+        live_.tube_place = tube_.place();
     }
     const TissueForces forces = tissue_forces(snapshot);
     live_.glottic_opening_percent = view.opening_percent;
@@ -147,14 +147,6 @@ void Metrics::note_changes(const AirwayWatch::Changes& changes) {
     if (changes.main_stem != none) {
         note(changes.main_stem == in ? "the tube passed the carina" : "the tube came back above the carina");
     }
-}
-
-TubePlace Metrics::tube_place() const {
-    return tube_.in_main_stem()    ? TubePlace::main_stem
-           : tube_.in_trachea()    ? TubePlace::trachea
-           : tube_.in_oesophagus() ? TubePlace::oesophagus
-           : tube_.in_mouth()      ? TubePlace::mouth
-                                   : TubePlace::outside;
 }
 
 // The blade in the mouth keeps the mask off. Between attempts somebody ventilates, through the tube where it

@@ -20,9 +20,6 @@
 
 namespace eti::metrics {
 
-/// Where the tube's tip lies.
-enum class TubePlace : std::uint8_t { outside, mouth, trachea, main_stem, oesophagus };
-
 /// What an instructor watches while a run goes on.
 struct Live {
     std::uint32_t attempt = 0;  ///< number of the last attempt; 0 before the first
@@ -84,7 +81,6 @@ class Metrics {
     void note_changes(const AirwayWatch::Changes& changes);
     void note_vital_signs(double seconds);
     [[nodiscard]] Ventilation ventilation() const;
-    [[nodiscard]] TubePlace tube_place() const;
     void note(std::string text);
 
     GateSettings gates_;

@@ -199,4 +199,8 @@ std::optional<RayHit> RigidLayer::ray(const Vec3f& from, const Vec3f& to) const 
                   collector.m_hitFraction * (to - from).norm(), triangle, w.tissue[triangle]};
 }
 
+int library_version() {
+    return BT_BULLET_VERSION;
+}
+
 }  // namespace eti::rigid

@@ -105,4 +105,7 @@ class RigidLayer {
     std::unique_ptr<World> world_;
 };
 
+/// Of the library behind it, e.g. 324 for 3.24.
+[[nodiscard]] int library_version();
+
 }  // namespace eti::rigid

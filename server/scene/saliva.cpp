@@ -54,13 +54,9 @@ float size_of(const anatomy::Patient& patient) {
     return std::cbrt(patient.weight / 3.5f);
 }
 
-float spacing_in(const anatomy::Patient& patient) {
-    return std::max(size_of(patient) * spacing, least_spacing);
-}
-
 pbd::FluidSettings fluid_settings(const anatomy::Patient& patient, LiquidKind kind) {
     const float size = size_of(patient);
-    pbd::FluidSettings s = saliva_settings(spacing_in(patient), substep, kind);
+    pbd::FluidSettings s = saliva_settings(saliva_spacing(patient), substep, kind);
     const auto [lower, upper] = head_box(patient, size * beyond_head);
     s.lower = lower;
     s.upper = upper;
@@ -75,6 +71,10 @@ pbd::MovingCapsule part_of(const pbd::MovingCapsule& whole, float begin, float e
 }
 
 }  // namespace
+
+float saliva_spacing(const anatomy::Patient& patient) {
+    return std::max(size_of(patient) * spacing, least_spacing);
+}
 
 pbd::FluidSettings saliva_settings(float spacing, float dt, LiquidKind kind) {
     const LiquidProperties& liquid = properties_of(kind);

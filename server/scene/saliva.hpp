@@ -33,6 +33,9 @@ struct SalivaSurroundings {
     float secretion = 1.0f;                     ///< of what the glands usually give
 };
 
+/// [m], of the particles at rest in a patient of this size.
+[[nodiscard]] float saliva_spacing(const anatomy::Patient& patient);
+
 /// Saliva, or what lies there in its place, of particles `spacing` [m] apart for substeps of `dt` [s], with
 /// as much surface tension as these bear; the box that it may be in is the caller's.
 [[nodiscard]] pbd::FluidSettings saliva_settings(float spacing, float dt,

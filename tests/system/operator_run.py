@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Runs one scripted operator in the server and keeps what it printed for the tests that compare runs.
+"""Runs one scripted operator in the server and keeps what it printed and recorded for the tests that compare runs.
 
 Usage: operator_run.py NAME, a key of RUNS. Fails only if the server gave no result.
 """
@@ -42,12 +42,19 @@ def result(name):
     return json.loads((FOLDER / f"{name}.json").read_text())
 
 
+def recording(name):
+    """The session file of the run `name`."""
+    return FOLDER / f"{name}.eti.h5"
+
+
 def main(name):
     shipped, operator, threads, changes = RUNS[name]
     FOLDER.mkdir(exist_ok=True)
     scenario = scenario_for(name, shipped, changes) if changes else shipped
+    file = recording(name)
+    file.unlink(missing_ok=True)
     done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--threads", threads, "--fast",
-                       "--no-dds", "--json", timeout=900)
+                       "--no-dds", "--json", "--record", file, timeout=900)
     (FOLDER / f"{name}.json").write_text(done.stdout)
     print(done.stdout, done.stderr, sep="\n")
     return 0 if "state_hash" in json.loads(done.stdout) else 1

@@ -8,6 +8,7 @@ import signal
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 from pathlib import Path
@@ -22,6 +23,7 @@ WHY_NOT = runs.hosts.why_impossible(support.BIN)
 LAB = [str(support.ROOT / "deploy/lab.sh"), "--no-build"]
 JOINS = 7
 DELAY = 20              # [ms]
+QUIET_TRIES = 3
 PATIENCE = 240          # [s] for a lab on a busy machine
 # Everything of a lab runs inside; afterwards all must be as it was before: processes, interfaces, shared memory, and
 # where namespaces with names would be.
@@ -65,13 +67,16 @@ class Links(support.Case):
 
     def follow(self, loss, seconds=8):
         """What the reader on a poor link drew, against the one beside the server."""
-        file = self.folder / "states"
-        with runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place:
+        with (tempfile.TemporaryDirectory(dir=self.folder) as folder,
+              runs.Place(support.BIN, ("server", "client"), lossy(loss)) as place):
+            file = Path(folder) / "states"
             place.server("server", "--operator", runs.restless(self.folder))
             beside = place.part("server", "read-states", "--every-state", "--other", file)
             self.assertIsNotNone(beside.line()["scene_ms"])
             place.part("client", "read-states", "--every-state", "--seconds", seconds, "--keep", file).result(PATIENCE)
-            return beside.result(PATIENCE)["other"]
+            drawn = beside.result(PATIENCE)["other"]
+            drawn["dropped_by_hosts"] = sum(host.dropped() for host in place.hosts.values())
+            return drawn
 
     def test_chunks_stand_alone(self):
         """The share of chunks that arrive is that of frames, not of whole states or scenes of fragments."""
@@ -85,7 +90,11 @@ class Links(support.Case):
         self.assertGreater(drawn["largest_error_mm"]["max"], 0.0, "nothing was lost that moved: the test shows nothing")
 
     def test_nothing_lost_nothing_wrong(self):
-        drawn = self.follow(0)
+        # A machine too busy to empty its sockets loses datagrams on a perfect link; its kernel counts them.
+        for _ in range(QUIET_TRIES):
+            drawn = self.follow(0)
+            if drawn["dropped_by_hosts"] == 0 or ("error" not in drawn and drawn["chunks_arrived"] == drawn["chunks"]):
+                break
         self.assertEqual(drawn["chunks_arrived"], drawn["chunks"], drawn)
         self.assertEqual(drawn["largest_error_mm"]["max"], 0.0, drawn)
 

@@ -202,6 +202,14 @@ double Course::frame_at(XrTime when) const {
     return static_cast<double>(when - period - begun_at) / static_cast<double>(period);
 }
 
+std::optional<RigidTransform> Course::aim(const std::string& hand) const {
+    auto aim = script_.aim_at(hand, frame_);
+    if (aim) {
+        aim->translation -= centre_;
+    }
+    return aim;
+}
+
 XrView Course::eye(int which, XrTime when) const {
     const float side = which == 0 ? -1.0f : 1.0f;
     const RigidTransform head = script_.head_at(frame_at(when));

@@ -55,6 +55,8 @@ class Course {
     [[nodiscard]] bool in_frame() const { return begun_; }
     /// Of an eye in the local space at a time; 0: left.
     [[nodiscard]] XrView eye(int which, XrTime when) const;
+    /// Of a hand in the local space now.
+    [[nodiscard]] std::optional<RigidTransform> aim(const std::string& hand) const;
     [[nodiscard]] const Script& script() const { return script_; }
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
     [[nodiscard]] nlohmann::json& noted() { return report_; }

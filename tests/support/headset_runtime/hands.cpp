@@ -18,9 +18,14 @@ std::array<float, 2> value_of(const XrActionStateGetInfo* info, XrActionType typ
     if (action.type != type) {
         course().fault("an action was asked for what it is not");
     }
-    active = state.synchronised && !action.inputs.empty();
+    active = false;
     std::array<float, 2> out{};
     for (const std::string& input : action.inputs) {
+        // Of one hand, where the program asks for one.
+        if (!input.starts_with(state.paths.at(info->subactionPath))) {
+            continue;
+        }
+        active = state.synchronised;
         const auto one = course().script().input_at(input, course().frame());
         if (active && std::hypot(one[0], one[1]) > std::hypot(out[0], out[1])) {
             out = one;
@@ -96,6 +101,40 @@ XrResult XRAPI_CALL synchronise(XrSession, const XrActionsSyncInfo*) {
     ETI_UNLESS_LOST();
     state.synchronised = course().focused();
     return state.synchronised ? XR_SUCCESS : XR_SESSION_NOT_FOCUSED;
+}
+
+XrResult XRAPI_CALL create_action_space(XrSession, const XrActionSpaceCreateInfo* info, XrSpace* out) {
+    ETI_UNLESS_LOST();
+    if (state.actions.at(number(info->action)).type != XR_ACTION_TYPE_POSE_INPUT) {
+        course().fault("a space was asked for of an action that is no pose");
+        return XR_ERROR_ACTION_TYPE_MISMATCH;
+    }
+    *out = new_handle<XrSpace>();
+    state.action_spaces[number(*out)] = {number(info->action), state.paths.at(info->subactionPath)};
+    return XR_SUCCESS;
+}
+
+XrResult XRAPI_CALL locate_space(XrSpace space, XrSpace, XrTime when, XrSpaceLocation* out) {
+    ETI_UNLESS_LOST();
+    if (when != course().seen_at()) {
+        course().fault("a hand was asked for at another time than the frame is seen");
+    }
+    const ActionSpace& asked = state.action_spaces.at(number(space));
+    const Action& action = state.actions.at(asked.action);
+    const bool bound = std::ranges::any_of(
+        action.inputs, [&](const std::string& input) { return input.starts_with(asked.hand); });
+    const auto aim = course().aim(asked.hand);
+    out->locationFlags = 0;
+    out->pose = {{0.0f, 0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
+    if (state.synchronised && bound && aim) {
+        out->locationFlags = XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT |
+                             XR_SPACE_LOCATION_POSITION_TRACKED_BIT |
+                             XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT;
+        const Quatf& turn = aim->rotation;
+        const Vec3f& place = aim->translation;
+        out->pose = {{turn.x(), turn.y(), turn.z(), turn.w()}, {place.x(), place.y(), place.z()}};
+    }
+    return XR_SUCCESS;
 }
 
 XrResult XRAPI_CALL get_float(XrSession, const XrActionStateGetInfo* info, XrActionStateFloat* out) {

@@ -21,6 +21,8 @@ XrResult XRAPI_CALL attach(XrSession, const XrSessionActionSetsAttachInfo*);
 XrResult XRAPI_CALL synchronise(XrSession, const XrActionsSyncInfo*);
 XrResult XRAPI_CALL get_float(XrSession, const XrActionStateGetInfo* info, XrActionStateFloat* out);
 XrResult XRAPI_CALL get_boolean(XrSession, const XrActionStateGetInfo* info, XrActionStateBoolean* out);
+XrResult XRAPI_CALL create_action_space(XrSession, const XrActionSpaceCreateInfo* info, XrSpace* out);
+XrResult XRAPI_CALL locate_space(XrSpace space, XrSpace base, XrTime when, XrSpaceLocation* out);
 XrResult XRAPI_CALL get_vector(XrSession, const XrActionStateGetInfo* info, XrActionStateVector2f* out);
 
 }  // namespace eti::headset_runtime

@@ -228,7 +228,8 @@ XrResult XRAPI_CALL create_space(XrSession, const XrReferenceSpaceCreateInfo* in
     *out = new_handle<XrSpace>();
     return XR_SUCCESS;
 }
-XrResult XRAPI_CALL destroy_space(XrSpace) {
+XrResult XRAPI_CALL destroy_space(XrSpace space) {
+    state.action_spaces.erase(number(space));
     return XR_SUCCESS;
 }
 
@@ -390,6 +391,7 @@ XrResult XRAPI_CALL end_frame(XrSession, const XrFrameEndInfo* info) {
     ETI_UNLESS_LOST();
     const bool kept = course().script().pictures.contains(course().frame());
     bool shown = false;
+    int sheets = 0;
     for (std::uint32_t i = 0; i < info->layerCount; ++i) {
         const XrCompositionLayerBaseHeader* const layer = info->layers[i];
         if (layer->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION) {
@@ -400,11 +402,15 @@ XrResult XRAPI_CALL end_frame(XrSession, const XrFrameEndInfo* info) {
             if (!fits(sheet.subImage)) {
                 course().fault("the sheet's picture is none, or lies outside its chain");
             } else if (kept) {
-                keep(sheet.subImage, "sheet");
+                // The first has the readout.
+                const char* const name = sheets == 0 ? "sheet" : "panel";
+                keep(sheet.subImage, name);
                 const auto& [turn, place] = sheet.pose;
-                course().noted()["sheet"] = {{"position", {place.x, place.y, place.z}},
-                                             {"orientation", {turn.w, turn.x, turn.y, turn.z}}};
+                course().noted()[name] = {{"position", {place.x, place.y, place.z}},
+                                          {"orientation", {turn.w, turn.x, turn.y, turn.z}},
+                                          {"size", {sheet.size.width, sheet.size.height}}};
             }
+            ++sheets;
         } else {
             course().fault("a layer of an unknown kind");
         }
@@ -432,6 +438,8 @@ XrResult XRAPI_CALL function_named(XrInstance, const char* name, PFN_xrVoidFunct
         {"xrEndSession", reinterpret_cast<void*>(end_session)},
         {"xrRequestExitSession", reinterpret_cast<void*>(request_exit)},
         {"xrCreateReferenceSpace", reinterpret_cast<void*>(create_space)},
+        {"xrCreateActionSpace", reinterpret_cast<void*>(create_action_space)},
+        {"xrLocateSpace", reinterpret_cast<void*>(locate_space)},
         {"xrDestroySpace", reinterpret_cast<void*>(destroy_space)},
         {"xrEnumerateSwapchainFormats", reinterpret_cast<void*>(formats)},
         {"xrCreateSwapchain", reinterpret_cast<void*>(create_swapchain)},

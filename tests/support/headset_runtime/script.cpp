@@ -30,6 +30,16 @@ std::array<float, 2> Script::input_at(const std::string& input, double frame) co
     return out;
 }
 
+std::optional<RigidTransform> Script::aim_at(const std::string& hand, double frame) const {
+    std::optional<RigidTransform> out;
+    for (const HandAims& one : aims) {
+        if (one.hand == hand && one.frame <= frame) {
+            out = one.aim;
+        }
+    }
+    return out;
+}
+
 Script read_script(const std::filesystem::path& file) {
     const auto text = nlohmann::json::parse(std::ifstream(file));
     Script out;
@@ -52,6 +62,12 @@ Script read_script(const std::filesystem::path& file) {
         out.hands.push_back({one["frame"], one["input"],
                              value.is_array() ? value.get<std::array<float, 2>>()
                                               : std::array<float, 2>{value.get<float>(), 0.0f}});
+    }
+    for (const auto& one : text.value("aims", nlohmann::json::array())) {
+        const auto p = one["position"].get<std::array<float, 3>>();
+        const auto q = one["orientation"].get<std::array<float, 4>>();  // w first
+        out.aims.push_back({one["frame"], one["hand"],
+                            RigidTransform::from(Quatf(q[0], q[1], q[2], q[3]), {p[0], p[1], p[2]})});
     }
     for (const auto& one : text.value("events", nlohmann::json::array())) {
         out.events.push_back({one["frame"], one["what"], one.value("life", 0)});

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,6 +27,13 @@ struct HandDoes {
     std::array<float, 2> value{};
 };
 
+/// From this frame on a hand points from here along -z; in the room.
+struct HandAims {
+    double frame = 0.0;
+    std::string hand;  ///< "/user/hand/left" or the right one
+    RigidTransform aim;
+};
+
 /// What befalls the session. `life`: of which instance, the first is 0.
 struct Event {
     double frame = 0.0;
@@ -45,11 +53,14 @@ struct Script {
     std::string controller = "/interaction_profiles/htc/vive_controller";
     std::vector<HeadAt> head{{}};
     std::vector<HandDoes> hands;
+    std::vector<HandAims> aims;
     std::vector<Event> events;
     std::set<int> pictures;  ///< frames of which pictures are kept
 
     [[nodiscard]] RigidTransform head_at(double frame) const;
     [[nodiscard]] std::array<float, 2> input_at(const std::string& input, double frame) const;
+    /// Nothing: it is not tracked.
+    [[nodiscard]] std::optional<RigidTransform> aim_at(const std::string& hand, double frame) const;
 };
 
 /// Throws what nlohmann_json throws.

@@ -20,12 +20,19 @@ struct Action {
     std::vector<std::string> inputs;  // of the controller that the script holds
 };
 
+// Of an action's space.
+struct ActionSpace {
+    std::uint64_t action;
+    std::string hand;
+};
+
 // One of each at a time: handles are checked by the validation layer.
 struct State {
     std::unique_ptr<Course> course;
     std::vector<std::string> paths{""};
     std::map<std::uint64_t, std::unique_ptr<Chain>> chains;
     std::map<std::uint64_t, Action> actions;
+    std::map<std::uint64_t, ActionSpace> action_spaces;
     std::uint64_t next_handle = 1;
     XrSession session = XR_NULL_HANDLE;
     void* display = nullptr;  // Xlib's, of a program with a window

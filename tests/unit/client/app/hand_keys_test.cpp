@@ -27,13 +27,19 @@ std::string said(const std::vector<client::KeyEvent>& events) {
     return out;
 }
 
+hmd::HandInput pulling(float trigger) {
+    hmd::HandInput out;
+    out.hands[1].trigger = trigger;
+    return out;
+}
+
 TEST(HandKeys, ATriggerThatTremblesSucksWithoutPause) {
     client::HandKeys hands;
-    EXPECT_EQ(said(hands.follow({.suction = 0.4f})), "");
-    EXPECT_EQ(said(hands.follow({.suction = 0.6f})), "+suction+0");
-    EXPECT_EQ(said(hands.follow({.suction = 0.4f})), "=suction+0");
-    EXPECT_EQ(said(hands.follow({.suction = 0.2f})), "-suction+0");
-    EXPECT_EQ(said(hands.follow({.suction = 0.4f})), "");
+    EXPECT_EQ(said(hands.follow(pulling(0.4f))), "");
+    EXPECT_EQ(said(hands.follow(pulling(0.6f))), "+suction+0");
+    EXPECT_EQ(said(hands.follow(pulling(0.4f))), "=suction+0");
+    EXPECT_EQ(said(hands.follow(pulling(0.2f))), "-suction+0");
+    EXPECT_EQ(said(hands.follow(pulling(0.4f))), "");
 }
 
 TEST(HandKeys, APadMovesOneThingAtATime) {
@@ -64,7 +70,7 @@ TEST(HandKeys, ControllersWithoutAPadMoveTheHeadByTwoButtons) {
 
 TEST(HandKeys, HandsThatGoLetGo) {
     client::HandKeys hands;
-    (void)hands.follow({.suction = 1.0f, .table = {0.0f, 0.9f, true}});
+    (void)hands.follow({.hands = pulling(1.0f).hands, .table = {0.0f, 0.9f, true}});
     EXPECT_EQ(said(hands.follow({})), "-table_angle+1 -suction+0");
     EXPECT_EQ(said(hands.follow({})), "");
 }

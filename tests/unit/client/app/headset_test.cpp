@@ -19,6 +19,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/app/headset_panel.hpp"
+#include "client/render/headless_context.hpp"
 #include "client/render/image.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
@@ -135,25 +137,47 @@ Extent skin_in(const std::filesystem::path& picture) {
     return out;
 }
 
-// Where the head must be, by nothing but the eye's place, its turn and the four angles of its field: a point
-// at (x, y, -z) before the eye is seen x / z to the right and y / z up.
-Extent skin_by_mathematics(const json& eye, const Vec3f& gum, int pixels) {
+// Where a point of the patient must be seen, by nothing but the eye's place, its turn and the four angles of
+// its field: what is at (x, y, -z) before the eye is seen x / z to the right and y / z up. Pixels from the
+// upper left.
+Eigen::Vector2f pixel_by_mathematics(const json& eye, const Vec3f& gum, const Vec3f& point, int pixels) {
     const auto place = eye["position"].get<std::array<float, 3>>();
     const auto turn = eye["orientation"].get<std::array<float, 4>>();
     const auto field = eye["fov"].get<std::array<float, 4>>();
     const Eigen::Quaternionf rotation(turn[0], turn[1], turn[2], turn[3]);
+    // Lying on its back, head towards the trainee.
+    const Vec3f world = gum + Vec3f(-point.x(), -point.y(), point.z());
+    const Vec3f seen = rotation.conjugate() * (world - Vec3f(place[0], place[1], place[2]));
+    const float x = seen.x() / -seen.z(), y = seen.y() / -seen.z();
+    const float left = std::tan(field[0]), right = std::tan(field[1]);
+    const float up = std::tan(field[2]), down = std::tan(field[3]);
+    return Eigen::Vector2f((x - left) / (right - left), (up - y) / (up - down)) * static_cast<float>(pixels);
+}
+
+Extent skin_by_mathematics(const json& eye, const Vec3f& gum, int pixels) {
     Extent out;
     for (const Vec3f& point : synthetic::body_mesh().vertices) {
-        // Lying on its back, head towards the trainee.
-        const Vec3f world = gum + Vec3f(-point.x(), -point.y(), point.z());
-        const Vec3f seen = rotation.conjugate() * (world - Vec3f(place[0], place[1], place[2]));
-        const float x = seen.x() / -seen.z(), y = seen.y() / -seen.z();
-        const float left = std::tan(field[0]), right = std::tan(field[1]);
-        const float up = std::tan(field[2]), down = std::tan(field[3]);
-        out.add((x - left) / (right - left) * static_cast<float>(pixels),
-                (up - y) / (up - down) * static_cast<float>(pixels));
+        const Eigen::Vector2f pixel = pixel_by_mathematics(eye, gum, point, pixels);
+        out.add(pixel.x(), pixel.y());
     }
     return out;
+}
+
+// Middle of a dot as the overlay draws it, green: within 9 pixels of a place, since its text begins at 10.
+Eigen::Vector2f green_dot_near(const std::filesystem::path& picture, const Eigen::Vector2f& place) {
+    const render::Image image = render::read_png(picture);
+    Extent out;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const Eigen::Vector2f here(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+            const std::uint8_t* const p = image.pixel(x, y);
+            if ((here - place).norm() < 9.0f && p[1] > p[0] + 100 && p[1] > p[2] + 60) {
+                out.add(static_cast<float>(x), static_cast<float>(y));
+                out.add(static_cast<float>(x + 1), static_cast<float>(y + 1));
+            }
+        }
+    }
+    return {0.5f * (out.left + out.right), 0.5f * (out.top + out.bottom)};
 }
 
 void expect_close(const Extent& drawn, const Extent& expected, float pixels) {
@@ -218,18 +242,6 @@ TEST_F(HeadsetTest, TheServerHearsOfTheDominantEye) {
     }
 }
 
-TEST_F(HeadsetTest, AnObserverPublishesNeitherEyeNorCommands) {
-    SyntheticServer server(1e9);
-    options_.observe = true;
-    options_.frames = 60;
-    ASSERT_EQ(wear({{"hands", {{{"frame", 1}, {"input", right_trigger}, {"value", 1.0}}}}}), 0);
-    expect_no_fault();
-    server.stop();
-    EXPECT_EQ(server.eyes(), 0);
-    EXPECT_TRUE(server.commands().empty());
-    EXPECT_FALSE(result_.contains("commands"));
-}
-
 // What hands do again and again until the server has heard it: it may come late.
 json again_and_again(std::initializer_list<std::pair<const char*, json>> inputs, int held, int every) {
     json out = json::array();
@@ -270,6 +282,116 @@ TEST_F(HeadsetTest, TriggerAndPadsOfAViveControllerBecomeCommands) {
     EXPECT_TRUE(has(commands, "table_angle -0.017"));
     EXPECT_EQ(report_["profiles"], json({"/interaction_profiles/htc/vive_controller",
                                          "/interaction_profiles/khr/simple_controller"}));
+}
+
+// As far away as what they mark: each eye sees them where it sees that.
+TEST_F(HeadsetTest, MarksLieInBothEyesOnWhatTheyMark) {
+    LiveValues marked;
+    marked.view_gum_force = 1.0f;
+    SyntheticServer server(1e9, 0, marked);
+    options_.frames = 60;
+    ASSERT_EQ(
+        wear({{"pictures", pictures_of_frames()}, {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
+        0);
+    expect_no_fault();
+    ASSERT_FALSE(report_["pictures"].empty());
+    const json& last = report_["pictures"].back();
+    const Vec3f gum = at(synthetic::make_scene().landmarks, Landmark::upper_gum);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
+        const Eigen::Vector2f there =
+            pixel_by_mathematics(last["eyes"][eye], options_.gum_in_room, gum, side);
+        EXPECT_LT((green_dot_near(folder_ / file, there) - there).norm(), 2.0f) << file;
+    }
+}
+
+// Where in the room a control of the panel is, in a session as the synthetic server's.
+Vec3f place_in_panel(std::string_view control) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    panel::Model model([](std::string_view, float) { return true; }, load_presets());
+    panel::Model::Time now(100s);
+    model.follow(scene, {}, now);
+    const render::HeadlessContext context;
+    const render::RenderTarget target(client::HeadsetPanel::width, client::HeadsetPanel::height, 1);
+    panel::Drawing drawing;
+    target.bind_picture();
+    for (int i = 0; i < 3; ++i) {
+        drawing.draw_alone(model, target.width(), target.height(), now += 16ms);
+    }
+    const panel::Area area = drawing.place(control).value();
+    const hmd::Panel panel = client::HeadsetPanel::place();
+    // Near its right end.
+    const float x = static_cast<float>(area.x + area.width) - 3.0f;
+    const float y = static_cast<float>(area.y) + 0.5f * static_cast<float>(area.height);
+    return panel.pose * Vec3f((x / static_cast<float>(target.width()) - 0.5f) * panel.width,
+                              (0.5f - y / static_cast<float>(target.height())) * panel.height, 0.0f);
+}
+
+json aim_at(const Vec3f& from, const Vec3f& to) {
+    const Quatf turn = Quatf::FromTwoVectors(-Vec3f::UnitZ(), to - from);
+    return {{{"frame", 0},
+             {"hand", "/user/hand/right"},
+             {"position", {from.x(), from.y(), from.z()}},
+             {"orientation", {turn.w(), turn.x(), turn.y(), turn.z()}}}};
+}
+
+TEST_F(HeadsetTest, ALaserMovesASliderOfThePanel) {
+    const json aims = aim_at({0.2f, -0.3f, -0.1f}, place_in_panel("tongue_scale"));
+    SyntheticServer server(1e9);
+    options_.panel = true;
+    int eyes_then = 0;
+    ASSERT_EQ(wear({{"aims", aims},
+                    {"pictures", pictures_of_frames()},
+                    {"hands", again_and_again({{right_trigger, 1.0}}, 10, 20)}},
+                   [&] {
+                       if (eyes_then == 0 && has(server.commands(), "tongue_scale 1.400")) {
+                           eyes_then = server.eyes();
+                       }
+                       return eyes_then > 0 && server.eyes() > eyes_then + 30;  // the answer came, too
+                   }),
+              0);
+    expect_no_fault();
+    server.stop();
+    EXPECT_TRUE(has(server.commands(), "tongue_scale 1.400"));
+    EXPECT_GE(result_["commands"]["accepted"], 1);
+    EXPECT_FALSE(has(server.commands(), "suction 1.000")) << "a click on the panel sucks";
+    const hmd::Panel place = client::HeadsetPanel::place();
+    const auto hangs = report_["panel"]["position"].get<std::array<float, 3>>();
+    EXPECT_LT((Vec3f(hangs[0], hangs[1], hangs[2]) - place.pose.translation).norm(), 1e-5f);
+    EXPECT_EQ(report_["panel"]["size"][0], place.width);
+    EXPECT_GT(place.pose.translation.norm(), 0.7f);
+    EXPECT_LT(place.pose.translation.norm(), 1.5f);
+}
+
+TEST_F(HeadsetTest, AnObserverPublishesNeitherEyeNorCommands) {
+    SyntheticServer server(1e9);
+    const json aims = aim_at({0.2f, -0.3f, -0.1f}, place_in_panel("tongue_scale"));
+    options_.observe = options_.panel = true;
+    options_.frames = 60;
+    ASSERT_EQ(wear({{"aims", aims},
+                    {"pictures", pictures_of_frames()},
+                    {"hands", again_and_again({{right_trigger, 1.0}}, 5, 10)}}),
+              0);
+    EXPECT_TRUE(report_.contains("panel")) << "who only watches sees the panel";
+    expect_no_fault();
+    server.stop();
+    EXPECT_EQ(server.eyes(), 0);
+    EXPECT_TRUE(server.commands().empty());
+    EXPECT_FALSE(result_.contains("commands"));
+}
+
+TEST_F(HeadsetTest, AButtonShowsThePanel) {
+    SyntheticServer server(1e9);
+    options_.frames = 80;
+    ASSERT_EQ(
+        wear({{"pictures", pictures_of_frames()},
+              {"hands", {{{"frame", 5}, {"input", "/user/hand/left/input/menu/click"}, {"value", 1.0}}}}}),
+        0);
+    expect_no_fault();
+    EXPECT_TRUE(report_.contains("panel"));
+    EXPECT_FALSE(has(server.commands(), "view_enhanced 1.000"));
 }
 
 TEST_F(HeadsetTest, SoDoTheButtonsOfASimpleController) {

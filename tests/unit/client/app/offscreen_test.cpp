@@ -211,7 +211,8 @@ TEST(PictureName, SortsByTimeAndSaysTheOccasion) {
 
 TEST(Layout, TilesCoverThePictureWithoutOverlap) {
     for (const client::Selection& selection : client::selections()) {
-        for (const auto& [width, height] : {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}}) {
+        for (const auto& [width, height] :
+             {std::pair{960, 540}, std::pair{641, 479}, std::pair{64, 64}, std::pair{720, 1280}}) {
             // Each pixel belongs to one tile.
             std::vector<int> covered(static_cast<std::size_t>(width * height), 0);
             for (const auto& [view, tile] :
@@ -228,6 +229,17 @@ TEST(Layout, TilesCoverThePictureWithoutOverlap) {
             }
             EXPECT_EQ(std::ranges::count(covered, 1), width * height) << selection.name;
         }
+    }
+}
+
+TEST(Layout, TheOthersAreBelowTheFirstWhereThePictureIsUpright) {
+    const auto tiles = client::layout(client::selection_named("auto")->enhanced, 720, 1280);
+    ASSERT_EQ(tiles.size(), 4u);
+    EXPECT_EQ(tiles[0].tile.width, 720);
+    EXPECT_EQ(tiles[0].tile.height, 716);
+    for (std::size_t i = 1; i < 4; ++i) {
+        EXPECT_EQ(tiles[i].tile.y, 716);
+        EXPECT_EQ(tiles[i].tile.width, 240);
     }
 }
 

@@ -36,5 +36,22 @@ TEST(SessionInput, AnObserverHearsHowTheRunEndedHoweverLate) {
     EXPECT_TRUE(late_scene.run_report()->outcome.success);
 }
 
+TEST(SessionInput, NamesTheScenariosThatFollowEachOther) {
+    bus::Node server(synthetic::bus_options("eti-server")), node(synthetic::bus_options("eti-client"));
+    bus::Publisher<msg::SessionDescription> publisher(server, bus::topics::session_description);
+    client::SessionInput input(node, false, false);
+    view::SceneView scene;
+    msg::SessionDescription description = synthetic::make_scene().description;
+    std::vector<std::string> expected;
+    for (const char* const scenario : {"term", "term_enhanced"}) {
+        description.scenario(scenario);
+        description.header(bus::make_header(0, static_cast<std::uint32_t>(expected.size() + 1)));
+        publisher.publish(description);
+        expected.emplace_back(scenario);
+        follow(input, scene, [&] { return input.scenarios().size() == expected.size(); });
+        EXPECT_EQ(input.scenarios(), expected);
+    }
+}
+
 }  // namespace
 }  // namespace eti

@@ -30,9 +30,10 @@ namespace eti::synthetic {
 // client listens. How fast it goes depends on the machine; what the tests expect does not.
 class SyntheticServer {
   public:
-    /// Finishes after `seconds` of simulation time and `eyes` poses of the examiner's eye.
-    explicit SyntheticServer(double seconds, int eyes = 0)
-        : finish_after_s_(seconds), finish_after_eyes_(eyes), thread_([this] { run(); }) {}
+    /// Finishes after `seconds` of simulation time and `eyes` poses of the examiner's eye. `live`: as the
+    /// session begins.
+    explicit SyntheticServer(double seconds, int eyes = 0, const LiveValues& live = {})
+        : finish_after_s_(seconds), finish_after_eyes_(eyes), live_(live), thread_([this] { run(); }) {}
     ~SyntheticServer() { stop(); }
 
     // Ends without saying so, as a killed server does.

@@ -153,6 +153,7 @@ TEST(Readout, NamesTheDeviceThatFellSilent) {
     status.phase(msg::PHASE_FROZEN);
     scene.apply(status);
     EXPECT_EQ(hud::readout_of(scene, false).warning, "laryngoscope and tube are silent: time stands still");
+    EXPECT_EQ(hud::readout_of(scene, false, true).warning, "two servers serve this session: end one");
 }
 
 TEST(Readout, TellsTheScenarioWhileWaitingAndInTheFirstSeconds) {
@@ -251,9 +252,9 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
 
 TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
     render::HeadlessContext context;
-    render::RenderTarget target(320, 240, 1);
+    render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
-    const hud::Tile tile{"overview", 0, 0, 320, 240};
+    const hud::Tile tile{"overview", 0, 0, 640, 360};
     const auto coloured = [&](float force) {
         hud::Readout readout;
         readout.link = hud::Link::running;
@@ -261,7 +262,7 @@ TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
         target.bind_picture();
         glClearColor(0, 0, 0, 1);
         glClear(GL_COLOR_BUFFER_BIT);
-        overlay.draw(readout, {&tile, 1}, 320, 240);
+        overlay.draw(readout, {&tile, 1}, 640, 360);
         const render::Image image = target.read();
         int bar = 0;
         for (int y = 0; y < image.height; ++y) {

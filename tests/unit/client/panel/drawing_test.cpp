@@ -6,13 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 
 #include "client/render/headless_context.hpp"
 #include "client/render/image.hpp"
 #include "client/render/render_target.hpp"
 #include "panel_scene.hpp"
+#include "tests/support/golden.hpp"
 
 namespace eti {
 namespace {
@@ -233,8 +232,8 @@ TEST_F(PanelDrawing, OldNumbersAreDimmed) {
 }
 
 // Golden pictures. Letters are made by the program and drawn pixel by pixel, so that drivers differ at the
-// edges of some of them only: of the panel's pixels, one in a thousand may differ by more than 24 levels. A
-// number that changes differs by more. ETI_RENEW_GOLDEN=1 writes them anew.
+// edges of some of them only: of the panel's pixels, one in a thousand may be apart. A number that changes
+// differs by more.
 class GoldenPicture : public PanelDrawing {
   protected:
     static constexpr double most_apart = 1e-3;
@@ -245,29 +244,16 @@ class GoldenPicture : public PanelDrawing {
         int differ = 0;
         for (int y = area.y; y < area.y + area.height; ++y) {
             for (int x = area.x; x < area.x + area.width; ++x) {
-                const std::uint8_t *a = golden.pixel(x, y), *b = picture_.pixel(x, y);
-                differ +=
-                    std::abs(a[0] - b[0]) > 24 || std::abs(a[1] - b[1]) > 24 || std::abs(a[2] - b[2]) > 24;
+                differ += test::apart(golden.pixel(x, y), picture_.pixel(x, y)) ? 1 : 0;
             }
         }
         return static_cast<double>(differ) / (static_cast<double>(area.width) * area.height);
     }
     void compare(const std::string& name) {
-        const std::filesystem::path file = std::filesystem::path(ETI_GOLDEN) / (name + ".png");
-        if (std::getenv("ETI_RENEW_GOLDEN") != nullptr) {
-            std::filesystem::create_directories(file.parent_path());
-            render::write_png(picture_, file);
-        }
-        const render::Image golden = render::read_png(file);
+        const render::Image golden = test::golden(ETI_GOLDEN, name, picture_);
         ASSERT_EQ(golden.width, picture_.width);
         ASSERT_EQ(golden.height, picture_.height);
-        const auto seen = std::filesystem::temp_directory_path() / ("eti-panel-" + name + ".png");
-        const double share = apart(golden);
-        if (share > most_apart) {
-            render::write_png(picture_, seen);
-        }
-        EXPECT_LE(share, most_apart) << "see " << seen
-                                     << "; if it is as it should be, run this with ETI_RENEW_GOLDEN=1";
+        EXPECT_LE(apart(golden), most_apart) << test::kept_for_a_look(picture_, name);
     }
 };
 

@@ -8,6 +8,7 @@
 
 #include "client/render/annotation_pass.hpp"
 #include "client/render/pick.hpp"
+#include "client/view/line_of_sight.hpp"
 #include "scene_picture.hpp"
 
 namespace eti::render {
@@ -75,6 +76,38 @@ TEST_F(Pick, NamesWhatThePixelShows) {
         }
         EXPECT_GE(seen.size(), 3u) << name;
     }
+}
+
+// So does the dot of the look onto the glottis, from wherever the eye is.
+TEST_F(Pick, TheDotOfTheLookNamesWhatItsPixelShows) {
+    const View& view = named("eye");
+    std::map<std::string, int> seen;
+    for (const float across : {-0.08f, -0.03f, -0.012f, -0.004f, 0.003f, 0.01f, 0.025f, 0.07f}) {
+        for (const float along : {-0.05f, 0.0f, 0.04f, 0.09f}) {
+            Vantage from;
+            from.eye = view::TraineeEye(Vec3f(across, 0.0f, along));
+            const view::Look look = view::look_of(scene_, from.eye);
+            renderer_.sync(scene_);
+            renderer_.draw(view, scene_, target_, {0, 0, width, height}, from, Shading::tissue_id);
+            const Image ids = target_.read();
+            const Camera camera = view.camera(scene_, from);
+            const Vec3f end = look.met ? look.met->where : look.sight.to;
+            const Vec3f clip =
+                (camera.projection(aspect) * camera.view() * end.homogeneous()).eval().hnormalized();
+            const int x = static_cast<int>(0.5f * width * (1.0f + clip.x()));
+            const int y = static_cast<int>(0.5f * height * (1.0f - clip.y()));
+            ASSERT_TRUE(x > 0 && x < width - 1 && y > 0 && y < height - 1) << across << ", " << along;
+            const auto colour = shown(ids, x, y);
+            if (!look.met || !colour) {
+                continue;
+            }
+            const std::string named_by_colour = name_of_colour(*colour);
+            const std::string drawn = named_by_colour == "soft" ? "soft tissue" : named_by_colour;
+            EXPECT_EQ(std::string(look.met->name), drawn) << "an eye moved by " << across << ", " << along;
+            ++seen[drawn];
+        }
+    }
+    EXPECT_GE(seen.size(), 2u);
 }
 
 // The place is where it is seen: its projection is the pixel, and its triangle and height lead to it.

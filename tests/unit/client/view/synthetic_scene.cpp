@@ -131,6 +131,8 @@ Landmarks make_landmarks() {
     set(Landmark::glottis, 0.042f, -0.027f);
     set(Landmark::glottis_anterior, 0.0392f, -0.027f);
     set(Landmark::glottis_posterior, 0.0448f, -0.027f);
+    set(Landmark::oesophagus_inlet, 0.050f, -0.022f);
+    set(Landmark::oesophagus_mid, 0.054f, -0.06f);
     set(Landmark::trachea_mid, 0.044f, -0.06f);
     set(Landmark::carina, 0.046f, -0.10f);
     return points;

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <fmt/format.h>
 #include <cmath>
 #include <string>
 
@@ -59,6 +60,7 @@ inline SceneRecord scene(std::size_t vertices = 300) {
     scene.glottis_contour = {{"", Vec3f(1, 0, 0), skin(random)}, {"", Vec3f(0, 1, 0), skin(random)}};
     scene.liquid = true;
     scene.blade = "miller_1";
+    scene.blade_length = 0.125f;
     scene.laryngoscope = scene.surfaces[0].mesh;
     scene.tube_outer_diameter = 4.2e-3f;
     scene.tube_inner_diameter = 3.0e-3f;
@@ -102,6 +104,10 @@ inline StepRecord step(std::uint64_t number) {
     record.live.tongue_scale = value(number, 126);
     record.live.tissue_stiffness = value(number, 127);
     record.live.secretion = value(number, 128);
+    record.loads.pressed.fill(value(number, 300));
+    record.loads.net[6] = {value(number, 301), value(number, 302), value(number, 303)};
+    record.loads.place[6] = {value(number, 304), value(number, 305), value(number, 306)};
+    record.eye_used = {value(number, 307), value(number, 308), value(number, 309)};
     record.attempt = static_cast<std::uint32_t>(number / 1000);
     record.attempt_running = number % 2 == 1;
     record.glottic_opening_percent = value(number, 122);
@@ -112,6 +118,10 @@ inline StepRecord step(std::uint64_t number) {
         record.parameters.*field.value = static_cast<double>(value(number, channel++));
     }
     return record;
+}
+
+inline StateRecord state(std::uint64_t number) {
+    return {number * step_ns, number, fmt::format("{:016x}", number)};
 }
 
 /// The deformation at a step: a third of the frames has moved.

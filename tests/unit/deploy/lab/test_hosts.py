@@ -39,6 +39,16 @@ for i in range({SENT}):
     except TimeoutError: pass
 trips.sort(); print(len(trips), 1e3 * trips[0], 1e3 * trips[len(trips) // 2])
 """
+# Sends more than a socket holds, and reads afterwards what it held.
+OVERFLOW = f"""
+import socket
+s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("127.0.0.1", 7)); kept = 0
+s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 20000)
+for i in range({SENT}): s.sendto(bytes(1000), ("127.0.0.1", 7))
+try:
+    while s.recv(2048, socket.MSG_DONTWAIT): kept += 1
+except BlockingIOError: print(kept, {SENT})
+"""
 MULTICAST = """
 import socket, struct, sys
 s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("", 7400)); s.settimeout(2.0)
@@ -93,6 +103,14 @@ class Hosts(unittest.TestCase):
         share = 0.9 ** 2
         # Four standard deviations of a binomial.
         self.assertAlmostEqual(count, share * SENT, delta=4 * (SENT * share * (1 - share)) ** 0.5)
+
+    def test_what_a_full_socket_loses_is_counted(self):
+        host = self.host("a")
+        host.run("ip", "link", "set", "lo", "up")
+        self.assertEqual(host.dropped(), 0)
+        kept, sent = map(int, self.python(host, OVERFLOW).stdout.read().split())
+        self.assertLess(kept, sent)
+        self.assertEqual(host.dropped(), sent - kept)
 
     def multicast_arrives(self, allowed):
         a, b = self.host("a"), self.host("b")

@@ -38,6 +38,7 @@ void go_on(scene::Snapshot& s) {
 struct Judged {
     std::vector<session::StepRecord> steps;
     std::vector<session::CommandRecord> commands;
+    std::vector<session::StateRecord> states;
     std::vector<session::EventRecord> events;
     std::vector<session::SummaryRecord> summaries;
     double ended_at = 0.0;
@@ -54,18 +55,22 @@ Judged judged(bool beside) {
         Assessor assessor(patient, scope, Scenario{});
         session::SessionInfo info;
         info.session = "test";
-        Recorder recorder(file, info, patient, scope, Tube{}, 2, false, true);
-        Judge judge(assessor, &recorder, nullptr, beside);
         scene::Snapshot snapshot = metrics::test::plain_snapshot();
         snapshot.tube_nodes = {Vec3f(-0.12f, -0.25f, 0.1f), Vec3f(-0.12f, -0.2f, 0.1f)};
+        Recorder recorder(file, info, patient, scope, Tube{}, snapshot, false, true);
+        Judge judge(assessor, &recorder, nullptr, beside);
         for (std::uint64_t k = 0; k < step_count; ++k) {
             go_on(snapshot);
             if (k % 100 == 50) {
                 judge.note(
                     {snapshot.time_ns, snapshot.step, "suction", 1.0, "pad", static_cast<std::uint32_t>(k)});
             }
+            if (snapshot.step % steps_per_second == 0) {
+                judge.note(session::StateRecord{snapshot.time_ns, snapshot.step, "0123456789abcdef"});
+            }
             judge.take(snapshot, std::nullopt);
         }
+        judge.note(session::StateRecord{snapshot.time_ns, snapshot.step, "fedcba9876543210"});
         judge.finish();
         out.ended_at = judge.ended_at();
         EXPECT_TRUE(recorder.finish());
@@ -73,6 +78,7 @@ Judged judged(bool beside) {
     const session::SessionReader reader(file);
     out.steps = reader.steps();
     out.commands = reader.commands();
+    out.states = reader.states();
     out.events = reader.events();
     out.summaries = reader.summaries();
     std::filesystem::remove(file);
@@ -111,6 +117,10 @@ TEST(Judge, BesideTheStepOrInItTheNumbersAreTheSame) {
     ASSERT_EQ(beside.summaries.size(), 4u);
     ASSERT_EQ(beside.commands.size(), 9u);
     EXPECT_EQ(beside.commands[8].id, 850u);
+    ASSERT_EQ(beside.states.size(), step_count / steps_per_second + 1);
+    EXPECT_EQ(beside.states[0].step, steps_per_second);
+    EXPECT_EQ(beside.states[0].hash, "0123456789abcdef");
+    EXPECT_EQ(beside.states.back().hash, "fedcba9876543210") << "no step came after it";
     EXPECT_GT(at_once.ended_at, 4.0);
     EXPECT_EQ(at_once.ended_at, beside.ended_at);
 }

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/app/recorder.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -47,8 +48,8 @@ class RecorderTest : public ::testing::Test {
     [[nodiscard]] Recorder recorder(bool saliva = false) const {
         session::SessionInfo info;
         info.session = "test";
-        return {path,   info,       small_patient(), make_laryngoscope(Blade::miller_0),
-                Tube{}, tube_nodes, saliva,          true};
+        return {path,   info,     small_patient(), make_laryngoscope(Blade::miller_0),
+                Tube{}, snapshot, saliva,          true};
     }
 
     /// Moves the snapshot on to step `number` at 180 Hz.
@@ -64,6 +65,9 @@ class RecorderTest : public ::testing::Test {
 };
 
 TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
+    snapshot.device.translation = {0.5f, 0.25f, 0.125f};
+    snapshot.tube_grip.rotation = quaternion_from({0.3f, 0.2f, 0.1f});
+    const scene::Snapshot start = snapshot;
     Recorder kept = recorder();
     advance(17);
     snapshot.device.translation = {1, 2, 3};
@@ -73,6 +77,11 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     snapshot.shell_torque = {10, 11, 12};
     snapshot.tissue_force = {13, 14, 15};
     snapshot.tissue_torque = {16, 17, 18};
+    snapshot.shell_contacts = {{Vec3f(1, 0, 0), Vec3f::UnitZ(), 2.0f, Tissue::upper_gum},
+                               {Vec3f(0, 1, 0), Vec3f::UnitZ(), 1.0f, Tissue::upper_gum}};
+    snapshot.tissue_contacts = {{Vec3f(0, 0, 2), Vec3f::Zero(), Vec3f(0, 3, 4), 1e-3f, Tissue::upper_gum},
+                                {Vec3f(5, 0, 0), Vec3f::Zero(), Vec3f(0, 0, 1), 1e-3f, Tissue::tongue},
+                                {Vec3f(7, 0, 0), Vec3f::Zero(), Vec3f(0, 0, -1), 1e-3f, Tissue::tongue}};
     snapshot.live.suction = 0.5f;
     snapshot.live.head_elevation = 0.4f;
     snapshot.live.jaw_opening = 0.3f;
@@ -90,9 +99,9 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     parameters.time_s = 12.5;
     RigidTransform eye;
     eye.translation = {19, 20, 21};
-    kept.record(snapshot, live, parameters, eye);
+    kept.record(snapshot, live, parameters, eye, Vec3f(1, 2, 3));
     advance(18);
-    kept.record(snapshot, live, parameters, std::nullopt);
+    kept.record(snapshot, live, parameters, std::nullopt, Vec3f(4, 5, 6));
     kept.command(5, 17, "jaw_opening", 0.25, "trainee", 9);
     kept.event(6, "attempt", "began");
     kept.summary({1, 0.0, 1.0, {true, "the trachea was intubated"}, parameters});
@@ -108,6 +117,17 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(first.tube_grip.translation, Vec3f(4, 5, 6));
     EXPECT_EQ(first.eye.translation, Vec3f(19, 20, 21));
     EXPECT_TRUE(std::isnan(steps[1].eye.translation.x()));
+    EXPECT_THAT(first.eye_used, testing::ElementsAre(1.0f, 2.0f, 3.0f));
+    EXPECT_THAT(steps[1].eye_used, testing::ElementsAre(4.0f, 5.0f, 6.0f));
+    constexpr auto gum = static_cast<std::size_t>(Tissue::upper_gum), tongue = std::size_t{1},
+                   larynx = std::size_t{3};
+    EXPECT_EQ(first.loads.pressed[gum], 3.0f);
+    EXPECT_THAT(first.loads.net[gum], testing::ElementsAre(0.0f, 3.0f, 4.0f));
+    EXPECT_THAT(first.loads.place[gum], testing::ElementsAre(0.25f, 0.125f, 1.25f)) << "weights 2, 1 and 5 N";
+    EXPECT_THAT(first.loads.net[tongue], testing::ElementsAre(0.0f, 0.0f, 0.0f)) << "pressed from both sides";
+    EXPECT_EQ(first.loads.place[tongue][0], 6.0f);
+    EXPECT_EQ(first.loads.pressed[larynx], 0.0f);
+    EXPECT_TRUE(std::isnan(first.loads.place[larynx][0]));
     EXPECT_EQ(first.proxy.rotation.coeffs(), snapshot.proxy.rotation.coeffs());
     EXPECT_EQ(first.shell_force, Vec3f(7, 8, 9));
     EXPECT_EQ(first.shell_torque, Vec3f(10, 11, 12));
@@ -133,6 +153,9 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     ASSERT_EQ(reader.events().size(), 1u);
     ASSERT_EQ(reader.summaries().size(), 1u);
     EXPECT_EQ(reader.summaries()[0].outcome.reason, "the trachea was intubated");
+    EXPECT_DOUBLE_EQ(reader.summaries()[0].began, 1e-9 * static_cast<double>(first.time_ns))
+        << "on the steps' axis";
+    EXPECT_DOUBLE_EQ(reader.summaries()[0].ended, 1e-9 * static_cast<double>(first.time_ns) + 1.0);
 
     const session::SceneRecord scene = reader.scene();
     ASSERT_EQ(scene.surfaces.size(), 1u);
@@ -142,6 +165,9 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(scene.landmarks[14].rest, Vec3f::Constant(14.0f));
     EXPECT_EQ(scene.blade, name_of(Blade::miller_0));
     EXPECT_FALSE(scene.laryngoscope.triangles.empty());
+    EXPECT_EQ(scene.laryngoscope_start.translation, start.device.translation);
+    EXPECT_EQ(scene.laryngoscope_start.rotation.coeffs(), start.device.rotation.coeffs());
+    EXPECT_EQ(scene.tube_grip_start.rotation.coeffs(), start.tube_grip.rotation.coeffs());
     EXPECT_FALSE(reader.info().version.empty());
     EXPECT_FALSE(reader.info().build.empty());
     EXPECT_EQ(reader.info().start_time.size(), std::string("2024-02-29T12:00:00Z").size());
@@ -157,7 +183,7 @@ TEST_F(RecorderTest, DeformationHoldsWhatMovedFifteenTimesASecond) {
         advance(i);
         snapshot.frames[3].centre.x() = 7e-6f * static_cast<float>(i);
         snapshot.frames[4].centre.x() = 0.7e-6f * static_cast<float>(i);
-        kept.record(snapshot, live, {}, std::nullopt);
+        kept.record(snapshot, live, {}, std::nullopt, Vec3f::Zero());
     }
     EXPECT_TRUE(kept.finish());
     const auto deformations = session::SessionReader(path).deformations();
@@ -176,7 +202,7 @@ TEST_F(RecorderTest, LiquidIsKeptFifteenTimesASecond) {
     for (std::uint64_t i = 0; i < 180; ++i) {
         advance(i);
         snapshot.saliva.positions.assign(i, Vec3f(0.01f, -0.02f, 1e-4f * static_cast<float>(i)));
-        kept.record(snapshot, live, {}, std::nullopt);
+        kept.record(snapshot, live, {}, std::nullopt, Vec3f::Zero());
     }
     EXPECT_TRUE(kept.finish());
     const auto fluids = session::SessionReader(path).fluids();
@@ -201,7 +227,7 @@ TEST_F(RecorderTest, AReplayStaysWithinTheQuantum) {
                 Vec3f(0.1f, -0.05f, 0.02f) + 1e-3f * Vec3f(std::sin(phase), std::cos(phase), 0);
             snapshot.frames[f].rotation = quaternion_from({0.1f * std::sin(phase), 0.0f, 0.02f * phase});
         }
-        kept.record(snapshot, live, {}, std::nullopt);
+        kept.record(snapshot, live, {}, std::nullopt, Vec3f::Zero());
         if (i % 12 == 0) {
             truth.push_back(snapshot.frames);
         }

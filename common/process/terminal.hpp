@@ -7,7 +7,7 @@
 #include <chrono>
 #include <optional>
 
-namespace eti::devices {
+namespace eti {
 
 /// Standard input as single keys, without echo and without waiting for Enter, while it lives. Ctrl-C alone
 /// stays what it is. Does nothing where standard input is no terminal.
@@ -29,4 +29,4 @@ class Terminal {
     termios before_{};
 };
 
-}  // namespace eti::devices
+}  // namespace eti

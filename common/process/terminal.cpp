@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "devices/sensor/terminal.hpp"
+#include "common/process/terminal.hpp"
 
 #include <poll.h>
 #include <unistd.h>
 
 #include <array>
 
-namespace eti::devices {
+namespace eti {
 
 Terminal::Terminal() {
     if (::isatty(STDIN_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &before_) != 0 ||
@@ -62,4 +62,4 @@ std::optional<char> Terminal::key(std::chrono::milliseconds patience) {
     }
 }
 
-}  // namespace eti::devices
+}  // namespace eti

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import { eventList, outcomes, parameterTable, practice } from "./summary.js";
+import { element } from "./element.js";
+import { Timeline } from "./timeline.js";
+import { anatomySection } from "./anatomy.js";
+
+const data = JSON.parse(document.getElementById("sessions").textContent);
+const page = document.getElementById("page");
+page.replaceChildren();
+
+// What shows a moment, and is told when another is chosen: seek(time in s, index of the session).
+const followers = [];
+const seek = (time, session) => followers.forEach((follow) => follow(time, session));
+
+page.append(outcomes(data), practice(data, seek));
+const timeline = new Timeline(data.sessions, seek);
+page.append(timeline.section);
+followers.push((time, session) => timeline.mark(time, session));
+const anatomy = anatomySection(data.sessions, seek);
+page.append(anatomy.section);
+followers.push(anatomy.seek);
+page.append(parameterTable(data), eventList(data.sessions, seek));
+page.append(element("p", { class: "soft" },
+  `NeoETI ${data.program}. Not a medical device; does not certify skill. This page fetches nothing and sends nothing.`));
+timeline.draw();
+anatomy.draw();
+document.documentElement.dataset.ready = "yes";

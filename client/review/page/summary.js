@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+import { aimOf, element, light, moment, number, sessionName } from "./element.js";
+
+function outcomeWord(record) {
+  return record.success === null ? "Outcome unknown" : record.success ? "Intubated" : "Not intubated";
+}
+
+function outcomeLight(record) {
+  const word = record.success === null ? "near" : record.success ? "reached" : "missed";
+  const sign = light(word);
+  sign.lastChild.remove();  // the heading has the word
+  return sign;
+}
+
+function how(session) {
+  return session.live ? ", still being recorded" : session.finished ? "" : ", cut off before its end";
+}
+
+/// What became of each session and of its attempts.
+export function outcomes({ sessions }) {
+  const columns = element("div", { class: "columns" });
+  sessions.forEach((session, index) => {
+    const column = element("div", {},
+      element("h1", {}, sessionName(session, index, sessions.length)),
+      element("p", { class: "outcome" }, outcomeLight(session.run), " ", outcomeWord(session.run)),
+      element("p", { class: "reason" }, session.run.reason),
+      element("p", { class: "soft" },
+        `${session.file}; session ${session.session}, ${session.start_time}, ${session.duration_s.toFixed(1)} s` +
+        `${how(session)}; recorded by version ${session.version}`));
+    if (session.lost_records > 0) {
+      column.append(element("p", {}, `${session.lost_records} records are lost, because the disk could not follow.`));
+    }
+    for (const attempt of session.attempts) {
+      column.append(element("p", { class: "attempt" }, outcomeLight(attempt),
+        ` Attempt ${attempt.attempt}: ${outcomeWord(attempt).toLowerCase()}. ${attempt.reason}`));
+    }
+    columns.append(column);
+  });
+  return element("section", { id: "outcome" }, columns);
+}
+
+/// Of the first session: what to practise, farthest from its aim first.
+export function practice({ sessions, fields }, seek) {
+  const [session] = sessions;
+  const section = element("section", { id: "practise" }, element("h2", {}, "To practise"));
+  const list = element("ol", { class: "practise" });
+  for (const item of session.practise) {
+    const field = fields.find((one) => one.key === item.key);
+    list.append(element("li", {},
+      element("strong", {}, item.practise), ". ",
+      light(item.light), " ",
+      `${field.label}: ${number(item.value)}${field.unit ? ` ${field.unit}` : ""}, at `, moment(item.time_s, 0, seek),
+      element("div", { class: "soft" }, `Aim: ${aimOf(field, fields)}. Measured: ${field.definition}.`)));
+  }
+  section.append(session.practise.length > 0
+    ? list : element("p", {}, "Every aim that was measured is reached."));
+  return section;
+}
+
+/// A column for each run, or for run and attempts of a single session.
+export function parameterTable({ sessions, fields }) {
+  const [first] = sessions;
+  const alone = sessions.length === 1;
+  const columns = alone && first.attempts.length > 0
+    ? [["Run", first.run], ...first.attempts.map((one) => [`Attempt ${one.attempt}`, one])]
+    : sessions.map((session, index) => [sessionName(session, index, sessions.length), session.run]);
+  const head = element("tr", {}, element("th", {}, "Parameter"), element("th", {}, "Unit"),
+    ...columns.map(([name]) => element("th", { class: "number" }, name)), element("th", {}, "Aim and its source"));
+  const body = element("tbody");
+  for (const inPaper of [true, false]) {
+    body.append(element("tr", { class: "part" }, element("th", { colspan: columns.length + 3 },
+      inPaper ? "Parameters of Xiao et al. 2020" : "Beyond the paper")));
+    fields.forEach((field, row) => {
+      if (field.in_paper !== inPaper) {
+        return;
+      }
+      const cells = columns.map(([, record], column) => {
+        const value = record.values[row];
+        const cell = element("td", { class: "number", "data-key": field.key, "data-column": column,
+          "data-value": value === null ? "null" : value }, number(value), " ", light(record.lights[row]));
+        if (!alone && column > 0 && value !== null && first.run.values[row] !== null) {
+          const difference = value - first.run.values[row];
+          cell.append(element("span", { class: "difference" },
+            `${difference < 0 ? "−" : "+"}${number(Math.abs(difference))} to the first`));
+        }
+        return cell;
+      });
+      body.append(element("tr", {}, element("td", { title: field.definition }, field.label),
+        element("td", {}, field.unit), ...cells,
+        element("td", { class: "aim soft" }, aimOf(field, fields))));
+    });
+  }
+  return element("section", { id: "parameters" }, element("h2", {}, "Parameters"),
+    element("p", { class: "soft" }, "A light says how a value stands to its aim: reached, near or missed. Where nothing is ",
+      "known to aim at there is none. A name's definition shows when the pointer rests on it."),
+    element("div", { class: "wide" }, element("table", {}, element("thead", {}, head), body)));
+}
+
+export function eventList(sessions, seek) {
+  const columns = element("div", { class: "columns" });
+  sessions.forEach((session, index) => {
+    columns.append(element("div", {},
+      sessions.length > 1 ? element("h3", {}, sessionName(session, index, sessions.length)) : null,
+      element("div", { class: "events" }, element("table", {}, element("tbody", {},
+        ...session.events.map((event) => element("tr", {},
+          element("td", {}, moment(event.time_s, index, seek)), element("td", {}, event.kind),
+          element("td", {}, event.text))))))));
+  });
+  return element("section", { id: "events" }, element("h2", {}, "Events"), columns);
+}

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/review/report.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <span>
+
+#include "client/review/export.hpp"
+#include "common/model/aims.hpp"
+
+namespace eti::review {
+
+namespace {
+
+using nlohmann::ordered_json;
+using Steps = std::span<const session::StepRecord>;
+
+/// Things to practise that a person keeps in mind.
+constexpr std::size_t most_practice = 3;
+
+double seconds(const session::StepRecord& step) {
+    return 1e-9 * static_cast<double>(step.time_ns);
+}
+
+const ParameterField& field_of(std::string_view key) {
+    return *std::ranges::find(parameter_fields, key, &ParameterField::key);
+}
+
+/// As the session began: what a fall is measured from.
+Parameters first_values(Steps steps) {
+    for (const session::StepRecord& step : steps) {
+        if (std::isfinite(step.parameters.oxygen_saturation_end_percent)) {
+            return step.parameters;
+        }
+    }
+    return starting_parameters();
+}
+
+/// Of a session's run and attempts, the record that an aim judges.
+const session::SummaryRecord& judged(const Aim& aim, const session::SummaryRecord& record,
+                                     const Summary& summary, const Parameters& first) {
+    const session::SummaryRecord* worst = &record;
+    if (aim.each_attempt && record.attempt == 0) {
+        for (const session::SummaryRecord& attempt : summary.attempts) {
+            if (worst->attempt == 0 ||
+                !(shortfall(aim, attempt.parameters, first) <= shortfall(aim, worst->parameters, first))) {
+                worst = &attempt;
+            }
+        }
+    }
+    return *worst;
+}
+
+ordered_json record_json(const session::SummaryRecord& record, const Summary& summary,
+                         const Parameters& first) {
+    ordered_json out;
+    out["attempt"] = record.attempt;
+    out["success"] = summary.outcome_known(record) ? ordered_json(record.outcome.success) : ordered_json();
+    out["reason"] = record.outcome.reason;
+    for (const ParameterField& field : parameter_fields) {
+        const auto aim = std::ranges::find(aims, field.key, &Aim::key);
+        out["values"].push_back(record.parameters.*field.value);
+        out["lights"].push_back(
+            aim == aims.end()
+                ? ""
+                : name_of(light_of(shortfall(*aim, judged(*aim, record, summary, first).parameters, first))));
+    }
+    return out;
+}
+
+template <class Value>
+double time_of_greatest(Steps steps, const Value& value) {
+    const auto most = std::ranges::max_element(steps, {}, [&](const session::StepRecord& step) {
+        const float number = value(step);
+        return std::isnan(number) ? -1.0f : number;
+    });
+    return most == steps.end() ? 0.0 : seconds(*most);
+}
+
+double time_of_best_view(Steps steps) {
+    return time_of_greatest(steps, [](const auto& step) { return step.glottic_opening_percent; });
+}
+
+/// The pictures that say most: only moments that happened.
+ordered_json moments_json(Steps steps) {
+    ordered_json out = ordered_json::array();
+    const auto some = [&](auto&& predicate) { return std::ranges::any_of(steps, predicate); };
+    if (some([](const auto& step) { return step.glottic_opening_percent > 0; })) {
+        out.push_back({{"label", "Best view of the glottis"}, {"time_s", time_of_best_view(steps)}});
+    }
+    const auto passed =
+        std::ranges::find_if(steps, [](const auto& step) { return step.tube_depth_past_glottis > 0; });
+    if (passed != steps.end()) {
+        out.push_back({{"label", "The tube passes the glottis"}, {"time_s", seconds(*passed)}});
+    }
+    if (some([](const auto& step) { return step.gum_force_n > 0; })) {
+        out.push_back(
+            {{"label", "Greatest force on the upper gum"},
+             {"time_s", time_of_greatest(steps, [](const auto& step) { return step.gum_force_n; })}});
+    }
+    return out;
+}
+
+double moment_of(const Aim& aim, Steps steps, const session::SummaryRecord& record, const Parameters& first) {
+    const auto when = [&](auto&& predicate) {
+        const auto found = std::ranges::find_if(steps, predicate);
+        return found == steps.end() ? seconds(steps.back()) : seconds(*found);
+    };
+    switch (aim.moment) {
+        case AimMoment::best_view:
+            return time_of_best_view(steps);
+        case AimMoment::second_attempt:
+            return when([](const auto& step) { return step.attempt > 1; });
+        case AimMoment::end:
+            for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+                if (step->attempt_running) {
+                    return seconds(*step);
+                }
+            }
+            return seconds(steps.back());
+        case AimMoment::crossed:
+            break;
+    }
+    return when([&](const session::StepRecord& step) {
+        return step.attempt_running && (record.attempt == 0 || step.attempt == record.attempt) &&
+               shortfall(aim, step.parameters, first) > 0.0;
+    });
+}
+
+/// Of the aims that were not reached, those that are farthest off.
+ordered_json practise_json(const Summary& summary, Steps steps, const Parameters& first) {
+    struct Miss {
+        const Aim* aim;
+        const session::SummaryRecord* record;
+        double by;
+    };
+    std::vector<Miss> misses;
+    for (const Aim& aim : aims) {
+        const session::SummaryRecord& record = judged(aim, summary.run, summary, first);
+        const double by = shortfall(aim, record.parameters, first);
+        if (by > 0.0 && !aim.practise.empty() && !steps.empty()) {
+            misses.push_back({&aim, &record, by});
+        }
+    }
+    std::ranges::stable_sort(misses, std::ranges::greater{}, &Miss::by);
+    misses.resize(std::min(misses.size(), most_practice));
+    ordered_json out = ordered_json::array();
+    for (const Miss& miss : misses) {
+        out.push_back({{"key", miss.aim->key},
+                       {"value", miss.record->parameters.*field_of(miss.aim->key).value},
+                       {"light", name_of(light_of(miss.by))},
+                       {"practise", miss.aim->practise},
+                       {"time_s", moment_of(*miss.aim, steps, *miss.record, first)}});
+    }
+    return out;
+}
+
+/// Steps that one sample of the time line stands for.
+std::size_t stride_of(std::size_t steps) {
+    constexpr std::size_t to_30_hz = 6;
+    return std::max(to_30_hz, (steps + most_samples - 1) / most_samples);
+}
+
+/// As many digits as a chart shows.
+double shortened(double value) {
+    return std::round(1e4 * value) * 1e-4;
+}
+
+/// A value of each sample's last step; of a force and of the view, the greatest in it, so that no peak is
+/// lost.
+ordered_json samples_json(Steps steps) {
+    const std::size_t stride = stride_of(steps.size());
+    ordered_json time = ordered_json::array(), gum = time, view = time, depth = time, saturation = time,
+                 rate = time;
+    for (std::size_t from = 0; from < steps.size(); from += stride) {
+        const Steps part = steps.subspan(from, std::min(stride, steps.size() - from));
+        const session::StepRecord& last = part.back();
+        const auto greatest = [&](float session::StepRecord::*value) {
+            float most = session::no_number;
+            for (const session::StepRecord& step : part) {
+                most = std::fmax(most, step.*value);
+            }
+            return shortened(static_cast<double>(most));
+        };
+        time.push_back(seconds(last));
+        gum.push_back(greatest(&session::StepRecord::gum_force_n));
+        view.push_back(greatest(&session::StepRecord::glottic_opening_percent));
+        depth.push_back(shortened(1e3 * static_cast<double>(last.tube_depth_past_glottis)));
+        saturation.push_back(shortened(last.parameters.oxygen_saturation_end_percent));
+        rate.push_back(shortened(last.parameters.heart_rate_end_per_min));
+    }
+    const auto line = [](const char* label, const char* unit, ordered_json& values) {
+        return ordered_json{{"label", label}, {"unit", unit}, {"values", std::move(values)}};
+    };
+    return {{"time_s", std::move(time)},
+            {"lines",
+             {line("Force on the upper gum", "N", gum), line("Glottis in sight", "%", view),
+              line("Tube past the glottis", "mm", depth), line("Oxygen saturation", "%", saturation),
+              line("Heart rate", "1/min", rate)}}};
+}
+
+}  // namespace
+
+ordered_json session_json(const session::SessionReader& reader, const Summary& summary) {
+    const std::vector<session::StepRecord> steps = reader.steps();
+    const Parameters first = first_values(steps);
+    ordered_json out;
+    out["file"] = summary.file.filename().string();
+    out["session"] = summary.info.session;
+    out["scenario"] = summary.info.scenario;
+    out["operator"] = summary.info.operator_name;
+    out["start_time"] = summary.info.start_time;
+    out["version"] = summary.info.version;
+    out["duration_s"] = summary.duration;
+    out["finished"] = summary.finished;
+    out["live"] = summary.live;
+    out["lost_records"] = summary.lost_records;
+    out["run"] = record_json(summary.run, summary, first);
+    out["attempts"] = ordered_json::array();
+    for (const session::SummaryRecord& attempt : summary.attempts) {
+        out["attempts"].push_back(record_json(attempt, summary, first));
+    }
+    out["practise"] = practise_json(summary, steps, first);
+    out["moments"] = moments_json(steps);
+    out["samples"] = samples_json(steps);
+    out["events"] = ordered_json::array();
+    for (const session::EventRecord& event : reader.events()) {
+        out["events"].push_back({{"time_s", 1e-9 * static_cast<double>(event.time_ns)},
+                                 {"kind", event.kind},
+                                 {"text", event.text}});
+    }
+    return out;
+}
+
+ordered_json fields_json() {
+    ordered_json out = ordered_json::array();
+    for (const ParameterField& field : parameter_fields) {
+        out.push_back({{"key", field.key},
+                       {"label", field.label},
+                       {"unit", field.unit},
+                       {"in_paper", field.in_paper},
+                       {"definition", field.definition},
+                       {"norm", field.norm}});
+    }
+    return out;
+}
+
+std::string embeddable(const ordered_json& json) {
+    const std::string text = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+    // Outside strings JSON has no `<`; inside, an escape means the same.
+    std::string out;
+    out.reserve(text.size());
+    for (const char c : text) {
+        c == '<' ? out += "\\u003c" : out += c;
+    }
+    return out;
+}
+
+std::filesystem::path write_report(const std::vector<std::filesystem::path>& sessions,
+                                   const std::filesystem::path& folder, const std::function<bool()>& stop) {
+    constexpr std::string_view place = "<!--sessions-->";
+    const std::string_view page = report_page();
+    const std::size_t cut = page.find(place);
+    if (cut == std::string_view::npos) {
+        throw ExportError(
+            "report: this program was built without the page, as npm or its packages were missing; install "
+            "Debian's npm, configure with a network (cmake --preset release) and build eti-review again");
+    }
+    const std::filesystem::path path = folder / "report.html";
+    if (std::filesystem::exists(path)) {
+        throw ExportError(fmt::format(
+            "{}: exists already and is not replaced; choose another folder with --out", path.string()));
+    }
+    ordered_json data{
+        {"program", ETI_VERSION}, {"fields", fields_json()}, {"sessions", ordered_json::array()}};
+    for (const std::filesystem::path& file : sessions) {
+        if (stop()) {
+            return {};
+        }
+        const session::SessionReader reader(file);
+        ordered_json one = session_json(reader, summarise(file));
+        one["anatomy"] = anatomy_json(reader);
+        data["sessions"].push_back(std::move(one));
+    }
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with --out",
+                                      folder.string(), error.message()));
+    }
+    // It shows under its name only when it is complete.
+    const std::filesystem::path unfinished = path.string() + ".unfinished";
+    std::ofstream out(unfinished, std::ios::binary);
+    out << page.substr(0, cut) << embeddable(data) << page.substr(cut + place.size());
+    out.close();
+    if (!out) {
+        std::filesystem::remove(unfinished, error);
+        throw ExportError(fmt::format("{}: cannot be written; make room or choose another folder with --out",
+                                      path.string()));
+    }
+    std::filesystem::rename(unfinished, path);
+    return path;
+}
+
+}  // namespace eti::review

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Asks a GoogleTest program for its suites and writes a file of ctest cases, one a suite. Run by eti_test() after the
+# program is built, with -D: PROGRAM (path), NAME, LABEL, OUT (path of the file).
+execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status TIMEOUT 60)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: exit status ${status}\n${listed}")
+endif()
+# A suite's line ends with a point, and may say a type in a comment behind it; its tests' lines are indented.
+string(REGEX MATCHALL "\n[^ \n][^ \n]*\\." suites "\n${listed}")
+list(REMOVE_DUPLICATES suites)
+if(NOT suites)
+  message(FATAL_ERROR "${PROGRAM} has no tests")
+endif()
+set(cases "")
+foreach(suite ${suites})
+  string(STRIP "${suite}" suite)
+  string(APPEND cases
+    "add_test([==[${NAME}.${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}*]==] --gtest_brief=1)\n"
+    "set_tests_properties([==[${NAME}.${suite}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 900)\n")
+endforeach()
+string(REPLACE ".]==]" "]==]" cases "${cases}")
+file(WRITE ${OUT} "${cases}")

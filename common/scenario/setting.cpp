@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/scenario/setting.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "common/scenario/scenario.hpp"
+#include "common/scenario/yaml_map.hpp"
+
+namespace eti {
+
+std::string_view key_of(std::string_view typed) {
+    return typed.substr(0, typed.find('='));
+}
+
+const LiveField* live_field_by_key(std::string_view key) {
+    const auto found = std::ranges::find(live_fields, key, &LiveField::key);
+    return found == live_fields.end() ? nullptr : &*found;
+}
+
+std::string live_keys() {
+    std::string text;
+    for (const LiveField& field : live_fields) {
+        text +=
+            fmt::format("{}{} ({:g} to {:g})", text.empty() ? "" : ", ", field.key(), field.low, field.high);
+    }
+    return text;
+}
+
+LiveSetting live_setting(const std::string& typed) {
+    const std::size_t equals = typed.find('=');
+    const LiveField* const field = live_field_by_key(key_of(typed));
+    if (equals == std::string::npos || field == nullptr) {
+        throw InputError(fmt::format("--set {}: expected KEY=VALUE with a key of {}", typed, live_keys()));
+    }
+    const std::string wanted = typed.substr(equals + 1);
+    if (field->on_off && (wanted == "on" || wanted == "off")) {
+        return {field, wanted == "on" ? 1.0f : 0.0f};
+    }
+    float value = 0.0f;
+    const char* const end = wanted.data() + wanted.size();
+    const auto [stop, error] = std::from_chars(wanted.data(), end, value);
+    if (error != std::errc() || stop != end) {
+        throw InputError(fmt::format("--set {}: expected {} after '=', {:g} to {:g}", typed,
+                                     field->on_off ? "on, off or a plain number" : "a plain number",
+                                     field->low, field->high));
+    }
+    return {field, value * field->per_unit};
+}
+
+std::string with_setting(const std::string& text, const std::string& typed) {
+    const std::size_t equals = typed.find('=');
+    const std::string key(key_of(typed));
+    const std::size_t dot = key.find('.');
+    const std::string section = dot == std::string::npos ? "" : key.substr(0, dot);
+    const std::string name = dot == std::string::npos ? key : key.substr(dot + 1);
+    if (equals == std::string::npos || name.empty() || (dot != std::string::npos && section.empty())) {
+        throw InputError(fmt::format("--set {}: expected KEY=VALUE, as in patient.weight_kg=1.1", typed));
+    }
+    (void)YamlMap::parse(text, "scenario");  // refuses what could make a small text large
+    YAML::Node root = YAML::Load(text);
+    YAML::Node map = root;
+    if (!section.empty()) {
+        if (const YAML::Node there = root[section]; there.IsDefined() && !there.IsNull() && !there.IsMap()) {
+            throw InputError(fmt::format(
+                "--set {}: '{}' is no section of the scenario; see eti-server --describe", typed, section));
+        }
+        map.reset(root[section]);
+    }
+    map[name] = typed.substr(equals + 1);
+    YAML::Emitter out;
+    out << root;
+    return std::string(out.c_str()) + "\n";
+}
+
+}  // namespace eti

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""The page of `eti-review report` in a browser: what it shows, what moves, and that nothing leaves it. Its sessions are
+the runs that operator_run.py made."""
+
+import base64
+import functools
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+from PIL import Image
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+import support
+from operator_run import recording
+
+HOSTILE = '</script><script>document.title="taken"</script><img src="http://192.0.2.1/x" onerror="document.title=\'taken\'">'
+SHOTS = os.environ.get("ETI_REPORT_PICTURES")  # a folder that keeps what was seen, for people to look at
+
+
+def setUpModule():
+    if shutil.which("chromium") is None or shutil.which("chromedriver") is None:
+        raise unittest.SkipTest("no chromium or chromium-driver")
+
+
+@functools.cache
+def folder():
+    made = tempfile.TemporaryDirectory(prefix="eti-report-")
+    unittest.addModuleCleanup(made.cleanup)
+    return Path(made.name)
+
+
+@functools.cache
+def killed():
+    """A recording that ended by SIGKILL while the attempt went on."""
+    file = folder() / "killed.eti.h5"
+    process = subprocess.Popen([support.BIN / "eti-server", "--scenario", "term", "--operator", "expert", "--fast",
+                                "--no-dds", "--record", file], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    end = time.monotonic() + 300
+    while time.monotonic() < end:
+        done = support.run("eti-review", "summary", file, "--json")
+        if done.returncode == 0 and json.loads(done.stdout)["duration_s"] > 3:
+            break
+        time.sleep(0.1)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    return file
+
+
+class Report(support.Case):
+    def page(self, *files, width=1200, height=900):
+        """The report about these files in a browser that writes down what it fetches and what goes wrong."""
+        done = support.run("eti-review", "report", *files, "--out", self.folder, timeout=120)
+        if "was built without the page" in done.stderr:
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.file = self.folder / "report.html"
+        self.assertEqual(done.stdout.strip(), str(self.file))
+        options = webdriver.ChromeOptions()
+        options.binary_location = shutil.which("chromium")
+        for option in ("headless=new", "no-sandbox", "disable-dev-shm-usage", "use-gl=angle",
+                       "use-angle=swiftshader", "enable-unsafe-swiftshader", f"window-size={width},{height}",
+                       f"user-data-dir={self.folder / 'profile'}"):
+            options.add_argument(f"--{option}")
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        self.addCleanup(self.browser.quit)
+        self.browser.get(self.file.as_uri())
+        WebDriverWait(self.browser, 120).until(lambda _: self.find("#anatomy[data-ready]"))
+
+    def find(self, selector):
+        return self.browser.find_elements(By.CSS_SELECTOR, selector)
+
+    def text(self, selector):
+        return " ".join(one.text for one in self.find(selector))
+
+    def keep(self, name):
+        """What the window shows, as a picture's file."""
+        file = Path(SHOTS or self.folder) / f"{name}.png"
+        self.browser.save_screenshot(str(file))
+        return file
+
+    def assert_quiet(self):
+        """No error in its console, and nothing asked of a network."""
+        self.assertEqual([one for one in self.browser.get_log("browser") if one["level"] == "SEVERE"], [])
+        messages = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
+        asked = [message["params"]["request"]["url"] for message in messages
+                 if message["method"] == "Network.requestWillBeSent"
+                 and message["params"]["documentURL"] == self.file.as_uri()]  # the browser's own first page asks, too
+        self.assertIn(self.file.as_uri(), asked)
+        for address in asked:
+            self.assertRegex(address, r"^(file|data|blob):")
+
+    def stage(self):
+        self.find("#anatomy .stage")[0].location_once_scrolled_into_view
+        time.sleep(0.3)
+        return self.find(".stage canvas")[0].screenshot_as_png
+
+    def set_slider(self, share):
+        self.browser.execute_script(
+            "const s = document.querySelector('#anatomy input[type=range]'); s.value = s.max * arguments[0];"
+            "s.dispatchEvent(new Event('input'));", share)
+
+    def assert_numbers(self, shown, file):
+        """Each cell of the first column says what the summary says."""
+        summary = json.loads(support.run("eti-review", "summary", file, "--json").stdout)
+        count = 0
+        for key, (value, text) in shown.items():
+            expected = summary["parameters"]
+            for part in key.split("."):
+                expected = expected[part]
+            if expected is None:
+                self.assertEqual((value, text[0]), ("null", "–"), key)
+            else:
+                self.assertEqual(float(value), expected, key)
+                self.assertAlmostEqual(float(text.split()[0]), expected, delta=0.005 + 1e-9, msg=key)
+            count += 1
+        flat = sum(len(one) if isinstance(one, dict) else 1 for one in summary["parameters"].values())
+        self.assertEqual(count, flat)
+        return summary
+
+    def cells(self, column=0):
+        return {cell.get_attribute("data-key"): (cell.get_attribute("data-value"), cell.text)
+                for cell in self.find(f"#parameters td[data-column='{column}']")}
+
+    def test_expert_and_slower_hands_are_compared(self):
+        expert, novice = recording("expert"), recording("novice")
+        self.page(expert, novice)
+        summary = self.assert_numbers(self.cells(), expert)
+        self.assertEqual(self.text("#outcome .outcome"), "Intubated Intubated")
+        self.assertIn(summary["reason"], self.text("#outcome .reason"))
+        self.assertIn("to the first", self.text("#parameters td[data-column='1']"))
+        # The legend switches a session's line in every chart.
+        legend = self.find(".uplot .u-legend .u-series:nth-child(3) th")[0]
+        self.assertEqual(self.find(".u-series.u-off"), [])
+        legend.click()
+        self.assertGreaterEqual(len(self.find(".u-series.u-off")), 1)
+        legend.click()
+        self.assertEqual(self.find(".u-series.u-off"), [])
+        # The slider moves tools and tissue.
+        self.set_slider(0.1)
+        before = self.stage()
+        self.set_slider(0.6)
+        self.assertNotEqual(before, self.stage())
+        self.assertEqual(len(self.find("#anatomy .gallery img")), 3)
+        self.assert_quiet()
+        self.assertLess(self.file.stat().st_size, 2 * 15e6)
+        self.browser.execute_script("scrollTo(0, 0)")
+        with Image.open(self.keep("desktop")) as picture:
+            self.assertGreater(numpy.asarray(picture.convert("L")).std(), 10)
+
+    def test_a_click_on_an_event_shows_its_moment(self):
+        self.page(recording("expert"))
+        event = self.find("#events button.moment")[1]
+        event.click()
+        shown = float(self.find("#anatomy .stage")[0].get_attribute("data-time"))
+        self.assertAlmostEqual(shown, float(event.text.split()[0]), delta=0.05 + 1e-9)
+        play = self.find("#anatomy button")[0]
+        play.click()
+        WebDriverWait(self.browser, 30).until(
+            lambda _: float(self.find("#anatomy .stage")[0].get_attribute("data-time")) > shown + 0.2)
+        play.click()
+        self.assert_quiet()
+
+    def test_a_telephone_scrolls_only_down(self):
+        self.page(recording("expert"), width=500, height=900)
+        overflow = self.browser.execute_script(
+            "return document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        self.assertLessEqual(overflow, 0)
+        self.keep("telephone")
+
+    def test_it_prints_on_a4(self):
+        self.page(recording("expert"))
+        printed = self.browser.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
+        pdf = base64.b64decode(printed)
+        (Path(SHOTS or self.folder) / "printed.pdf").write_bytes(pdf)
+        sizes = set(re.findall(rb"/MediaBox ?\[([0-9. ]+)\]", pdf))
+        self.assertEqual({tuple(round(float(one)) for one in size.split()) for size in sizes}, {(0, 0, 595, 842)})
+
+    def test_hostile_texts_do_nothing(self):
+        file = self.folder / "hostile.eti.h5"
+        shutil.copy(recording("expert"), file)
+        with h5py.File(file, "r+") as opened:
+            for name in ("session", "scenario", "operator", "start_time", "version"):
+                opened["meta"].attrs[name] = HOSTILE
+            width = opened["events/text"].dtype.itemsize
+            opened["events/text"][...] = HOSTILE.encode()[:width]
+            opened["summary/reason"][...] = HOSTILE.encode()[:opened["summary/reason"].dtype.itemsize]
+        self.page(file)
+        self.assertEqual(self.browser.title, "NeoETI report")
+        self.assertIn(HOSTILE, self.text("#outcome"))
+        self.assertEqual(self.find("img[src^=http]"), [])
+        self.assert_quiet()
+
+    def test_a_killed_recording_is_unknown(self):
+        self.page(killed())
+        self.assertEqual(self.text("#outcome .outcome"), "Outcome unknown")
+        self.assertIn("cut off before its end", self.text("#outcome"))
+        self.assert_numbers({key: cell for key, cell in self.cells().items()}, killed())
+        self.assert_quiet()
+
+    def test_a_session_without_any_number_is_shown(self):
+        file = self.folder / "nothing.eti.h5"
+        shutil.copy(recording("expert"), file)
+        with h5py.File(file, "r+") as opened:
+            def empty(name, item):
+                if isinstance(item, h5py.Dataset) and item.dtype.kind == "f":
+                    item[...] = numpy.nan
+            for group in ("metrics", "summary", "tools", "inputs", "deformation"):
+                opened[group].visititems(empty)
+        self.page(file)
+        self.assertEqual({value for value, _ in self.cells().values()}, {"null"})
+        self.assertEqual(self.find("#parameters .light"), [])
+        self.assert_quiet()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""A recorded session is simulated again: bit by bit as it was, or it is said where and why not."""
+
+import json
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+import numpy
+
+import support
+
+SECONDS = 8  # of an expert's run: the blade has gone in and lifts
+
+
+class Resimulate(support.Programs):
+    def record_expert(self, scenario, seconds=SECONDS):
+        """A run of the expert; its JSON."""
+        self.record = self.folder / "run.eti.h5"
+        done = support.run("eti-server", "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds",
+                           "--duration", seconds, "--record", self.record, "--json",
+                           timeout=support.SECONDS_TO_START + 60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def resimulate(self, *options, status=0, file=None):
+        done = support.run("eti-server", "--resimulate", file or self.record, "--json", *options, timeout=180)
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return json.loads(done.stdout)
+
+    def assert_as_recorded(self, result, live=None):
+        self.assertTrue(result["equal"], json.dumps(result, indent=1))
+        self.assertEqual(result["steps"], result["recorded_steps"])
+        self.assertEqual(result["equal_steps"], result["recorded_steps"])
+        self.assertGreaterEqual(result["states"], result["steps"] // 180)
+        self.assertEqual(result["equal_states"], result["states"])
+        self.assertIsNone(result["first_difference"])
+        self.assertEqual(result["reasons"], [])
+        self.assertEqual(result["recorded"], result["simulated"])
+        if live:
+            self.assertEqual(result["state_hash"], live["state_hash"])
+            self.assertEqual(result["simulated"]["parameters"], live["parameters"])
+
+    def change(self, row, series="inputs/laryngoscope_pose"):
+        """Another pose in one row: a millimetre aside."""
+        with h5py.File(self.record, "r+") as file:
+            pose = file[series][row]
+            pose[0] += 0.001
+            file[series][row] = pose
+
+    def test_an_expert_comes_out_bit_by_bit_with_another_number_of_threads(self):
+        live = self.record_expert("term")
+        again = self.folder / "again.eti.h5"
+        self.assert_as_recorded(self.resimulate("--threads", 1, "--record", again), live)
+        with h5py.File(self.record) as one, h5py.File(again) as two:
+            for path in ("inputs/laryngoscope_pose", "tools/tube_nodes", "metrics/gum_force_n/max",
+                         "deformation/centre", "deformation/frame", "summary/attempt"):
+                numpy.testing.assert_array_equal(one[path][:], two[path][:], err_msg=path)
+            self.assertEqual(two["meta/more"].attrs["resimulation_of"], self.record.name)
+        self.assert_as_recorded(self.resimulate(file=again), live)
+
+    def test_saliva_comes_out_bit_by_bit(self):
+        live = self.record_expert("premature", 4)
+        self.assert_as_recorded(self.resimulate(), live)
+
+    def test_commands_and_a_reset_come_out_bit_by_bit(self):
+        self.start_server("--operator", "expert", "--json", scenario="premature")
+        self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)
+        for wish in (("--set", "jaw_opening_deg=30", "--set", "suction=1", "--set", "tongue_scale=1.2"),
+                     ("--set", "head_elevation_deg=10", "--set", "tissue_stiffness_kpa=12"),
+                     ("--command", "reset"), ("--set", "suction=0")):
+            done = support.run("eti-controller", *wish, *map(str, self.bus))
+            self.assertEqual(done.returncode, 0, done.stderr)
+        # Of simulation time: half a second until the tongue may grow, and some in which it does.
+        self.wait_for("server", "simulation time 4 s", 60)
+        live = self.end("server")
+        with h5py.File(self.record) as file:
+            self.assertIn(b"reset", list(file["inputs/commands/kind"]))
+            self.assertGreater(numpy.ptp(file["tissue/tongue_scale"][:]), 0)
+        self.assert_as_recorded(self.resimulate(), live)
+
+    def test_hands_that_come_over_the_bus_come_out_bit_by_bit(self):
+        self.start_server("--json")
+        self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)
+        self.start("haptics", "eti-haptics", "--device", "simulated", "--operator", "expert")
+        self.start("tracker", "eti-tracker", "--device", "scripted", "--operator", "expert")
+        self.wait_for("server", "simulation time 6 s", 60)
+        for role in ("haptics", "tracker"):
+            self.running[role].kill()
+        self.wait_for("server", "device has been silent", 20)
+        live = self.end("server")
+        with h5py.File(self.record) as file:
+            self.assertEqual(sum(kind == b"device" for kind in file["events/kind"]), 4, "two came, two fell silent")
+            self.assertGreater(numpy.ptp(file["inputs/laryngoscope_pose"][:, 1]), 0.01, "they moved")
+        self.assert_as_recorded(self.resimulate(), live)
+
+    def test_a_changed_input_is_named_by_its_step(self):
+        self.record_expert("term", 3)
+        self.change(400)
+        result = self.resimulate(status=1)
+        self.assertFalse(result["equal"])
+        self.assertEqual(result["first_difference"]["step"], 401)
+        self.assertTrue(result["first_difference"]["series"].startswith("tools/"), result["first_difference"])
+        self.assertEqual(len(result["reasons"]), 1)
+        self.assertIn("the file was changed", result["reasons"][0])
+        with h5py.File(self.record, "r+") as file:
+            file["meta"].attrs["build"] = "compiler 1.0, AVX-512"
+            file["meta/more"].attrs["processor"] = "another one"
+            file["meta/more"].attrs["patient_hash"] = "0"
+        reasons = self.resimulate(status=1)["reasons"]
+        for reason, words in zip(reasons, ("compiler 1.0, AVX-512", "another one", "patient"), strict=True):
+            self.assertIn(words, reason)
+        said = support.run("eti-server", "--resimulate", self.record)
+        self.assertEqual(said.returncode, 1)
+        self.assertIn("first to differ: step 401 (2.228 s), tools/", said.stdout)
+
+    def test_what_is_set_changes_what_the_same_hands_come_to(self):
+        live = self.record_expert("term")
+        stiff = self.resimulate("--set", "tissue_stiffness_kpa=40")
+        self.assertEqual(stiff["recorded"]["parameters"], live["parameters"])
+        # The hands go where they went, into tissue five times as stiff.
+        self.assertEqual(stiff["simulated"]["parameters"]["blade_depth_cm"]["max"],
+                         live["parameters"]["blade_depth_cm"]["max"])
+        self.assertGreater(stiff["simulated"]["parameters"]["tongue_force_n"]["max"],
+                           2 * live["parameters"]["tongue_force_n"]["max"])
+        self.assertNotEqual(stiff["first_difference"]["series"], "tissue/tissue_stiffness", "which was set")
+        self.assertEqual(stiff["reasons"][0], "set here: tissue_stiffness_kpa=40")
+        closed = self.resimulate("--set", "patient.jaw_opening_deg=0")
+        self.assertLess(closed["simulated"]["parameters"]["glottic_opening_percent"]["max"], 5)
+        said = support.run("eti-server", "--resimulate", self.record, "--set", "tissue_stiffness_kpa=40")
+        self.assertRegex(said.stdout, r"\* force on the tongue, greatest +N +[\d.]+ +[\d.]+")
+
+    def test_an_unfinished_or_damaged_file_is_simulated_as_far_as_it_goes(self):
+        self.record = self.folder / "run.eti.h5"
+        server = self.start("server", "eti-server", "--scenario", "term", "--operator", "expert", "--record",
+                            self.record)
+        self.wait_for("server", "simulation time 3 s", support.SECONDS_TO_START)
+        server.kill()
+        server.wait()
+        result = self.resimulate()
+        self.assertGreaterEqual(result["steps"], 2 * 180)
+        self.assertTrue(result["equal"])
+        self.assertIsNone(result["recorded"]["success"])
+        done = support.run("eti-review", "check", "--repair", self.record)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole = self.folder / "whole.eti.h5"
+        shutil.copy(self.record, whole)
+        # What the tools did is lost, which is only not compared; then a hand, without which nothing goes on.
+        for series, steps in (("tools/proxy_pose", result["steps"]), ("inputs/tube_grip_pose", 180)):
+            shutil.copy(whole, self.record)
+            with h5py.File(self.record) as file:
+                rows = file[series].chunks[0]
+                chunk = file[series].id.get_chunk_info(180 // rows)
+            damaged = bytearray(self.record.read_bytes())
+            damaged[chunk.byte_offset + chunk.size // 2] ^= 1
+            self.record.write_bytes(damaged)
+            done = support.run("eti-review", "check", "--repair", self.record)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            mended = self.resimulate()
+            self.assertEqual(mended["steps"], steps)
+            self.assertTrue(mended["equal"])
+        self.assertIn("at step 181 the file holds no pose", mended["ended_early"])
+
+    def test_ctrl_c_ends_it_with_what_was_done(self):
+        self.record_expert("term")
+        for wait in (0.2, 2.0):  # before the patient is there, and probably after
+            running = subprocess.Popen([support.BIN / "eti-server", "--resimulate", self.record, "--json"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(wait)
+            running.send_signal(signal.SIGINT)
+            said, errors = running.communicate(timeout=60)
+            self.assertEqual(running.returncode, 130, errors)
+            self.assertLess(json.loads(said)["steps"], SECONDS * 180)
+
+    def test_what_cannot_be_done_is_refused(self):
+        foreign = self.folder / "foreign.h5"
+        with h5py.File(foreign, "w", libver="latest") as file:
+            file["numbers"] = [1, 2, 3]
+        for arguments, words in ((("--resimulate", self.folder / "absent"), "no such file"),
+                                 (("--resimulate", self.folder), "not a regular file"),
+                                 (("--resimulate", foreign), "not a session"),
+                                 (("--resimulate", foreign, "--operator", "expert"), "excludes"),
+                                 (("--set", "saliva=on"), "requires --resimulate")):
+            with self.subTest(words=words):
+                self.assert_refused(support.run("eti-server", *arguments), words)
+        self.record_expert("term", 0.1)
+        for setting, words in (("tissue_stiffness_kpa=900", "expected 1 to 100"),
+                               ("patient.weight_kg=90", "patient.weight_kg"), ("patient.mass=3", "unknown key"),
+                               ("tissue_stiffness_kpa", "KEY=VALUE"), ("x", "KEY=VALUE")):
+            with self.subTest(setting=setting):
+                done = support.run("eti-server", "--resimulate", self.record, "--set", setting)
+                self.assert_refused(done, words)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "client/review/export.hpp"
+#include "client/review/report.hpp"
+#include "common/session/writer.hpp"
+#include "tests/unit/common/session/sample.hpp"
+
+namespace eti::review {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* hostile = "</script><script>alert(1)</script><!--";
+
+class Report : public ::testing::Test {
+  protected:
+    Report() {
+        folder = std::filesystem::temp_directory_path() /
+                 ("eti_report_" + std::to_string(::getpid()) + "_" +
+                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder);
+        path = folder / "run.eti.h5";
+    }
+    ~Report() override { std::filesystem::remove_all(folder); }
+
+    template <class Change>
+    void record(std::uint64_t steps, const Change& change,
+                const std::vector<session::SummaryRecord>& summaries = {}) const {
+        session::SessionInfo info = session::sample::info();
+        info.scenario = hostile;
+        session::SessionWriter writer(path, info, session::sample::scene(), {});
+        for (std::uint64_t i = 0; i < steps; ++i) {
+            session::StepRecord step = session::sample::step(i);
+            step.attempt = 1;
+            step.attempt_running = true;
+            step.parameters = starting_parameters();
+            change(i, step);
+            writer.push(step);
+        }
+        writer.push(session::sample::deformation(0));
+        writer.push(session::EventRecord{0, "note", hostile});
+        for (const session::SummaryRecord& summary : summaries) {
+            writer.push(summary);
+        }
+        EXPECT_TRUE(writer.close());
+    }
+
+    nlohmann::ordered_json json() const {
+        return session_json(session::SessionReader(path), summarise(path));
+    }
+
+    std::filesystem::path folder;
+    std::filesystem::path path;
+};
+
+TEST_F(Report, TheTimeLineKeepsPeaksThatLastAStep) {
+    record(600, [](std::uint64_t i, session::StepRecord& step) {
+        step.gum_force_n = i == 301 ? 7.5f : 1.0f;
+        step.glottic_opening_percent = i == 123 ? 80.0f : 0.0f;
+        step.tube_depth_past_glottis = -0.01f;
+    });
+    const auto samples = json()["samples"];
+    EXPECT_EQ(samples["time_s"].size(), 100u);  // 180 Hz to 30 Hz
+    const auto greatest = [&](std::size_t line) {
+        double most = 0;
+        for (const auto& value : samples["lines"][line]["values"]) {
+            most = std::max(most, value.get<double>());
+        }
+        return most;
+    };
+    EXPECT_EQ(greatest(0), 7.5);
+    EXPECT_EQ(greatest(1), 80.0);
+}
+
+TEST_F(Report, WorstMissComesFirstWithItsMoment) {
+    session::SummaryRecord run;
+    run.parameters = starting_parameters();
+    run.parameters.oesophageal_entries = 3;  // misses its aim of none by more than one does
+    run.parameters.time_s = 31;              // nearly 30
+    run.parameters.cormack_lehane_grade = 1;
+    run.parameters.attempts = 1;
+    record(600,
+           [](std::uint64_t i, session::StepRecord& step) {
+               step.parameters.oesophageal_entries = i >= 360 ? 3 : 0;
+               step.parameters.time_s = i >= 540 ? 31 : 1;
+           },
+           {run});
+    const auto practise = json()["practise"];
+    ASSERT_EQ(practise.size(), 2u);
+    EXPECT_EQ(practise[0]["key"], "oesophageal_entries");
+    EXPECT_EQ(practise[0]["light"], "missed");
+    EXPECT_NEAR(practise[0]["time_s"].get<double>(), 2.0, 1e-6);
+    EXPECT_EQ(practise[1]["key"], "time_s");
+    EXPECT_EQ(practise[1]["light"], "near");
+    EXPECT_NEAR(practise[1]["time_s"].get<double>(), 3.0, 1e-6);
+}
+
+TEST_F(Report, WithoutASummaryTheOutcomeIsUnknown) {
+    record(50, [](std::uint64_t, session::StepRecord&) {});
+    EXPECT_TRUE(json()["run"]["success"].is_null());
+}
+
+TEST_F(Report, NothingButNaNAndNoStepAtAllAreShown) {
+    record(50, [](std::uint64_t, session::StepRecord& step) {
+        for (const ParameterField& field : parameter_fields) {
+            step.parameters.*field.value = nan;
+        }
+        step.gum_force_n = step.glottic_opening_percent = step.tube_depth_past_glottis = session::no_number;
+        step.proxy = session::no_pose();
+        step.tube_nodes.assign(session::sample::tube_nodes, Vec3f::Constant(session::no_number));
+    });
+    const auto text = nlohmann::ordered_json::parse(embeddable(json()));
+    for (const auto& value : text["run"]["values"]) {
+        EXPECT_TRUE(value.is_null());
+    }
+    for (const auto& light : text["run"]["lights"]) {
+        EXPECT_EQ(light, "");
+    }
+    EXPECT_TRUE(text["practise"].empty());
+    EXPECT_TRUE(text["moments"].empty());
+    EXPECT_TRUE(anatomy_json(session::SessionReader(path))["tools"]["time_s"].empty());
+
+    std::filesystem::remove(path);
+    record(0, [](std::uint64_t, session::StepRecord&) {});
+    EXPECT_TRUE(json()["samples"]["time_s"].empty());
+}
+
+TEST_F(Report, HostileTextsStayTexts) {
+    record(10, [](std::uint64_t, session::StepRecord&) {});
+    const std::string text = embeddable(json());
+    EXPECT_EQ(text.find('<'), std::string::npos);
+    EXPECT_EQ(nlohmann::ordered_json::parse(text)["scenario"], hostile);
+    EXPECT_EQ(embeddable("\xff<"), "\"\xef\xbf\xbd\\u003c\"");
+}
+
+TEST_F(Report, ThePageHoldsItsSessionsAndReplacesNone) {
+    if (report_page().empty()) {
+        GTEST_SKIP() << "built without the page, as npm was missing";
+    }
+    record(100, [](std::uint64_t, session::StepRecord&) {});
+    const auto never = [] { return false; };
+    const auto page = write_report({path, path}, folder / "out", never);
+    std::stringstream text;
+    text << std::ifstream(page).rdbuf();
+    const std::string_view begins = "<script type=\"application/json\" id=\"sessions\">";
+    const std::size_t from = text.str().find(begins) + begins.size();
+    const auto data =
+        nlohmann::ordered_json::parse(text.str().substr(from, text.str().find("</script>", from) - from));
+    EXPECT_EQ(data["sessions"].size(), 2u);
+    EXPECT_EQ(data["fields"].size(), parameter_fields.size());
+    EXPECT_THROW(write_report({path}, folder / "out", never), ExportError);
+    EXPECT_TRUE(write_report({path}, folder / "stopped", [] { return true; }).empty());
+}
+
+}  // namespace
+}  // namespace eti::review

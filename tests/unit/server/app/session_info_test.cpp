@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/session_info.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/coarse_newborn.hpp"
+
+namespace eti::app {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(SessionInfo, OfTheSamePatientHereIsTheSame) {
+    const anatomy::Patient patient = test::coarse_newborn();
+    EXPECT_THAT(differences(session_info(Scenario{}, patient), session_info(Scenario{}, patient)), IsEmpty());
+}
+
+TEST(SessionInfo, NamesEverythingThatBitsDependOn) {
+    anatomy::Patient patient = test::coarse_newborn();
+    const session::SessionInfo here = session_info(Scenario{}, patient);
+    patient.particles.rest[7].x() += 1e-6f;
+    session::SessionInfo recorded = session_info(Scenario{}, patient);
+    EXPECT_THAT(differences(recorded, here), ElementsAre(HasSubstr("patient")));
+    recorded.version = "0.0.1";
+    recorded.build = "compiler 1";
+    recorded.more[processor_text] = "another";
+    recorded.more[libraries_text] = "Bullet 2";
+    EXPECT_THAT(differences(recorded, here),
+                ElementsAre(AllOf(HasSubstr("version"), HasSubstr("0.0.1 when it was recorded")),
+                            HasSubstr("compiler 1"), AllOf(HasSubstr("processor"), HasSubstr("another when")),
+                            HasSubstr("Bullet 2"), HasSubstr("patient")));
+}
+
+TEST(SessionInfo, WhatAnOlderFileDoesNotSayDoesNotCount) {
+    const anatomy::Patient patient = test::coarse_newborn();
+    session::SessionInfo recorded = session_info(Scenario{}, patient);
+    recorded.more.clear();
+    EXPECT_THAT(differences(recorded, session_info(Scenario{}, patient)), IsEmpty());
+}
+
+}  // namespace
+}  // namespace eti::app
