@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 namespace eti::render {
 namespace {
 
-constexpr GLuint place = 0, triangle = 1, steps = 2;
+constexpr GLuint place = 0, face = 1;
 constexpr int first_unit = 5;  // after those of frames, liquid and shadows
 
 const void* offset(std::size_t bytes) {
@@ -21,7 +22,8 @@ const void* offset(std::size_t bytes) {
 FinerDrawing::FinerDrawing() {
     std::vector<std::array<std::int8_t, 2>> places;
     std::vector<std::uint16_t> indices;
-    for (int n = 2; n <= most_steps; ++n) {
+    for (int code = 1; code < step_codes; ++code) {
+        const int n = steps_of(code);
         Grid& grid = grids_[static_cast<std::size_t>(n)];
         grid.first_place = static_cast<GLint>(places.size());
         for (int j = 0; j <= n; ++j) {
@@ -48,11 +50,17 @@ FinerDrawing::FinerDrawing() {
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(indices[0])),
                  indices.data(), GL_STATIC_DRAW);
-    for (const GLuint instanced : {triangle, steps}) {
-        glEnableVertexAttribArray(instanced);
-        glVertexAttribDivisor(instanced, 1);
-    }
+    glEnableVertexAttribArray(face);
+    glVertexAttribDivisor(face, 1);
     glBindVertexArray(0);
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most_texels_);
+}
+
+bool FinerDrawing::takes(const PatientMesh& patient) const {
+    // Vertices are read as six numbers, triangles as three.
+    const auto most = static_cast<std::size_t>(most_texels_);
+    return patient.triangle_count() <= std::min(most_triangles, most / 3) &&
+           patient.vertex_count() <= most / 6;
 }
 
 void FinerDrawing::apply(const PatientMesh& patient, ShaderProgram& program) const {
@@ -79,7 +87,7 @@ void FinerDrawing::apply(const PatientMesh& patient, ShaderProgram& program) con
     program.set("most_bend", most_bend);
 }
 
-void FinerDrawing::draw(std::vector<FinerInstance>& faces, ShaderProgram& program) const {
+void FinerDrawing::draw(std::vector<FinerInstance>& faces, ShaderProgram& program) {
     if (faces.empty()) {
         return;
     }
@@ -87,10 +95,12 @@ void FinerDrawing::draw(std::vector<FinerInstance>& faces, ShaderProgram& progra
     std::stable_sort(faces.begin(), faces.end(), [](const FinerInstance& a, const FinerInstance& b) {
         return a.grid() != b.grid() ? a.grid() < b.grid() : a.turned < b.turned;
     });
+    packed_.clear();
+    std::ranges::transform(faces, std::back_inserter(packed_), packed);
     glBindVertexArray(array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, faces_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(faces.size() * sizeof(FinerInstance)), faces.data(),
-                 GL_STREAM_DRAW);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(packed_.size() * sizeof(packed_[0])),
+                 packed_.data(), GL_STREAM_DRAW);
     for (std::size_t first = 0; first < faces.size();) {
         const int n = faces[first].grid();
         const std::uint8_t turned = faces[first].turned;
@@ -100,10 +110,8 @@ void FinerDrawing::draw(std::vector<FinerInstance>& faces, ShaderProgram& progra
         }
         const Grid& grid = grids_[static_cast<std::size_t>(n)];
         program.set("grid", n);
-        glVertexAttribIPointer(triangle, 1, GL_UNSIGNED_INT, sizeof(FinerInstance),
-                               offset(first * sizeof(FinerInstance) + offsetof(FinerInstance, triangle)));
-        glVertexAttribIPointer(steps, 3, GL_UNSIGNED_BYTE, sizeof(FinerInstance),
-                               offset(first * sizeof(FinerInstance) + offsetof(FinerInstance, steps)));
+        glVertexAttribIPointer(face, 1, GL_UNSIGNED_INT, sizeof(packed_[0]),
+                               offset(first * sizeof(packed_[0])));
         glDrawElementsInstancedBaseVertex(GL_TRIANGLES, grid.index_count, GL_UNSIGNED_SHORT,
                                           offset(grid.first_index[turned] * sizeof(std::uint16_t)),
                                           static_cast<GLsizei>(end - first), grid.first_place);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "client/render/finer_faces.hpp"
@@ -18,10 +19,12 @@ class FinerDrawing {
   public:
     FinerDrawing();
 
+    /// Whether a patient is not too large for that.
+    [[nodiscard]] bool takes(const PatientMesh& patient) const;
     /// Sets what such a program needs; it must be in use.
     void apply(const PatientMesh& patient, ShaderProgram& program) const;
     /// Empties `faces`.
-    void draw(std::vector<FinerInstance>& faces, ShaderProgram& program) const;
+    void draw(std::vector<FinerInstance>& faces, ShaderProgram& program);
 
   private:
     struct Grid {
@@ -34,6 +37,8 @@ class FinerDrawing {
     Buffer places_, indices_, faces_;
     std::array<Grid, most_steps + 1> grids_{};
     std::array<Texture, 6> textures_;
+    GLint most_texels_ = 0;
+    std::vector<std::uint32_t> packed_;
 };
 
 }  // namespace eti::render

@@ -24,6 +24,22 @@ Eigen::Vector2f scale_of(const Eigen::Matrix4f& view_projection) {
 
 }  // namespace
 
+int code_of(float steps) {
+    int code = 0;
+    while (code + 1 < step_codes && static_cast<float>(steps_of(code)) < steps) {
+        ++code;
+    }
+    return code;
+}
+
+std::uint32_t packed(const FinerInstance& face) {
+    std::uint32_t word = face.triangle;
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+        word |= static_cast<std::uint32_t>(code_of(face.steps[edge])) << (20 + 4 * edge);
+    }
+    return word;
+}
+
 Vec3f shares_of(const FinerFace& face, int i, int j) {
     const int grid = face.grid();
     // The nearest of an edge's own places, in whole numbers: the card rounds them alike.
@@ -190,7 +206,7 @@ std::uint8_t FinerFaces::steps(std::uint32_t a, std::uint32_t b) const {
     if (length <= stays || (length <= far_reaching && !(at_a && at_b))) {
         return 1;
     }
-    return static_cast<std::uint8_t>(std::min(std::ceil(length / longest), static_cast<float>(most_steps)));
+    return static_cast<std::uint8_t>(steps_of(code_of(length / longest)));
 }
 
 }  // namespace eti::render

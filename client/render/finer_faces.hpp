@@ -20,7 +20,7 @@ namespace eti::render {
 /// A triangle that is drawn as a grid of smaller ones, bent as the normals at its corners say.
 struct FinerFace {
     std::array<std::uint32_t, 3> corners{};  ///< vertices, ascending: neighbours compute a common edge alike
-    std::array<std::uint8_t, 3> steps{1, 1, 1};  ///< of the edges 0-1, 1-2 and 0-2
+    std::array<std::uint8_t, 3> steps{1, 1, 1};  ///< of the edges 0-1, 1-2 and 0-2, as of steps_of()
     std::uint8_t turned = 0;                     ///< 1: its face turns the other way round than its corners
 
     /// Steps of the grid along each side.
@@ -29,16 +29,30 @@ struct FinerFace {
 
 /// The same as the graphics card takes it, which knows the corners.
 struct FinerInstance {
-    std::uint32_t triangle = 0;  ///< in the mesh's index buffer
+    std::uint32_t triangle = 0;  ///< in the mesh's index buffer, below most_triangles
     std::array<std::uint8_t, 3> steps{1, 1, 1};
     std::uint8_t turned = 0;
 
     [[nodiscard]] int grid() const { return std::max({steps[0], steps[1], steps[2]}); }
 };
-static_assert(sizeof(FinerInstance) == 8);
 
+/// Edges have 1, 2, 3 ... 8, 10, 12, 14, 16, 20, 24, 28 or 32 steps: as numbers of four bits, like floats of
+/// two bits of mantissa.
+inline constexpr int step_codes = 16;
+[[nodiscard]] constexpr int steps_of(int code) {
+    return code < 4 ? code + 1 : ((code & 3) + 5) << ((code >> 2) - 1);
+}
 /// No edge gets more steps.
-inline constexpr int most_steps = 32;
+inline constexpr int most_steps = steps_of(step_codes - 1);
+/// The fewest of those steps that are not fewer than `steps`, which is positive.
+[[nodiscard]] int code_of(float steps);
+
+/// A mesh of more triangles cannot be drawn finer.
+inline constexpr std::size_t most_triangles = std::size_t{1} << 20;
+/// The triangle's number in the lowest 20 bits and above them its edges' codes. Which way it is turned is
+/// left out.
+[[nodiscard]] std::uint32_t packed(const FinerInstance& face);
+
 /// No bend goes farther from the flat triangle [m], so that what is drawn stays within a tenth of a
 /// millimetre of what the server measures.
 inline constexpr float most_bend = 0.04e-3f;

@@ -8,11 +8,10 @@ namespace eti::render::source {
 
 /// In place of a patient's vertex attributes: a place on a triangle that is drawn finer, see FinerFace. The
 /// grid's places are the vertices, the triangles the instances. Goes before what uses the attributes.
-/// Defines: FILM. shares_of() and bent() of client/render/finer_faces.hpp compute the same.
+/// Defines: FILM. steps_of(), shares_of() and bent() of client/render/finer_faces.hpp compute the same.
 inline constexpr std::string_view finer_vertex = R"(
 layout(location = 0) in ivec2 step;
-layout(location = 1) in uint triangle;
-layout(location = 2) in uvec3 steps;
+layout(location = 1) in uint face;   // triangle and steps, see packed()
 uniform int grid;
 uniform float most_bend;
 uniform usamplerBuffer triangles;
@@ -25,28 +24,30 @@ vec3 bend;                        // of position, from the flat triangle
 vec3 triple(samplerBuffer from, int first) {
     return vec3(texelFetch(from, first).r, texelFetch(from, first + 1).r, texelFetch(from, first + 2).r);
 }
-vec3 on_edge(int along, uint steps_there) {
-    int count = int(steps_there);
+vec3 on_edge(int along, int edge) {
+    int code = int(face >> (20 + 4 * edge)) & 15;
+    int count = code < 4 ? code + 1 : ((code & 3) + 5) << ((code >> 2) - 1);
     int at = (2 * along * count + grid) / (2 * grid);
     return vec3(float(count - at) / float(count), float(at) / float(count), 0.0);
 }
 vec3 shares() {
     if (step.y == 0) {
-        return on_edge(step.x, steps.x);
+        return on_edge(step.x, 0);
     }
     if (step.x + step.y == grid) {
-        return on_edge(step.y, steps.y).zxy;
+        return on_edge(step.y, 1).zxy;
     }
     if (step.x == 0) {
-        return on_edge(step.y, steps.z).xzy;
+        return on_edge(step.y, 2).xzy;
     }
     return vec3(float(grid - step.x - step.y) / float(grid), float(step.x) / float(grid), float(step.y) / float(grid));
 }
 void finer_vertex() {
     vec3 share = shares();
+    int triangle = int(face & 0xfffffu);
     ivec3 at;
     for (int k = 0; k < 3; ++k) {
-        at[k] = int(texelFetch(triangles, 3 * int(triangle) + k).r);
+        at[k] = int(texelFetch(triangles, 3 * triangle + k).r);
     }
     // Ascending, so that neighbours compute a common edge alike.
     at.xy = ivec2(min(at.x, at.y), max(at.x, at.y));

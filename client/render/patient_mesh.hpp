@@ -58,6 +58,8 @@ class PatientMesh {
     /// Another whenever build() was called.
     [[nodiscard]] std::uint64_t build_revision() const { return build_revision_; }
     [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
+    /// In indices(), of coarse surfaces, too.
+    [[nodiscard]] std::size_t triangle_count() const { return coarse_.back().first + coarse_.back().count; }
     /// A view::LitVertex a vertex.
     [[nodiscard]] const Buffer& skinned() const { return skinned_; }
     /// The same at rest.

@@ -16,6 +16,7 @@
 #include "client/render/camera.hpp"
 #include "client/render/finer_shaders.hpp"
 #include "client/render/headless_context.hpp"
+#include "client/render/render_target.hpp"
 #include "client/render/shader_program.hpp"
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
@@ -137,8 +138,12 @@ TEST(FinerFaces, AgreeAboutEveryEdgeAndAreThoseAtTheOutline) {
         EXPECT_EQ(both[0], both[1]);
         const float a = from_outline(edge.first), b = from_outline(edge.second);
         if (std::fabs(a - b) < 1e-4f && std::fabs(a) < 0.45f * between_rings) {
-            // 1.6 mm at 29 mm are 40 pixels of 1080, in steps of 9.
-            EXPECT_EQ(both[0], 5) << "an edge along the outline";
+            // An edge of a ring lies across the line of sight: its length over its depth before the eye.
+            const Vec3f &p = ball.vertices[edge.first], &q = ball.vertices[edge.second];
+            const float pixels =
+                540.0f / std::tan(0.5f * camera.vertical_field) * (p - q).norm() / (away - p.z());
+            EXPECT_NEAR(pixels, 48.0f, 1.0f);
+            EXPECT_EQ(both[0], static_cast<int>(std::ceil(pixels / 9.0f))) << "an edge along the outline";
             ++along;
         }
         if (std::min(std::fabs(a), std::fabs(b)) > 2.1f * between_rings) {
@@ -167,9 +172,21 @@ TEST(FinerFaces, AgreeAboutEveryEdgeAndAreThoseAtTheOutline) {
     }
 }
 
+TEST(FinerFaces, HaveStepsOfFourBits) {
+    std::vector<int> all;
+    for (int code = 0; code < render::step_codes; ++code) {
+        all.push_back(render::steps_of(code));
+    }
+    EXPECT_EQ(all, (std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32}));
+    EXPECT_EQ(render::steps_of(render::code_of(8.1f)), 10);
+    EXPECT_EQ(render::steps_of(render::code_of(24.0f)), 24);
+    EXPECT_EQ(render::steps_of(render::code_of(1e9f)), 32);
+    EXPECT_EQ(render::packed({0xabcdeu, {1, 10, 32}, 1}), 0xf80abcdeu);
+}
+
 TEST(FinerFaces, GridsCoverATriangleOnceWhateverItsSteps) {
     for (const std::array<std::uint8_t, 3>& steps :
-         {std::array<std::uint8_t, 3>{1, 5, 2}, {7, 7, 7}, {1, 1, 32}, {3, 4, 1}}) {
+         {std::array<std::uint8_t, 3>{1, 5, 2}, {7, 7, 7}, {1, 1, 32}, {3, 10, 1}}) {
         for (const bool turned : {false, true}) {
             const FinerFace face{
                 .corners = {0, 1, 2}, .steps = steps, .turned = static_cast<std::uint8_t>(turned ? 1 : 0)};
@@ -200,17 +217,16 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
     for (view::LitVertex& vertex : vertices) {
         vertex.position += 0.1e-3f * Vec3f(random.uniform(), random.uniform(), random.uniform());
     }
-    const std::array<std::uint32_t, 3> triangle{2, 1, 0};
-    const FinerFace face{.corners = {0, 1, 2}, .steps = {3, 8, 1}, .turned = 1};
+    const std::array<std::uint32_t, 6> triangles{0, 0, 0, 2, 1, 0};
+    const FinerFace face{.corners = {0, 1, 2}, .steps = {3, 28, 1}, .turned = 1};
     struct Place {
         std::array<std::int32_t, 2> step;
-        std::uint32_t triangle;
-        std::array<std::uint32_t, 3> steps;
+        std::uint32_t face;
     };
     std::vector<Place> places;
     for (int j = 0; j <= face.grid(); ++j) {
         for (int i = 0; i <= face.grid() - j; ++i) {
-            places.push_back({{i, j}, 0u, {face.steps[0], face.steps[1], face.steps[2]}});
+            places.push_back({{i, j}, render::packed({1u, face.steps, face.turned})});
         }
     }
     render::ShaderProgram program(
@@ -235,7 +251,7 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
         program.set(name, unit);
     };
     source(0, "skinned", corners, GL_R32F, vertices.data(), sizeof vertices);
-    source(1, "triangles", indices, GL_R32UI, triangle.data(), sizeof triangle);
+    source(1, "triangles", indices, GL_R32UI, triangles.data(), sizeof triangles);
     glBindVertexArray(array.name());
     glBindBuffer(GL_ARRAY_BUFFER, input.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(places.size() * sizeof(Place)), places.data(),
@@ -245,12 +261,14 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
         glVertexAttribIPointer(which, size, type, sizeof(Place), reinterpret_cast<const void*>(at));
     };
     attribute(0, 2, GL_INT, offsetof(Place, step));
-    attribute(1, 1, GL_UNSIGNED_INT, offsetof(Place, triangle));
-    attribute(2, 3, GL_UNSIGNED_INT, offsetof(Place, steps));
+    attribute(1, 1, GL_UNSIGNED_INT, offsetof(Place, face));
     std::vector<view::LitVertex> drawn(places.size());
     glBindBuffer(GL_ARRAY_BUFFER, output.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(drawn.size() * sizeof drawn[0]), nullptr,
                  GL_STATIC_READ);
+    // Drawing needs a complete framebuffer, even where nothing is rasterised.
+    const render::RenderTarget target(1, 1, 1);
+    target.bind_scene();
     render::capture(output, places.size());
     glBindBuffer(GL_ARRAY_BUFFER, output.name());
     glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(drawn.size() * sizeof drawn[0]),
