@@ -21,6 +21,7 @@ vec3 position, normal, rest;
 vec4 colour, relief;
 float film;
 vec3 bend;                        // of position, from the flat triangle
+vec3 flat_normal;                 // of that, of any length
 vec3 triple(samplerBuffer from, int first) {
     return vec3(texelFetch(from, first).r, texelFetch(from, first + 1).r, texelFetch(from, first + 2).r);
 }
@@ -49,6 +50,7 @@ void finer_vertex() {
     for (int k = 0; k < 3; ++k) {
         at[k] = int(texelFetch(triangles, 3 * triangle + k).r);
     }
+    bool turned = (at.x > at.y) ^^ (at.y > at.z) ^^ (at.x > at.z);
     // Ascending, so that neighbours compute a common edge alike.
     at.xy = ivec2(min(at.x, at.y), max(at.x, at.y));
     at.yz = ivec2(min(at.y, at.z), max(at.y, at.z));
@@ -58,6 +60,7 @@ void finer_vertex() {
         p[k] = triple(skinned, 6 * at[k]);
         n[k] = triple(skinned, 6 * at[k] + 3);
     }
+    flat_normal = (turned ? -1.0 : 1.0) * cross(p[1] - p[0], p[2] - p[0]);
     vec3 flat_place = share.x * p[0] + share.y * p[1] + share.z * p[2];
     bend = vec3(0.0);
     for (int k = 0; k < 3; ++k) {

@@ -54,6 +54,9 @@ uniform mat4 view_projection;
 uniform vec4 clip_plane;
 out vec3 world;
 out vec3 normal_at;
+#ifdef FINER
+flat out vec3 face_normal;   // of any length
+#endif
 #ifdef ROOM_SHADOW
 uniform mat4 room_lookup;
 out vec3 room_at;
@@ -89,6 +92,9 @@ void main() {
 #endif
     vec4 p = model * vec4(position, 1.0);
     normal_at = mat3(model) * normal;
+#ifdef FINER
+    face_normal = mat3(model) * flat_normal;
+#endif
 #ifdef RETRACT
     vec3 held = held_aside(p.xyz);
     if (held != p.xyz) {
@@ -98,6 +104,9 @@ void main() {
         vec3 along = normalize(cross(normal_at, aside));
         normal_at = cross(held_aside(p.xyz + apart * aside) - held, held_aside(p.xyz + apart * along) - held) / (apart * apart);
         p.xyz = held;
+#ifdef FINER
+        face_normal = normal_at;
+#endif
     }
 #endif
     world = p.xyz;

@@ -232,9 +232,9 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
     render::ShaderProgram program(
         "finer", {"FINER"},
         std::string(render::source::finer_vertex) +
-            "out vec3 place_at;\nout vec3 normal_at;\n"
-            "void main() { finer_vertex(); place_at = position; normal_at = normal; }",
-        {"place_at", "normal_at"});
+            "out vec3 place_at;\nout vec3 normal_at;\nout vec3 face_at;\n"
+            "void main() { finer_vertex(); place_at = position; normal_at = normal; face_at = flat_normal; }",
+        {"place_at", "normal_at", "face_at"});
     program.use();
     program.set("grid", face.grid());
     program.set("most_bend", render::most_bend);
@@ -262,7 +262,10 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
     };
     attribute(0, 2, GL_INT, offsetof(Place, step));
     attribute(1, 1, GL_UNSIGNED_INT, offsetof(Place, face));
-    std::vector<view::LitVertex> drawn(places.size());
+    struct Drawn {
+        Vec3f position, normal, face;
+    };
+    std::vector<Drawn> drawn(places.size());
     glBindBuffer(GL_ARRAY_BUFFER, output.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(drawn.size() * sizeof drawn[0]), nullptr,
                  GL_STATIC_READ);
@@ -274,6 +277,9 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
     glGetBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(drawn.size() * sizeof drawn[0]),
                        drawn.data());
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    const Vec3f face_normal = (vertices[1].position - vertices[2].position)
+                                  .cross(vertices[0].position - vertices[2].position)
+                                  .normalized();
     float most = 0.0f;
     for (std::size_t i = 0; i < places.size(); ++i) {
         const Vec3f shares = render::shares_of(face, places[i].step[0], places[i].step[1]);
@@ -281,6 +287,7 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
         // Roundings of numbers of a millimetre.
         EXPECT_LT((drawn[i].position - here.position).norm(), 1e-9f) << shares.transpose();
         EXPECT_LT((drawn[i].normal - here.normal).norm(), 1e-5f);
+        EXPECT_LT((drawn[i].face.normalized() - face_normal).norm(), 1e-5f);
         const Vec3f flat = shares.x() * vertices[0].position + shares.y() * vertices[1].position +
                            shares.z() * vertices[2].position;
         most = std::max(most, (drawn[i].position - flat).norm());
