@@ -57,10 +57,10 @@ FinerDrawing::FinerDrawing() {
 }
 
 bool FinerDrawing::takes(const PatientMesh& patient) const {
-    // Vertices are read as six numbers, triangles as three.
+    // Vertices and triangles are read as three texels each.
     const auto most = static_cast<std::size_t>(most_texels_);
     return patient.triangle_count() <= std::min(most_triangles, most / 3) &&
-           patient.vertex_count() <= most / 6;
+           patient.vertex_count() <= most / 3;
 }
 
 void FinerDrawing::apply(const PatientMesh& patient, ShaderProgram& program) const {
@@ -70,8 +70,8 @@ void FinerDrawing::apply(const PatientMesh& patient, ShaderProgram& program) con
         GLenum format;
     };
     const std::array sources{Source{"triangles", patient.indices().name(), GL_R32UI},
-                             Source{"skinned", patient.skinned().name(), GL_R32F},
-                             Source{"rests", patient.rest().name(), GL_R32F},
+                             Source{"skinned", patient.skinned().name(), GL_RG32F},
+                             Source{"rests", patient.rest().name(), GL_RG32F},
                              Source{"colours", patient.colours().name(), GL_RGBA8},
                              Source{"reliefs", patient.relief().name(), GL_RGBA8},
                              Source{"films", patient.film(), GL_R32F}};

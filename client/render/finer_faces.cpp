@@ -154,6 +154,9 @@ void FinerFaces::choose(std::span<const TriangleBlocks::Range> near, const Outli
     for (const auto& [first, count] : near) {
         for (std::size_t t = first; t < first + count; ++t) {
             FinerFace face{.corners = triangles_[t]};
+            if (std::ranges::none_of(face.corners, [&](std::uint32_t v) { return outline_at(v); })) {
+                continue;
+            }
             // Each swap turns it the other way round.
             const auto sort = [&](std::size_t i, std::size_t j) {
                 if (face.corners[i] > face.corners[j]) {

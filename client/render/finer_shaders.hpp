@@ -15,15 +15,15 @@ layout(location = 1) in uint face;   // triangle and steps, see packed()
 uniform int grid;
 uniform float most_bend;
 uniform usamplerBuffer triangles;
-uniform samplerBuffer skinned;    // position and normal
+uniform samplerBuffer skinned;    // position and normal, in pairs of numbers
 uniform samplerBuffer colours, reliefs, rests, films;
 vec3 position, normal, rest;
 vec4 colour, relief;
 float film;
 vec3 bend;                        // of position, from the flat triangle
 vec3 flat_normal;                 // of that, of any length
-vec3 triple(samplerBuffer from, int first) {
-    return vec3(texelFetch(from, first).r, texelFetch(from, first + 1).r, texelFetch(from, first + 2).r);
+vec3 place_of(samplerBuffer from, int vertex) {
+    return vec3(texelFetch(from, 3 * vertex).rg, texelFetch(from, 3 * vertex + 1).r);
 }
 vec3 on_edge(int along, int edge) {
     int code = int(face >> (20 + 4 * edge)) & 15;
@@ -57,8 +57,8 @@ void finer_vertex() {
     at.xy = ivec2(min(at.x, at.y), max(at.x, at.y));
     vec3 p[3], n[3];
     for (int k = 0; k < 3; ++k) {
-        p[k] = triple(skinned, 6 * at[k]);
-        n[k] = triple(skinned, 6 * at[k] + 3);
+        p[k] = place_of(skinned, at[k]);
+        n[k] = vec3(texelFetch(skinned, 3 * at[k] + 1).g, texelFetch(skinned, 3 * at[k] + 2).rg);
     }
     flat_normal = (turned ? -1.0 : 1.0) * cross(p[1] - p[0], p[2] - p[0]);
     vec3 flat_place = share.x * p[0] + share.y * p[1] + share.z * p[2];
@@ -74,7 +74,7 @@ void finer_vertex() {
     colour = share.x * texelFetch(colours, at.x) + share.y * texelFetch(colours, at.y) + share.z * texelFetch(colours, at.z);
 #ifdef TISSUE
     relief = share.x * texelFetch(reliefs, at.x) + share.y * texelFetch(reliefs, at.y) + share.z * texelFetch(reliefs, at.z);
-    rest = share.x * triple(rests, 6 * at.x) + share.y * triple(rests, 6 * at.y) + share.z * triple(rests, 6 * at.z);
+    rest = share.x * place_of(rests, at.x) + share.y * place_of(rests, at.y) + share.z * place_of(rests, at.z);
 #endif
 #ifdef FILM
     film = share.x * texelFetch(films, at.x).r + share.y * texelFetch(films, at.y).r + share.z * texelFetch(films, at.z).r;

@@ -198,6 +198,7 @@ void PatientMesh::update(const view::SceneView& scene) {
 
 void PatientMesh::skin(const view::SceneView& scene) {
     blade_ = scene.laryngoscope_pose();
+    skinned_revision_ = view::next_revision();
     store(GL_TEXTURE_BUFFER, frames_, rows_of(scene.frame_maps()), GL_STREAM_DRAW);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, frames_texture_.name());

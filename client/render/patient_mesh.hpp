@@ -57,6 +57,8 @@ class PatientMesh {
 
     /// Another whenever build() was called.
     [[nodiscard]] std::uint64_t build_revision() const { return build_revision_; }
+    /// Another whenever vertices were skinned anew.
+    [[nodiscard]] std::uint64_t skinned_revision() const { return skinned_revision_; }
     [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
     /// In indices(), of coarse surfaces, too.
     [[nodiscard]] std::size_t triangle_count() const { return coarse_.back().first + coarse_.back().count; }
@@ -126,6 +128,7 @@ class PatientMesh {
     GLuint film_ = 0;                                // its buffer's name
     std::array<TriangleBlocks::Range, 2> coarse_{};  // in the index buffer, by Coarse
     std::uint64_t frames_revision_ = 0;
+    std::uint64_t skinned_revision_ = 0;
     std::optional<RigidTransform> blade_;  // that tissue gave way to, as skinned last
 };
 

@@ -21,12 +21,22 @@ class PatientOutlines {
 
     /// Of one of the mesh's parts; nullptr before any was chosen.
     [[nodiscard]] const FinerFaces* of(std::size_t part) const {
-        return part < parts_.size() ? &parts_[part] : nullptr;
+        return part < parts_.size() ? &parts_[part].finer : nullptr;
     }
 
   private:
+    // Where skinning and the blade put a vertex, kept for the other views of the same state.
+    struct Placed {
+        Vec3f place = Vec3f::Zero();  // [m]
+        std::uint64_t skinned = 0;
+    };
+    struct Part {
+        FinerFaces finer;
+        std::vector<Placed> placed;
+    };
+
     std::uint64_t build_ = 0;
-    std::vector<FinerFaces> parts_;
+    std::vector<Part> parts_;
 };
 
 }  // namespace eti::render

@@ -250,7 +250,7 @@ TEST(FinerShaders, BendAsTheProcessorDoes) {
         glTexBuffer(GL_TEXTURE_BUFFER, format, buffer.name());
         program.set(name, unit);
     };
-    source(0, "skinned", corners, GL_R32F, vertices.data(), sizeof vertices);
+    source(0, "skinned", corners, GL_RG32F, vertices.data(), sizeof vertices);
     source(1, "triangles", indices, GL_R32UI, triangles.data(), sizeof triangles);
     glBindVertexArray(array.name());
     glBindBuffer(GL_ARRAY_BUFFER, input.name());
