@@ -81,7 +81,8 @@ void PatientPass::draw(const Drawing& drawing, SceneMeshes& meshes, const Shadow
         glDisable(GL_CULL_FACE);
     }
     // A cut's faces end at flat triangles; tissues are told apart by triangle.
-    if (drawing.view.cut || drawing.shading == Shading::tissue_id || !finer_.takes(meshes.patient())) {
+    const bool fine_outlines = drawing.quality.fine_outlines && finer_.takes(meshes.patient());
+    if (!fine_outlines || drawing.view.cut || drawing.shading == Shading::tissue_id) {
         outlines_.clear();
     } else {
         outlines_.choose(meshes.patient(), drawing.scene, look_of(drawing));

@@ -125,10 +125,12 @@ class Results {
     std::map<std::string, Standing, std::less<>> standings_;
 };
 
-/// Draws views off screen.
+/// Draws views off screen, outlines as finely as in `high`.
 class Artist {
   public:
-    Artist(int width, int height) : target_(width, height, 1) {}
+    Artist(int width, int height) : target_(width, height, 1), quality_(render::affordable_quality()) {
+        quality_.fine_outlines = true;
+    }
 
     [[nodiscard]] render::Image draw(const render::View& view, const view::SceneView& scene,
                                      render::Shading shading = render::Shading::lit) {
@@ -141,7 +143,8 @@ class Artist {
 
   private:
     render::RenderTarget target_;
-    render::SceneRenderer renderer_;
+    render::Quality quality_;
+    render::SceneRenderer renderer_{quality_};
 };
 
 /// Before they give way to the blade, which client_render_test holds to the same function; by surface and
