@@ -197,6 +197,27 @@ bool write_deformation(const std::filesystem::path& path, const session::Session
     return true;
 }
 
+/// One row per particle of liquid. False if stopped.
+bool write_fluid(const std::filesystem::path& path, const session::SessionReader& reader,
+                 const std::function<bool()>& stop) {
+    CsvFile csv(path);
+    fmt::format_to(std::back_inserter(csv.line()), "time [s],x [m],y [m],z [m]");
+    csv.end_line();
+    for (const session::FluidRecord& record : reader.fluids()) {
+        for (const Vec3f& position : record.position) {
+            if (stop()) {
+                return false;
+            }
+            fmt::format_to(std::back_inserter(csv.line()), "{:.9f},{:.9g},{:.9g},{:.9g}",
+                           static_cast<double>(record.time_ns) * 1e-9, position.x(), position.y(),
+                           position.z());
+            csv.end_line();
+        }
+    }
+    csv.close();
+    return true;
+}
+
 /// One row per place of an annotation. False if stopped.
 bool write_annotations(const std::filesystem::path& path, const session::SessionReader& reader,
                        const std::function<bool()>& stop) {
@@ -269,10 +290,13 @@ std::vector<std::filesystem::path> export_csv(
            table("tools", "tools", false) && table("tools", "tube_nodes", true) &&
            (!reader.root().has("contacts") ||
             (table("contacts", "contacts", false) && table("contacts", "contact_forces", true))) &&
-           table("skeleton", "skeleton", false) && table("metrics", "metrics", false) &&
+           table("skeleton", "skeleton", false) && table("tissue", "tissue", false) &&
+           table("metrics", "metrics", false) &&
            (!reader.root().has("state") || table("state", "state", false)) &&
-           own("deformation.csv", write_deformation) && table("events", "events", false) &&
-           own("annotations.csv", write_annotations) && table("summary", "summary", false));
+           own("deformation.csv", write_deformation) &&
+           (!reader.root().has("fluid") || own("fluid.csv", write_fluid)) &&
+           table("events", "events", false) && own("annotations.csv", write_annotations) &&
+           table("summary", "summary", false));
     return written;
 }
 

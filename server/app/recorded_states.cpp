@@ -177,9 +177,13 @@ const scene::Snapshot& RecordedStates::at(std::size_t row) {
     }
     s.shell_contacts.clear();
     if (step.gum_force_n > 0.0f) {
-        // Where on the gum is not recorded: its middle stands for it.
-        s.shell_contacts.push_back(
-            {eti::at(s.landmarks, Landmark::upper_gum), Vec3f::UnitY(), step.gum_force_n, Tissue::upper_gum});
+        constexpr auto gum = static_cast<std::size_t>(Tissue::upper_gum);
+        const Vec3f met(step.loads.place[gum].data());
+        const bool known = met.allFinite() && (step.loads.pressed[gum] > 0.0f ||
+                                               Vec3f(step.loads.net[gum].data()).norm() > 0.0f);
+        // In files of earlier versions the gum's middle stands for where it was met.
+        const Vec3f place = known ? met : eti::at(s.landmarks, Landmark::upper_gum);
+        s.shell_contacts.push_back({place, Vec3f::UnitY(), step.gum_force_n, Tissue::upper_gum});
     }
     s.saliva.positions.clear();
     if (const auto after = newest(recording_.fluids, step.time_ns); after != recording_.fluids.begin()) {

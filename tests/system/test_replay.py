@@ -55,6 +55,18 @@ class Replay(support.Programs):
         self.assertGreaterEqual(len(pictures), 4)
         return report["simulation_time_s"], pictures
 
+    def test_no_hand_feels_a_replay(self):
+        """One that holds a device on it, moved as the recorded hand was, must not be pushed by what that hand felt."""
+        self.record_expert(10)
+        self.replay("--loop")
+        hand = support.run("eti-haptics", "--device", "simulated", "--operator", "expert", "--duration", 12, "--json",
+                           *map(str, self.bus))
+        self.assertEqual(hand.returncode, 0, hand.stderr)
+        felt = json.loads(hand.stdout)
+        self.assertGreater(felt["cycles"], 1000)
+        self.assertGreater(felt["message_ms"]["p50"], 0.0, "nothing of the replay arrived")
+        self.assertEqual(felt["force_n"]["max"], 0.0, felt)
+
     def test_a_client_draws_what_it_drew_live(self):
         live_out = self.draw("live")
         self.start_server("--operator", "expert", "--steps", STEPS)

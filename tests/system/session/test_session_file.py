@@ -397,9 +397,9 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
         self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "contacts",
-                                       "contact_forces", "skeleton", "metrics", "deformation",
+                                       "contact_forces", "skeleton", "tissue", "metrics", "deformation", "fluid",
                                        "state", "events", "summary", "annotations"})
-        for name in ("inputs", "tools", "tube_nodes", "skeleton", "metrics"):
+        for name in ("inputs", "tools", "tube_nodes", "skeleton", "tissue", "metrics"):
             self.assertEqual(len(tables[name]), 301, name)
             self.assertEqual(tables[name][0][0], "time [s]")
             self.assertEqual({len(row) for row in tables[name]}, {len(tables[name][0])}, name)

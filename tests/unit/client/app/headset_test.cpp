@@ -128,7 +128,9 @@ Extent skin_in(const std::filesystem::path& picture) {
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const std::uint8_t* const p = image.pixel(x, y);
-            if (p[0] > p[2] + 12) {
+            // Redder is what the blade's handle shows of the lips; how high it stands depends on when it is
+            // drawn.
+            if (p[0] > p[2] + 12 && 4 * (p[1] - p[2]) > p[0] - p[2]) {
                 out.add(static_cast<float>(x), static_cast<float>(y));
                 out.add(static_cast<float>(x + 1), static_cast<float>(y + 1));
             }

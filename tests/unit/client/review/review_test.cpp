@@ -89,6 +89,28 @@ TEST_F(Review, RemarksAndMarksAreSummedUpAndExported) {
         "2.500000000,\"point\",\"desk:7\",\"say \"\"ah\"\"\",\"tongue\",9,0.25,0.5,0.00100000005,1,2,3\r");
 }
 
+TEST_F(Review, LiquidAndTissueAreExported) {
+    session::SceneRecord scene = session::sample::scene();
+    scene.liquid = true;
+    {
+        session::SessionWriter writer(path, session::sample::info(), scene, {});
+        session::StepRecord step = session::sample::step(0);
+        step.live.tissue_stiffness = 12e3f;
+        writer.push(step);
+        writer.push(session::FluidRecord{500'000'000, {Vec3f(1, 2, 3), Vec3f(4, 5, 0.25f)}});
+        ASSERT_TRUE(writer.close());
+    }
+    (void)export_csv(
+        path, folder / "csv", [](const auto&) {}, [] { return false; });
+    const auto text = [&](const char* name) {
+        std::ifstream file(folder / "csv" / name);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    EXPECT_EQ(text("fluid.csv"),
+              "time [s],x [m],y [m],z [m]\r\n0.500000000,1,2,3\r\n0.500000000,4,5,0.25\r\n");
+    EXPECT_NE(text("tissue.csv").find("12000"), std::string::npos) << text("tissue.csv");
+}
+
 TEST_F(Review, JsonHasTheDesignsNamesAndNullForWhatDoesNotExist) {
     record(10, {attempt(1, 2.5), attempt(2, 3.5), attempt(0, 3.5)});
     const auto json = to_json(summarise(path));

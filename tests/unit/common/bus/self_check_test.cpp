@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -239,7 +242,8 @@ void expect_connects(const Options& of_first, const Options& of_second) {
     Node second(of_second);
     Publisher<msg::Command> publisher(first, topics::command);
     Subscriber<msg::Command> subscriber(second, topics::command);
-    ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
+    ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; },
+                           std::chrono::seconds(60)));  // TCP tries again after seconds
     ASSERT_TRUE(publisher.publish(example<msg::Command>()));
     msg::Command received;
     EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
@@ -253,6 +257,19 @@ TEST(ShippedProfile, SharedMemoryConnectsTwoProgramsOfOneMachine) {
     expect_connects(wanted, wanted);
 }
 
+/// A TCP port that nobody listens on.
+std::string free_port() {
+    const int taken = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::bind(taken, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    ::close(taken);
+    return std::to_string(ntohs(address.sin_port));
+}
+
 TEST_F(Profile, ShippedTcpConnectsTwoPrograms) {
     std::ifstream shipped(std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds/tcp.xml");
     std::string text((std::istreambuf_iterator<char>(shipped)), {});
@@ -261,11 +278,11 @@ TEST_F(Profile, ShippedTcpConnectsTwoPrograms) {
             text.replace(at, old.size(), by);
         }
     };
-    const std::string port = std::to_string(20'000 + ::getpid() % 10'000);
+    const std::string port = free_port();
     replace_all("192.0.2.10", "127.0.0.1");
     replace_all("5100", port);
     const Options server = with(text);
-    replace_all("<port>" + port, "<port>" + std::to_string(20'000 + (::getpid() + 5'000) % 10'000));
+    replace_all("<port>" + port, "<port>" + free_port());
     expect_connects(server, with(text));
 }
 

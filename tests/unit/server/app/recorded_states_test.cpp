@@ -65,7 +65,7 @@ class RecordedStatesTest : public ::testing::Test {
             snapshot.step = step;
             snapshot.time_ns = time_ns_of(step);
             change(static_cast<float>(step));
-            kept.record(snapshot, live, parameters, std::nullopt);
+            kept.record(snapshot, live, parameters, std::nullopt, Vec3f::Zero());
             truth.push_back(snapshot);
         }
         ASSERT_TRUE(kept.finish());
@@ -129,6 +129,10 @@ TEST_F(RecordedStatesTest, MeasuresAreWhatWasMeasured) {
         live.glottic_opening_percent = step;
         live.tube_depth_past_glottis = -0.01f;
         parameters.time_s = static_cast<double>(step) / 180.0;
+        if (step > 50.0f) {
+            snapshot.shell_contacts = {
+                {Vec3f(0.01f, 0.02f, 0.03f), Vec3f::UnitY(), 0.1f * step, Tissue::upper_gum}};
+        }
     });
     const Recording recording = read_recording(path);
     RecordedStates states(recording, Scenario{});
@@ -145,6 +149,7 @@ TEST_F(RecordedStatesTest, MeasuresAreWhatWasMeasured) {
     ASSERT_EQ(states.at(110).shell_contacts.size(), 1u);
     EXPECT_EQ(states.at(110).shell_contacts[0].force, 0.1f * 111.0f);
     EXPECT_EQ(states.at(110).shell_contacts[0].tissue, Tissue::upper_gum);
+    EXPECT_LT((states.at(110).shell_contacts[0].position - Vec3f(0.01f, 0.02f, 0.03f)).norm(), 1e-8f);
 }
 
 TEST_F(RecordedStatesTest, LiquidStaysUntilTheNextRecord) {
