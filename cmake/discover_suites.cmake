@@ -15,10 +15,9 @@ if(NOT suites)
 endif()
 set(cases "")
 foreach(suite ${suites})
-  string(STRIP "${suite}" suite)
+  string(REGEX REPLACE "^\n|\\.$" "" suite "${suite}")
   string(APPEND cases
-    "add_test([==[${NAME}.${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}*]==] --gtest_brief=1)\n"
+    "add_test([==[${NAME}.${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==] --gtest_brief=1)\n"
     "set_tests_properties([==[${NAME}.${suite}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 900)\n")
 endforeach()
-string(REPLACE ".]==]" "]==]" cases "${cases}")
 file(WRITE ${OUT} "${cases}")

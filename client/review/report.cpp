@@ -209,15 +209,8 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
     const Parameters first = first_values(steps);
     ordered_json out;
     out["file"] = summary.file.filename().string();
-    out["session"] = summary.info.session;
-    out["scenario"] = summary.info.scenario;
-    out["operator"] = summary.info.operator_name;
-    out["start_time"] = summary.info.start_time;
-    out["version"] = summary.info.version;
-    out["duration_s"] = summary.duration;
-    out["finished"] = summary.finished;
+    put_session(out, summary);
     out["live"] = summary.live;
-    out["lost_records"] = summary.lost_records;
     out["run"] = record_json(summary.run, summary, first);
     out["attempts"] = ordered_json::array();
     for (const session::SummaryRecord& attempt : summary.attempts) {

@@ -108,6 +108,17 @@ Summary summarise(const std::filesystem::path& file) {
     return summary;
 }
 
+void put_session(nlohmann::ordered_json& into, const Summary& summary) {
+    into["session"] = summary.info.session;
+    into["start_time"] = summary.info.start_time;
+    into["scenario"] = summary.info.scenario;
+    into["operator"] = summary.info.operator_name;
+    into["version"] = summary.info.version;
+    into["duration_s"] = summary.duration;
+    into["finished"] = summary.finished;
+    into["lost_records"] = summary.lost_records;
+}
+
 nlohmann::ordered_json to_json(const Summary& summary) {
     nlohmann::ordered_json out = outcome_json(summary, summary.run);
     out["attempts"] = nlohmann::ordered_json::array();
@@ -118,14 +129,7 @@ nlohmann::ordered_json to_json(const Summary& summary) {
         out["attempts"].push_back(std::move(entry));
     }
     out["file"] = summary.file.string();
-    out["session"] = summary.info.session;
-    out["start_time"] = summary.info.start_time;
-    out["scenario"] = summary.info.scenario;
-    out["operator"] = summary.info.operator_name;
-    out["version"] = summary.info.version;
-    out["duration_s"] = summary.duration;
-    out["finished"] = summary.finished;
-    out["lost_records"] = summary.lost_records;
+    put_session(out, summary);
     out["remarks"] = nlohmann::ordered_json::array();
     for (const session::EventRecord& remark : summary.remarks) {
         out["remarks"].push_back({{"time_s", 1e-9 * static_cast<double>(remark.time_ns)},

@@ -34,6 +34,9 @@ struct Summary {
 /// Throws hdf5::Error.
 [[nodiscard]] Summary summarise(const std::filesystem::path& file);
 
+/// What a session was, into an object: its names, version, length and how far it is recorded.
+void put_session(nlohmann::ordered_json& into, const Summary& summary);
+
 /// One object; NaN becomes null, and so does the success of what is not known.
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
 

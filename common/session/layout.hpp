@@ -55,13 +55,20 @@ void parameter_columns(const std::string& group, const Column& column) {
     }
 }
 
+/// What lists of columns are written with: path, units, description, the field of a row, and its width where
+/// that is not the type's own. `column` has to outlive it.
+template <class Column>
+auto adding(const Column& column) {
+    return [&column](const char* path, const char* units, const char* description, auto field,
+                     std::size_t width = 0) {
+        column(path, hdf5::Label{units, description}, field, width);
+    };
+}
+
 /// `tube_nodes`: points of the tube's centre line.
 template <class Column>
 void step_columns(std::size_t tube_nodes, const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field,
-                         std::size_t width = 0) {
-        column(path, hdf5::Label{units, description}, field, width);
-    };
+    const auto add = adding(column);
     add(
         "inputs/time_ns", "ns", "simulation time since the session began; the row's step in all step series",
         [](auto& r) -> auto& { return r.time_ns; });
@@ -151,10 +158,7 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
 
 template <class Column>
 void command_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field,
-                         std::size_t width = 0) {
-        column(path, hdf5::Label{units, description}, field, width);
-    };
+    const auto add = adding(column);
     add(
         "inputs/commands/time_ns", "ns", "simulation time at which the command was latched",
         [](auto& r) -> auto& { return r.time_ns; });
@@ -175,10 +179,7 @@ void command_columns(const Column& column) {
 
 template <class Column>
 void state_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field,
-                         std::size_t width = 0) {
-        column(path, hdf5::Label{units, description}, field, width);
-    };
+    const auto add = adding(column);
     add(
         "state/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -199,9 +200,7 @@ struct MovedFrames {
 
 template <class Column>
 void moved_frames_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
-        column(path, hdf5::Label{units, description}, field, std::size_t{0});
-    };
+    const auto add = adding(column);
     add(
         "deformation/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -221,9 +220,7 @@ struct MovedFrame {
 
 template <class Column>
 void moved_frame_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
-        column(path, hdf5::Label{units, description}, field, std::size_t{0});
-    };
+    const auto add = adding(column);
     add(
         "deformation/frame", "1", "index of the frame in scene/frame_rest_centre",
         [](auto& r) -> auto& { return r.frame; });
@@ -245,9 +242,7 @@ struct FluidRows {
 
 template <class Column>
 void fluid_rows_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
-        column(path, hdf5::Label{units, description}, field, std::size_t{0});
-    };
+    const auto add = adding(column);
     add(
         "fluid/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -272,10 +267,7 @@ void fluid_columns(const Column& column) {
 
 template <class Column>
 void event_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field,
-                         std::size_t width = 0) {
-        column(path, hdf5::Label{units, description}, field, width);
-    };
+    const auto add = adding(column);
     add(
         "events/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -294,10 +286,7 @@ struct AnnotationRows {
 
 template <class Column>
 void annotation_rows_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field,
-                         std::size_t width = 0) {
-        column(path, hdf5::Label{units, description}, field, width);
-    };
+    const auto add = adding(column);
     add(
         "annotations/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -327,9 +316,7 @@ struct AnnotationPlace {
 
 template <class Column>
 void annotation_place_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field) {
-        column(path, hdf5::Label{units, description}, field, std::size_t{0});
-    };
+    const auto add = adding(column);
     add(
         "annotations/triangle", "1", "triangle a b c of the object, with which the place goes",
         [](auto& r) -> auto& { return r.triangle; });
@@ -344,10 +331,7 @@ void annotation_place_columns(const Column& column) {
 
 template <class Column>
 void summary_columns(const Column& column) {
-    const auto add = [&](const char* path, const char* units, const char* description, auto field,
-                         std::size_t width = 0) {
-        column(path, hdf5::Label{units, description}, field, width);
-    };
+    const auto add = adding(column);
     add(
         "summary/attempt", "1",
         "number of the attempt, 0 for the whole run; a later row replaces an earlier one",

@@ -240,4 +240,28 @@ std::string text_of(const hdf5::Group& root, const std::string& path, const char
     return text;
 }
 
+bool set_rows(hid_t data_set, const hdf5::Shape& row_shape, std::size_t rows) {
+    std::vector<hsize_t> extent{rows};
+    extent.insert(extent.end(), row_shape.begin(), row_shape.end());
+    return H5Dset_extent(data_set, extent.data()) >= 0;
+}
+
+std::optional<std::string> write_rows(hid_t data_set, hid_t type, const hdf5::Shape& row_shape,
+                                      std::size_t first, std::size_t rows, const void* values) {
+    std::vector<hsize_t> start{first}, count{rows};
+    for (const std::size_t extent : row_shape) {
+        start.push_back(0);
+        count.push_back(extent);
+    }
+    const hdf5::Handle file_space(H5Dget_space(data_set), H5Sclose);
+    const hdf5::Handle memory_space(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                                    H5Sclose);
+    if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
+            0 ||
+        H5Dwrite(data_set, type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) < 0) {
+        return hdf5::last_error();  // which closing the spaces would forget
+    }
+    return std::nullopt;
+}
+
 }  // namespace eti::session

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,13 @@ struct RowsEnd {
 
 /// Looks at the last chunks alone. Throws hdf5::Error where `path` is no data set.
 [[nodiscard]] RowsEnd rows_end(const hdf5::Group& root, const std::string& path);
+
+/// Gives a series so many rows; false as the library fails.
+[[nodiscard]] bool set_rows(hid_t data_set, const hdf5::Shape& row_shape, std::size_t rows);
+
+/// Writes rows of a series, of which each has `row_shape`. Nothing on success, else why not.
+[[nodiscard]] std::optional<std::string> write_rows(hid_t data_set, hid_t type, const hdf5::Shape& row_shape,
+                                                    std::size_t first, std::size_t rows, const void* values);
 
 /// Reads a data set chunk by chunk. Does not throw: a data set that cannot be opened is not there.
 [[nodiscard]] Condition examine(const hdf5::Group& root, const std::string& path);

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "common/session/layout.hpp"
+#include "common/session/rows.hpp"
 
 namespace eti::session {
 
@@ -121,25 +122,14 @@ bool Table::write(std::size_t rows) {
         return true;
     }
     for (Column& column : columns_) {
-        std::vector<hsize_t> extent{written_ + rows}, start{written_}, count{rows};
-        for (const std::size_t n : column.row_shape) {
-            extent.push_back(n);
-            start.push_back(0);
-            count.push_back(n);
-        }
         const hid_t data_set = column.data_set.get();
-        if (H5Dset_extent(data_set, extent.data()) < 0) {
+        if (!set_rows(data_set, column.row_shape, written_ + rows)) {
             error_ = hdf5::last_error();
             return false;
         }
-        const hdf5::Handle file_space(H5Dget_space(data_set), H5Sclose);
-        const hdf5::Handle memory_space(
-            H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
-        if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
-                                nullptr) < 0 ||
-            H5Dwrite(data_set, column.type.get(), memory_space.get(), file_space.get(), H5P_DEFAULT,
-                     column.pending.data()) < 0) {
-            error_ = hdf5::last_error();
+        if (const auto why = write_rows(data_set, column.type.get(), column.row_shape, written_, rows,
+                                        column.pending.data())) {
+            error_ = *why;
             return false;
         }
         column.pending.erase(column.pending.begin(),

@@ -128,27 +128,8 @@ void read_half(std::span<const std::byte> half, const std::vector<std::vector<Fo
 }
 
 void extend(FoundColumn& column, std::size_t rows) {
-    std::vector<hsize_t> extent{rows};
-    extent.insert(extent.end(), column.row_shape.begin(), column.row_shape.end());
-    if (H5Dset_extent(column.data_set.get(), extent.data()) < 0) {
+    if (!set_rows(column.data_set.get(), column.row_shape, rows)) {
         throw hdf5::Error(fmt::format("the length of a series cannot be changed: {}", hdf5::last_error()));
-    }
-}
-
-void write_rows(FoundColumn& column, std::size_t first, std::size_t rows, const std::byte* values) {
-    std::vector<hsize_t> start{first}, count{rows};
-    for (const std::size_t extent : column.row_shape) {
-        start.push_back(0);
-        count.push_back(extent);
-    }
-    const Handle file_space(H5Dget_space(column.data_set.get()), H5Sclose);
-    const Handle memory_space(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
-                              H5Sclose);
-    if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
-            0 ||
-        H5Dwrite(column.data_set.get(), column.type.get(), memory_space.get(), file_space.get(), H5P_DEFAULT,
-                 values) < 0) {
-        throw hdf5::Error(fmt::format("a series cannot be gone on with: {}", hdf5::last_error()));
     }
 }
 
@@ -181,7 +162,10 @@ std::size_t append_rows(FoundTable& table, std::vector<FoundColumn>& columns) {
             const std::byte* const at = table.rows.at(row).data() + offset;
             values.insert(values.end(), at, at + column.row_bytes);
         }
-        write_rows(column, from, past - from, values.data());
+        if (const auto why = write_rows(column.data_set.get(), column.type.get(), column.row_shape, from,
+                                        past - from, values.data())) {
+            throw hdf5::Error(fmt::format("a series cannot be gone on with: {}", *why));
+        }
         offset += column.row_bytes;
     }
     return past - from;
@@ -269,13 +253,9 @@ bool Tail::write() {
         (void)gather(true);  // what is too much waits for its series
         place_ = 0;
     }
-    const hsize_t start = changes_ % 2 * half_bytes + place_, count = buffer_.size();
-    const Handle file_space(H5Dget_space(bytes_.get()), H5Sclose);
-    const Handle memory_space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-    if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, &start, nullptr, &count, nullptr) < 0 ||
-        H5Dwrite(bytes_.get(), H5T_NATIVE_UINT8, memory_space.get(), file_space.get(), H5P_DEFAULT,
-                 buffer_.data()) < 0) {
-        error_ = hdf5::last_error();
+    if (const auto why = write_rows(bytes_.get(), H5T_NATIVE_UINT8, {}, changes_ % 2 * half_bytes + place_,
+                                    buffer_.size(), buffer_.data())) {
+        error_ = *why;
         return false;
     }
     place_ += buffer_.size();

@@ -171,8 +171,10 @@ void BusOutput::run() {
         }
         if (ending) {
             publish_status(current_);
-            // Else a busy reader that has not looked yet would never learn that the session has finished.
-            if (!status_.wait_until_received(farewell) || !summary_.wait_until_received(farewell)) {
+            // Else a busy reader that has not looked yet would never learn that the session has finished, and
+            // whoever ended it not that this was accepted.
+            if (!status_.wait_until_received(farewell) || !summary_.wait_until_received(farewell) ||
+                !result_.wait_until_received(farewell)) {
                 spdlog::warn("not every reader has acknowledged the session's end");
             }
         }

@@ -3,14 +3,13 @@
 #include "server/app/resimulation.hpp"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cmath>
 #include <iostream>
 #include <set>
 
 #include "common/model/pace.hpp"
+#include "common/process/progress_bar.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/setting.hpp"
 #include "server/app/command_desk.hpp"
@@ -28,30 +27,6 @@ namespace {
 using session::SummaryRecord;
 
 constexpr int differs = 1, incomplete = 3, interrupted = 130;
-
-class Progress {
-  public:
-    void show(std::size_t done, std::size_t all) {
-        const auto now = std::chrono::steady_clock::now();
-        if (on_terminal_ && now - shown_ > std::chrono::milliseconds(100)) {
-            shown_ = now;
-            const double share = static_cast<double>(done) / static_cast<double>(all);
-            std::cerr << fmt::format("\r\033[K[{:<30}] {:3.0f} % of {:.1f} s",
-                                     std::string(static_cast<std::size_t>(30.0 * share), '='), 100.0 * share,
-                                     static_cast<double>(all) / steps_per_second)
-                      << std::flush;
-        }
-    }
-    void clear() const {
-        if (on_terminal_) {
-            std::cerr << "\r\033[K";
-        }
-    }
-
-  private:
-    bool on_terminal_ = ::isatty(STDERR_FILENO) != 0;
-    std::chrono::steady_clock::time_point shown_{};
-};
 
 bool same(const Parameters& a, const Parameters& b) {
     return std::ranges::all_of(parameter_fields, [&](const ParameterField& field) {
@@ -126,11 +101,12 @@ class Resimulation {
     }
 
     int run() {
-        Progress progress;
+        ProgressBar progress;
         const std::size_t rows =
             std::min<std::size_t>(recording_.steps.size(), options_.steps.value_or(recording_.steps.size()));
+        const std::string length = fmt::format("of {:.1f} s", static_cast<double>(rows) / steps_per_second);
         for (; row_ < rows && !stop_asked(); ++row_) {
-            progress.show(row_, rows);
+            progress.draw(static_cast<float>(row_) / static_cast<float>(rows), length);
             if (!latch(recording_.steps[row_])) {
                 break;
             }

@@ -24,6 +24,7 @@ LAB = [str(support.ROOT / "deploy/lab.sh"), "--no-build"]
 JOINS = 7
 DELAY = 20              # [ms]
 QUIET_TRIES = 3
+DURATION = 4            # [s] of a session
 PATIENCE = 240          # [s] for a lab on a busy machine
 # Everything of a lab runs inside; afterwards all must be as it was before: processes, interfaces, shared memory, and
 # where namespaces with names would be.
@@ -144,11 +145,16 @@ class Lab(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout), done.stderr
 
+    def assert_saw_the_session(self, said):
+        """States came, the last one too. How many of them were drawn is a matter of the machine's speed."""
+        self.assertEqual(said["simulation_time_s"], DURATION, said)
+        self.assertGreater(said["state_age_ms"]["max"], 0.0, said)
+
     def test_everybody_sees_the_session(self):
-        seen, _ = self.run_lab("--duration", 4, "--loss", 1, "--delay", DELAY, "--no-multicast")
+        seen, _ = self.run_lab("--duration", DURATION, "--loss", 1, "--delay", DELAY, "--no-multicast")
         for role in ("trainee", "observer", "observer-2"):
             said = seen["programs"][role]
-            self.assertGreater(said["frames"], 10, said)
+            self.assert_saw_the_session(said)
             self.assertGreater(said["state_age_ms"]["mean"], DELAY, "without the link's delay: another way was taken")
         self.assertLess(seen["programs"]["haptics"]["stale_share"], 0.5, seen["programs"]["haptics"])
         lost = sum(host["lost"] for host in seen["medium"].values())
@@ -159,10 +165,10 @@ class Lab(support.Case):
     def test_secured(self):
         if not (support.ROOT / "deploy/security/make_lab.sh").exists():
             self.skipTest("deploy/security/make_lab.sh, which makes identities, is not there")
-        seen, said = self.run_lab("--duration", 4, "--security")
+        seen, said = self.run_lab("--duration", DURATION, "--security")
         self.assertIn("secured", said)
         for role in ("trainee", "observer", "observer-2"):
-            self.assertGreater(seen["programs"][role]["frames"], 10, seen["programs"][role])
+            self.assert_saw_the_session(seen["programs"][role])
 
     def assert_nothing_remains(self, command):
         done = subprocess.run([*ALONE, REMAINS.replace("COMMAND", command)], capture_output=True, text=True,
@@ -202,10 +208,10 @@ class Lab(support.Case):
             stand_in.chmod(stand_in.stat().st_mode | stat.S_IXUSR)
             table = self.folder / "hosts"
             table.write_text("# role machine\n" + "".join(f"{role} {name}\n" for name, role in machines.items()))
-            seen, said = self.run_lab("--duration", 3, "--hosts", table, "--meet", "multicast",
+            seen, said = self.run_lab("--duration", DURATION, "--hosts", table, "--meet", "multicast",
                                       env={**os.environ, "PATH": f"{stand_in.parent}:{os.environ['PATH']}"})
             self.assertEqual(set(seen["programs"]), {"server", "haptics", "observer"}, said)
-            self.assertGreater(seen["programs"]["observer"]["frames"], 5, said)
+            self.assert_saw_the_session(seen["programs"]["observer"])
             self.assertGreater(seen["programs"]["haptics"]["cycles"], 1000, said)
             self.assertEqual(list(Path(self.folder).glob("lab-*/session.eti.h5"))[0].stat().st_size > 10_000, True)
 

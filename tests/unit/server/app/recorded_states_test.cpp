@@ -7,6 +7,7 @@
 
 #include "common/model/pace.hpp"
 #include "server/app/recorder.hpp"
+#include "tests/unit/server/app/small_patient.hpp"
 
 namespace eti::app {
 namespace {
@@ -20,16 +21,7 @@ constexpr float shift_tolerance = frame_shift_quantum + 0.9f * 0x1p-20f;
 constexpr float turn_tolerance = frame_turn_quantum + 2.0f * 0x1p-15f;
 
 anatomy::Patient small_patient() {
-    anatomy::Patient patient;
-    patient.frame_rest_centre.assign(frame_count, Vec3f(0.01f, 0.02f, 0.03f));
-    Surface surface;
-    surface.name = "tongue";
-    surface.tissue = Tissue::tongue;
-    surface.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    surface.mesh.triangles = {{0, 1, 2}};
-    surface.triangle_tissue = {Tissue::tongue};
-    surface.skin.assign(3, {{7, 0, 0, 0}, {1.0f, 0, 0, 0}});
-    patient.surfaces.push_back(surface);
+    anatomy::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.01f, 0.02f, 0.03f));
     for (std::size_t i = 0; i < landmark_count; ++i) {
         patient.landmarks[i] = {Vec3f::Constant(0.01f * static_cast<float>(i)),
                                 {{static_cast<std::uint16_t>(i % frame_count), 0, 0, 0}, {1.0f, 0, 0, 0}}};

@@ -8,6 +8,7 @@
 
 #include "common/session/check.hpp"
 #include "common/session/reader.hpp"
+#include "tests/unit/server/app/small_patient.hpp"
 
 namespace eti::app {
 namespace {
@@ -16,16 +17,7 @@ constexpr std::size_t frame_count = 40;
 constexpr std::size_t tube_nodes = 5;
 
 anatomy::Patient small_patient() {
-    anatomy::Patient patient;
-    patient.frame_rest_centre.assign(frame_count, Vec3f(0.1f, 0.2f, 0.3f));
-    Surface surface;
-    surface.name = "tongue";
-    surface.tissue = Tissue::tongue;
-    surface.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    surface.mesh.triangles = {{0, 1, 2}};
-    surface.triangle_tissue = {Tissue::tongue};
-    surface.skin.assign(3, {{7, 0, 0, 0}, {1.0f, 0, 0, 0}});
-    patient.surfaces.push_back(surface);
+    anatomy::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.1f, 0.2f, 0.3f));
     for (std::size_t i = 0; i < landmark_count; ++i) {
         patient.landmarks[i] = {Vec3f::Constant(static_cast<float>(i)), {{1, 0, 0, 0}, {1.0f, 0, 0, 0}}};
     }
