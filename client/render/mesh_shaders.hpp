@@ -5,36 +5,48 @@
 #include <string>
 #include <string_view>
 
+#include "client/render/finer_shaders.hpp"
 #include "client/render/light_shaders.hpp"
 
 namespace eti::render::source {
 
-/// All meshes. Defines: TUBE (course in place of colour), TISSUE (with relief and rest position), FILM
-/// (of liquid, with TISSUE), ROOM_SHADOW
-/// and LAMP_SHADOW (also look into that light's shadow map), RETRACT (lips held aside, see LipRetraction);
-/// FROM_LAMP: into the lamp's shadow map. LIT_AT_VERTICES: calls light_vertex(), which goes after it.
-inline const std::string mesh_vertex = std::string(lamp_map) + R"(
+/// All meshes. Defines: FINER (of a patient, see finer_vertex), TUBE (course in place of colour), TISSUE
+/// (with relief and rest position), FILM (of liquid, with TISSUE), ROOM_SHADOW and LAMP_SHADOW (also look
+/// into that light's shadow map), RETRACT (lips held aside, see LipRetraction); FROM_LAMP: into the lamp's
+/// shadow map. LIT_AT_VERTICES: calls light_vertex(), which goes after it.
+inline const std::string mesh_vertex =
+    std::string(lamp_map) + "#ifdef FINER\n" + std::string(finer_vertex) + R"(
+#else
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 #ifdef TUBE
 layout(location = 3) in vec2 course;
-out vec2 course_at;
 #else
 layout(location = 2) in vec4 colour;
+#endif
+#if defined(TISSUE) || defined(BY_TISSUE)
+layout(location = 4) in vec4 relief;
+#endif
+#ifdef TISSUE
+layout(location = 5) in vec3 rest;
+#endif
+#ifdef FILM
+layout(location = 6) in float film;
+#endif
+#endif
+#ifdef TUBE
+out vec2 course_at;
+#else
 out vec4 colour_at;
 #endif
 #ifdef TISSUE
-layout(location = 4) in vec4 relief;
-layout(location = 5) in vec3 rest;
 out vec4 relief_at;
 out vec3 rest_at;
 #endif
 #ifdef FILM
-layout(location = 6) in float film;
 out float film_at;
 #endif
 #ifdef BY_TISSUE
-layout(location = 4) in vec4 relief;
 flat out float label_at;
 #endif
 uniform mat4 model;
@@ -42,6 +54,9 @@ uniform mat4 view_projection;
 uniform vec4 clip_plane;
 out vec3 world;
 out vec3 normal_at;
+#ifdef FINER
+flat out vec3 face_normal;   // of any length
+#endif
 #ifdef ROOM_SHADOW
 uniform mat4 room_lookup;
 out vec3 room_at;
@@ -72,8 +87,14 @@ void light_vertex();
 #endif
 invariant gl_Position;
 void main() {
+#ifdef FINER
+    finer_vertex();
+#endif
     vec4 p = model * vec4(position, 1.0);
     normal_at = mat3(model) * normal;
+#ifdef FINER
+    face_normal = mat3(model) * flat_normal;
+#endif
 #ifdef RETRACT
     vec3 held = held_aside(p.xyz);
     if (held != p.xyz) {
@@ -83,6 +104,9 @@ void main() {
         vec3 along = normalize(cross(normal_at, aside));
         normal_at = cross(held_aside(p.xyz + apart * aside) - held, held_aside(p.xyz + apart * along) - held) / (apart * apart);
         p.xyz = held;
+#ifdef FINER
+        face_normal = normal_at;
+#endif
     }
 #endif
     world = p.xyz;
@@ -101,11 +125,17 @@ void main() {
 #ifdef BY_TISSUE
     label_at = relief.z;
 #endif
+#if defined(ROOM_SHADOW) || defined(LAMP_SHADOW)
+    vec4 casts = p;
+#ifdef FINER
+    casts.xyz -= bend;   // shadows are thrown by the flat triangle
+#endif
+#endif
 #ifdef ROOM_SHADOW
-    room_at = (room_lookup * p).xyz;
+    room_at = (room_lookup * casts).xyz;
 #endif
 #ifdef LAMP_SHADOW
-    lamp_at = lamp_texel(p.xyz);
+    lamp_at = lamp_texel(casts.xyz);
 #endif
 #ifdef FROM_LAMP
     vec4 at = in_lamp_map(p.xyz);

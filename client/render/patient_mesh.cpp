@@ -114,7 +114,7 @@ void PatientMesh::build(const view::SceneView& scene) {
     }
     vertex_count_ = rest.size();
     build_revision_ = view::next_revision();
-    filmed_ = false;
+    film_ = 0;
     for (std::size_t level = 0; level < coarse_.size(); ++level) {
         coarse_[level].first = triangles.size();
         for (const Part& part : parts()) {
@@ -173,7 +173,7 @@ void PatientMesh::set_film(const Buffer& film) {
     glBindBuffer(GL_ARRAY_BUFFER, film.name());
     attribute(Attribute::film, 1, GL_FLOAT, GL_FALSE, 4, 0);
     glBindVertexArray(0);
-    filmed_ = true;
+    film_ = film.name();
 }
 
 void PatientMesh::update(const view::SceneView& scene) {
@@ -198,6 +198,7 @@ void PatientMesh::update(const view::SceneView& scene) {
 
 void PatientMesh::skin(const view::SceneView& scene) {
     blade_ = scene.laryngoscope_pose();
+    skinned_revision_ = view::next_revision();
     store(GL_TEXTURE_BUFFER, frames_, rows_of(scene.frame_maps()), GL_STREAM_DRAW);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, frames_texture_.name());
@@ -219,31 +220,54 @@ void PatientMesh::skin(const view::SceneView& scene) {
 }
 
 PatientMesh::Selection PatientMesh::selection_of(const Part& part,
-                                                 std::span<const TriangleBlocks::Range> ranges) {
+                                                 std::span<const TriangleBlocks::Range> ranges,
+                                                 const FinerFaces* finer) {
     Selection selection;
+    const auto add = [&](std::size_t first, std::size_t end) {
+        if (first < end) {
+            selection.counts.push_back(static_cast<GLsizei>(3 * (end - first)));
+            selection.offsets.push_back(offset(sizeof(Triangle) * (part.first_triangle + first)));
+        }
+    };
     for (const TriangleBlocks::Range& range : ranges) {
-        selection.counts.push_back(static_cast<GLsizei>(3 * range.count));
-        selection.offsets.push_back(offset(sizeof(Triangle) * (part.first_triangle + range.first)));
+        const std::size_t end = range.first + range.count;
+        std::size_t first = range.first;
+        if (finer != nullptr && !finer->faces().empty()) {
+            for (std::size_t t = first; t < end; ++t) {
+                if (const std::int32_t which = finer->face_of(t); which >= 0) {
+                    const FinerFace& face = finer->faces()[static_cast<std::size_t>(which)];
+                    selection.finer.push_back(
+                        {static_cast<std::uint32_t>(part.first_triangle + t), face.steps, face.turned});
+                    add(first, t);
+                    first = t + 1;
+                }
+            }
+        }
+        add(first, end);
     }
     return selection;
 }
 
-PatientMesh::Selection PatientMesh::visible(std::size_t part, const Look& look, const Light* lamp,
-                                            bool reached) {
-    TriangleBlocks::Slack aside;
-    if (look.lips != nullptr) {
-        aside = [lips = look.lips](const Vec3f& centre, float radius) {
-            return lips->moves(centre, radius) ? lips->reach() : 0.0f;
-        };
+TriangleBlocks::Slack PatientMesh::aside(const Look& look) {
+    if (look.lips == nullptr) {
+        return {};
     }
+    return [lips = look.lips](const Vec3f& centre, float radius) {
+        return lips->moves(centre, radius) ? lips->reach() : 0.0f;
+    };
+}
+
+PatientMesh::Selection PatientMesh::visible(std::size_t part, const Look& look, const Light* lamp,
+                                            bool reached, const FinerFaces* finer) const {
     TriangleBlocks::Which which;
     if (lamp != nullptr) {
-        which = [lamp, reached](const Vec3f& centre, float radius) {
+        which = [lamp, reached](const Vec3f& centre, float radius, float) {
             return lamp->reaches(centre, radius) == reached;
         };
     }
-    return selection_of(
-        parts_[part], parts_[part].blocks.visible(look.view_projection, look.eye, look.plane, aside, which));
+    const std::vector<TriangleBlocks::Range> ranges =
+        parts_[part].blocks.visible(look.view_projection, look.eye, look.plane, aside(look), which);
+    return selection_of(parts_[part], ranges, finer);
 }
 
 PatientMesh::NearPlane PatientMesh::near_plane(std::size_t part, const Eigen::Vector4f& plane) {

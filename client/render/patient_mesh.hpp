@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/render/finer_faces.hpp"
 #include "client/render/gl_object.hpp"
 #include "client/render/lighting.hpp"
 #include "client/render/material.hpp"
@@ -56,17 +57,29 @@ class PatientMesh {
 
     /// Another whenever build() was called.
     [[nodiscard]] std::uint64_t build_revision() const { return build_revision_; }
+    /// Another whenever vertices were skinned anew.
+    [[nodiscard]] std::uint64_t skinned_revision() const { return skinned_revision_; }
     [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
+    /// In indices(), of coarse surfaces, too.
+    [[nodiscard]] std::size_t triangle_count() const { return coarse_.back().first + coarse_.back().count; }
+    /// A view::LitVertex a vertex.
     [[nodiscard]] const Buffer& skinned() const { return skinned_; }
+    /// The same at rest.
+    [[nodiscard]] const Buffer& rest() const { return rest_; }
+    [[nodiscard]] const Buffer& indices() const { return indices_; }
+    [[nodiscard]] const Buffer& colours() const { return colours_; }
+    [[nodiscard]] const Buffer& relief() const { return relief_; }
     /// A float a vertex, the share of a whole film of liquid that it bears, for Attribute::film; until the
     /// next build() there is none.
     void set_film(const Buffer& film);
-    [[nodiscard]] bool filmed() const { return filmed_; }
+    [[nodiscard]] bool filmed() const { return film_ != 0; }
+    [[nodiscard]] GLuint film() const { return film_; }
 
     /// What of a part is to be drawn.
     struct Selection {
         std::vector<GLsizei> counts;
         std::vector<const void*> offsets;
+        std::vector<FinerInstance> finer;  ///< in place of triangles
     };
     /// From where one looks.
     struct Look {
@@ -75,9 +88,12 @@ class PatientMesh {
         Eigen::Vector4f plane;                ///< dot(plane.xyz, p) + plane.w >= 0 is drawn
         const LipRetraction* lips = nullptr;  ///< as they are held aside, if they are
     };
-    /// What lies in view; with a lamp, only what it reaches or only what it does not.
+    /// What lies in view; with a lamp, only what it reaches or only what it does not. `finer`: what of the
+    /// part is drawn so.
     [[nodiscard]] Selection visible(std::size_t part, const Look& look, const Light* lamp = nullptr,
-                                    bool reached = true);
+                                    bool reached = true, const FinerFaces* finer = nullptr) const;
+    /// By how much what is drawn in that view may lie elsewhere than it is skinned.
+    [[nodiscard]] static TriangleBlocks::Slack aside(const Look& look);
     struct NearPlane {
         Selection selection;
         Eigen::AlignedBox3f box;  ///< around it [m]
@@ -94,7 +110,8 @@ class PatientMesh {
 
   private:
     [[nodiscard]] static Selection selection_of(const Part& part,
-                                                std::span<const TriangleBlocks::Range> ranges);
+                                                std::span<const TriangleBlocks::Range> ranges,
+                                                const FinerFaces* finer = nullptr);
     void skin(const view::SceneView& scene);
 
     ShaderProgram skinning_;
@@ -108,9 +125,10 @@ class PatientMesh {
     std::size_t seen_parts_ = 0;
     std::size_t vertex_count_ = 0;
     std::uint64_t build_revision_ = 0;
-    bool filmed_ = false;
+    GLuint film_ = 0;                                // its buffer's name
     std::array<TriangleBlocks::Range, 2> coarse_{};  // in the index buffer, by Coarse
     std::uint64_t frames_revision_ = 0;
+    std::uint64_t skinned_revision_ = 0;
     std::optional<RigidTransform> blade_;  // that tissue gave way to, as skinned last
 };
 

@@ -12,17 +12,17 @@ namespace eti::render {
 namespace {
 
 constexpr std::array ladder{
-    Quality{
-        .name = "low",
-        .help =
-            "one sample a pixel, hard shadows of 512 texels, no fine relief, a tube that does not bend light",
-        .samples = 1,
-        .shadow_size = 512,
-        .coarse_shadows = true,
-        .shadow_taps = 1,
-        .lit_at_vertices = true,
-        .refraction = false,
-        .fine = false},
+    Quality{.name = "low",
+            .help = "one sample a pixel, hard shadows of 512 texels, no fine relief, outlines as "
+                    "coarse as the surfaces, a tube that does not bend light",
+            .samples = 1,
+            .shadow_size = 512,
+            .coarse_shadows = true,
+            .shadow_taps = 1,
+            .lit_at_vertices = true,
+            .refraction = false,
+            .fine_outlines = false,
+            .fine = false},
     Quality{.name = "medium",
             .help = "two samples a pixel, shadows of 1024 texels, fine relief",
             .samples = 2,
@@ -31,6 +31,7 @@ constexpr std::array ladder{
             .shadow_taps = 2,
             .lit_at_vertices = false,
             .refraction = true,
+            .fine_outlines = true,
             .fine = true},
     Quality{.name = "high",
             .help = "four samples a pixel, soft shadows of 2048 texels, fine relief",
@@ -40,6 +41,7 @@ constexpr std::array ladder{
             .shadow_taps = 4,
             .lit_at_vertices = false,
             .refraction = true,
+            .fine_outlines = true,
             .fine = true},
 };
 

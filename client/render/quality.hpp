@@ -18,6 +18,7 @@ struct Quality {
     bool
         lit_at_vertices;  ///< tissue, where no lens is close to it: its triangles are a few pixels wide there
     bool refraction;      ///< the tube bends what lies behind it; without, it only covers it in part
+    bool fine_outlines;   ///< long edges about an outline are divided and bent, in each view
     bool fine;            ///< pores, vessels and the coat's own relief, computed for each pixel
 };
 

@@ -107,12 +107,15 @@ void main() {
 }
 )";
 
-/// Tissue, lit for each pixel; goes after `tissue_light`.
+/// Tissue, lit for each pixel; goes after `tissue_light`. Defines: FINER, as of mesh_vertex.
 /// FINE: relief of the coat and small vessels, fixed to the rest shape. FILM: what liquid wetted is darker,
 /// or stained, under a smoother coat.
 inline constexpr std::string_view tissue_fragment = R"(
 in vec4 colour_at;
 in vec4 relief_at;   // share of the sky seen; share of mucosa
+#ifdef FINER
+flat in vec3 face_normal;
+#endif
 #ifdef FILM
 in float film_at;    // share of a whole film
 uniform vec3 film_stain;
@@ -143,8 +146,15 @@ void main() {
     vec3 v = normalize(eye - world);
     vec3 n = normalize(normal_at);
     // Where skinning has turned the normal away from the face that is seen, the face decides.
+#ifdef FINER
+    // The flat triangle's: small ones may lie across it, and are too thin for derivatives. Where that turns
+    // its back, it is seen for being bent by the normal.
+    vec3 face = face_normal * inversesqrt(max(dot(face_normal, face_normal), 1e-30));
+    face = dot(face, v) < 0.0 ? n : face;
+#else
     vec3 face = cross(dFdx(world), dFdy(world));
     face *= inversesqrt(max(dot(face, face), 1e-30)) * (dot(face, v) < 0.0 ? -1.0 : 1.0);
+#endif
     n = normalize(mix(face, n, smoothstep(-0.1, 0.25, dot(n, face))));
     Surface s = Surface(colour_at.rgb, n, n, colour_at.a, 0.0, openness(relief_at.x));
 #ifdef FILM

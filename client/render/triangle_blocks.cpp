@@ -53,13 +53,18 @@ TriangleBlocks::TriangleBlocks(std::span<const Triangle> triangles, std::span<co
 void TriangleBlocks::add_block(const Range& range, std::span<const Vec3f> rest,
                                std::span<const SkinWeights> skin) {
     std::vector<std::uint32_t> vertices;
+    float longest_edge = 0.0f;
     for (const Triangle& t : std::span(triangles_).subspan(range.first, range.count)) {
         vertices.insert(vertices.end(), t.begin(), t.end());
+        for (std::size_t k = 0; k < 3; ++k) {
+            longest_edge = std::max(longest_edge, (rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
+        }
     }
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     Block block;
     block.triangles = range;
+    block.longest_edge = longest_edge;
     block.first_carrier = carriers_.size();
     Eigen::AlignedBox3f box;
     std::map<std::uint16_t, std::vector<float>> weights;  // of each frame, of the vertices that it carries
@@ -117,9 +122,9 @@ void TriangleBlocks::update(std::span<const FrameMap> frames, const Slack& slack
     }
 }
 
-std::span<const TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matrix4f& view_projection,
-                                                               const Vec3f& eye, const Eigen::Vector4f& plane,
-                                                               const Slack& slack, const Which& which) {
+std::vector<TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matrix4f& view_projection,
+                                                           const Vec3f& eye, const Eigen::Vector4f& plane,
+                                                           const Slack& slack, const Which& which) const {
     // The frustum's planes are sums and differences of the matrix's rows (Gribb & Hartmann 2001).
     std::array<Eigen::Vector4f, 7> planes;
     for (int axis = 0; axis < 3; ++axis) {
@@ -127,25 +132,26 @@ std::span<const TriangleBlocks::Range> TriangleBlocks::visible(const Eigen::Matr
         planes[static_cast<std::size_t>(2 * axis + 1)] = view_projection.row(3) - view_projection.row(axis);
     }
     planes[6] = plane;
-    seen_.clear();
+    std::vector<Seen> seen;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
         const Block& block = blocks_[b];
         const float radius = block.radius + (slack ? slack(block.centre, block.radius) : 0.0f);
         const bool outside = std::any_of(planes.begin(), planes.end(), [&](const Eigen::Vector4f& p) {
             return p.head<3>().dot(block.centre) + p.w() < -radius * p.head<3>().norm();
         });
-        if (!outside && (!which || which(block.centre, radius))) {
-            seen_.push_back({(block.centre - eye).norm() - radius, b});
+        if (!outside && (!which || which(block.centre, radius, block.longest_edge))) {
+            seen.push_back({(block.centre - eye).norm() - radius, b});
         }
     }
-    std::sort(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) {
+    std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
         return a.distance != b.distance ? a.distance < b.distance : a.block < b.block;
     });
-    order_.clear();
-    for (const Seen& seen : seen_) {
-        order_.push_back(blocks_[seen.block].triangles);
+    std::vector<Range> order;
+    order.reserve(seen.size());
+    for (const Seen& one : seen) {
+        order.push_back(blocks_[one.block].triangles);
     }
-    return order_;
+    return order;
 }
 
 TriangleBlocks::NearPlane TriangleBlocks::near_plane(const Eigen::Vector4f& plane) {

@@ -36,7 +36,8 @@ class TriangleBlocks {
     /// By how much [m] vertices within a ball may lie elsewhere than their frames have them.
     using Slack = std::function<float(const Vec3f& centre, float radius)>;
 
-    using Which = std::function<bool(const Vec3f& centre, float radius)>;
+    /// `longest_edge`: of a block's triangles at rest [m].
+    using Which = std::function<bool(const Vec3f& centre, float radius, float longest_edge)>;
 
     /// New bounding balls. A vertex is sum(w_i F_i(p)) over its frames. Of the block's mean weights W_i that
     /// is the mean map M(p), which shifts the ball, and sum((w_i - W_i) (F_i(p) - M(p))): what the ball grows
@@ -46,9 +47,9 @@ class TriangleBlocks {
     /// The blocks that reach into the frustum of `view_projection` and beyond the plane
     /// dot(plane.xyz, p) + plane.w >= 0, in order of their distance from `eye` [m]. `slack`: in this view;
     /// `which`: only those.
-    [[nodiscard]] std::span<const Range> visible(const Eigen::Matrix4f& view_projection, const Vec3f& eye,
-                                                 const Eigen::Vector4f& plane, const Slack& slack = {},
-                                                 const Which& which = {});
+    [[nodiscard]] std::vector<Range> visible(const Eigen::Matrix4f& view_projection, const Vec3f& eye,
+                                             const Eigen::Vector4f& plane, const Slack& slack = {},
+                                             const Which& which = {}) const;
 
     struct NearPlane {
         std::span<const Range> ranges;
@@ -61,7 +62,7 @@ class TriangleBlocks {
   private:
     struct Block {
         Vec3f rest_centre = Vec3f::Zero(), centre = Vec3f::Zero();
-        float rest_radius = 0.0f, radius = 0.0f;
+        float rest_radius = 0.0f, radius = 0.0f, longest_edge = 0.0f;
         Range triangles;
         std::size_t first_carrier = 0, carrier_count = 0;  // in carriers_
     };
@@ -80,7 +81,6 @@ class TriangleBlocks {
     std::vector<Triangle> triangles_;
     std::vector<Carrier> carriers_;  // of each block, each once
     std::vector<Block> blocks_;
-    std::vector<Seen> seen_;
     std::vector<Range> order_;
 };
 

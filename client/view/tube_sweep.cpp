@@ -7,11 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/model/tube_end.hpp"
+
 namespace eti::view {
 namespace {
 
-// Angle between the bevel and the tube's axis is 45 deg; its tangent relates radius to set-back.
-constexpr float bevel_slope = 1.0f;
 // The 15 mm conical connector (ISO 5356-1), its flange, and the spigot that enters the tube.
 constexpr float connector_length = 0.022f;
 constexpr float connector_radius = 7.5e-3f;
@@ -27,20 +27,6 @@ struct CurvePoint {
 Vec3f catmull_rom(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d, float t) {
     return 0.5f * (2.0f * b + t * (c - a) + t * t * (2.0f * a - 5.0f * b + 4.0f * c - d) +
                    t * t * t * (3.0f * (b - c) + d - a));
-}
-
-// The concave side at the connector: where the curve bends to. A straight tube has none; the
-// patient's anterior then decides, and a little of it keeps a nearly straight one from flipping.
-Vec3f concave_side(std::span<const Vec3f> nodes, const Vec3f& tangent) {
-    Vec3f bend = 1e-4f * -Vec3f::UnitY();
-    for (std::size_t i = 1; i + 1 < nodes.size(); ++i) {
-        bend += nodes[i - 1] - 2.0f * nodes[i] + nodes[i + 1];
-    }
-    Vec3f side = bend - bend.dot(tangent) * tangent;
-    if (side.norm() < 1e-7f) {
-        side = tangent.unitOrthogonal();
-    }
-    return side.normalized();
 }
 
 std::vector<CurvePoint> smooth_curve(std::span<const Vec3f> nodes) {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "common/model/tube_end.hpp"
 
 namespace eti::metrics {
 
@@ -87,11 +90,24 @@ void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, c
     }
     lines.begin_at(0.0f);
     if (settings_.tube_radius > 0.0f) {
-        for (std::size_t i = 1; i < snapshot.tube_nodes.size(); ++i) {
-            lines.block_by_capsule(lines.seen_from_eye(snapshot.tube_nodes[i - 1]),
-                                   lines.seen_from_eye(snapshot.tube_nodes[i]), settings_.tube_radius);
-        }
+        block_by_tube(lines, snapshot.tube_nodes);
     }
+}
+
+void GlotticViewer::block_by_tube(SightLines& lines, std::span<const Vec3f> nodes) const {
+    const std::optional<TubeEnd> end = tube_end(nodes, settings_.tube_radius);
+    if (!end) {
+        return;
+    }
+    Vec3f before = lines.seen_from_eye(nodes[0]);
+    const Vec3f start = lines.seen_from_eye(end->start);
+    for (std::size_t i = 1; i <= end->nodes; ++i) {
+        const Vec3f next = i < end->nodes ? lines.seen_from_eye(nodes[i]) : start;
+        lines.block_by_capsule(before, next, settings_.tube_radius);
+        before = next;
+    }
+    lines.block_by_cut_cylinder(start, lines.seen_from_eye(end->tip), settings_.tube_radius,
+                                lines.turned(end->bevel), end->beyond);
 }
 
 GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& from) {

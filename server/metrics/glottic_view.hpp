@@ -48,6 +48,7 @@ class GlotticViewer {
   private:
     void block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction& lips,
                const scene::Snapshot& snapshot);
+    void block_by_tube(SightLines& lines, std::span<const Vec3f> nodes) const;
 
     Settings settings_;
     /// A patient cut from a CT, who has no cloth, lay in it with closed lips. Fingers part them: nothing

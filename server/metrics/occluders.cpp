@@ -147,6 +147,48 @@ void SightLines::block_by_capsule(const Vec3f& a, const Vec3f& b, float radius) 
     }
 }
 
+void SightLines::block_by_cut_cylinder(const Vec3f& a, const Vec3f& b, float radius, const Vec3f& cut,
+                                       float beyond) {
+    if (!may_meet(0.5f * (a + b), 0.5f * (b - a).norm() + radius)) {
+        return;
+    }
+    const Vec3f along = (b - a).normalized();
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        if (blocked_[i] != 0) {
+            continue;
+        }
+        // The part of the line, in shares of it, that lies within; the line starts at zero.
+        float first = 0.0f, last = last_[i];
+        const auto keep = [&](float slope, float limit) {  // where share * slope <= limit
+            if (slope > 0.0f) {
+                last = std::min(last, limit / slope);
+            } else if (slope < 0.0f) {
+                first = std::max(first, limit / slope);
+            } else if (limit < 0.0f) {
+                last = -1.0f;
+            }
+        };
+        keep(-lines_[i].dot(along), -a.dot(along));
+        keep(lines_[i].dot(cut), b.dot(cut) + beyond);
+        // In the plane across the axis.
+        const Vec3f across = lines_[i] - lines_[i].dot(along) * along, axis = a - a.dot(along) * along;
+        const float nearest = across.squaredNorm() > 0.0f ? across.dot(axis) / across.squaredNorm() : 0.0f;
+        const float inside = radius * radius - (axis - nearest * across).squaredNorm();
+        if (inside <= 0.0f) {
+            continue;
+        }
+        if (across.squaredNorm() > 0.0f) {
+            const float half = std::sqrt(inside / across.squaredNorm());
+            first = std::max(first, nearest - half);
+            last = std::min(last, nearest + half);
+        }
+        if (first < last) {
+            blocked_[i] = 1;
+            --open_;
+        }
+    }
+}
+
 Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     : rest_(mesh.vertices),
       skin_(skin.begin(), skin.end()),

@@ -30,6 +30,8 @@ class SightLines {
 
     /// Position [m] relative to the eye, third axis towards the targets.
     [[nodiscard]] Vec3f seen_from_eye(const Vec3f& point) const { return to_eye_ * (point - eye_); }
+    /// The same of a direction.
+    [[nodiscard]] Vec3f turned(const Vec3f& direction) const { return to_eye_ * direction; }
 
     /// From here on nothing nearer than `level` [m] along the third axis blocks.
     void begin_at(float level) { level_ = level; }
@@ -42,6 +44,10 @@ class SightLines {
 
     /// Blocks the lines that pass a segment (ends as seen from the eye) closer than `radius` [m].
     void block_by_capsule(const Vec3f& a, const Vec3f& b, float radius);
+
+    /// Blocks the lines that pass through a cylinder about a segment (ends as seen from the eye, apart), flat
+    /// at `a`, without what the plane cuts off: p where (p - b).dot(cut) > beyond [m].
+    void block_by_cut_cylinder(const Vec3f& a, const Vec3f& b, float radius, const Vec3f& cut, float beyond);
 
   private:
     Vec3f eye_;

@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "client/render/patient_outlines.hpp"
 #include "client/view/pressed.hpp"
 #include "common/math/units.hpp"
 
@@ -82,7 +83,8 @@ Shapes shapes_of(const view::SceneView& scene) {
         shape.tissue = surface.model().tissue;
         shape.bone = is_bone(shape.tissue);
         shape.triangles = surface.model().mesh.triangles;
-        shape.triangle_tissue = surface.model().triangle_tissue;
+        shape.triangle_tissue.assign(surface.model().triangle_tissue.begin(),
+                                     surface.model().triangle_tissue.end());
         shape.rest = surface.model().mesh.vertices;
         for (const view::LitVertex& vertex : view::pressed(scene, surface)) {
             shape.vertices.push_back(vertex.position);
@@ -108,6 +110,88 @@ Shapes held_aside(Shapes shapes, const LipRetraction& lips) {
         for (Vec3f& vertex : shape.vertices) {
             vertex = lips.held_aside(vertex);
         }
+    }
+    return shapes;
+}
+
+Shapes with_fine_outlines(Shapes shapes, const render::PatientMesh& patient, const view::SceneView& scene,
+                          const render::PatientMesh::Look& look) {
+    render::PatientOutlines outlines;
+    outlines.choose(patient, scene, look);
+    const std::vector<view::LitVertex> drawn = patient.vertices();
+    for (std::size_t i = 0; i < patient.parts().size(); ++i) {
+        const render::PatientMesh::Part& part = patient.parts()[i];
+        Shape& shape = *std::ranges::find(shapes.organs, part.name, &Shape::name);
+        // Of the shape's own order of triangles, by their corners.
+        std::map<std::array<std::uint32_t, 3>, const render::FinerFace*> finer;
+        for (const render::FinerFace& face : outlines.of(i)->faces()) {
+            finer[face.corners] = &face;
+        }
+        std::map<std::array<std::uint32_t, 4>, std::uint32_t> on_edges;  // corners, step and steps
+        std::vector<Triangle> triangles;
+        std::vector<Tissue> tissues;
+        for (std::size_t t = 0; t < shape.triangles.size(); ++t) {
+            std::array<std::uint32_t, 3> sorted = shape.triangles[t];
+            std::ranges::sort(sorted);
+            const auto found = finer.find(sorted);
+            if (found == finer.end()) {
+                triangles.push_back(shape.triangles[t]);
+                tissues.push_back(shape.triangle_tissue[t]);
+                continue;
+            }
+            const render::FinerFace& face = *found->second;
+            std::array<view::LitVertex, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners[k] = drawn[part.first_vertex + face.corners[k]];
+            }
+            const auto add = [&](const Vec3f& shares) {
+                const Vec3f bent = render::bent(corners, shares).position;
+                const Vec3f flat = shares.x() * corners[0].position + shares.y() * corners[1].position +
+                                   shares.z() * corners[2].position;
+                shape.vertices.push_back(look.lips != nullptr ? look.lips->held_aside(bent) : bent);
+                shape.added.push_back({face.corners, shares, (bent - flat).norm()});
+                return static_cast<std::uint32_t>(shape.vertices.size() - 1);
+            };
+            const auto place = [&](int i_step, int j_step) {
+                const Vec3f shares = render::shares_of(face, i_step, j_step);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (shares[static_cast<int>(k)] == 1.0f) {
+                        return face.corners[k];
+                    }
+                }
+                constexpr std::array<std::array<std::size_t, 3>, 3> edges{{{0, 1, 2}, {1, 2, 0}, {0, 2, 1}}};
+                for (std::size_t e = 0; e < 3; ++e) {
+                    const auto [a, b, opposite] = edges[e];
+                    if (shares[static_cast<int>(opposite)] == 0.0f) {
+                        const std::uint32_t steps = face.steps[e];
+                        const auto at = static_cast<std::uint32_t>(
+                            std::lround(shares[static_cast<int>(b)] * static_cast<float>(steps)));
+                        const auto [known, made] =
+                            on_edges.try_emplace({face.corners[a], face.corners[b], at, steps}, 0u);
+                        if (made) {
+                            known->second = add(shares);
+                        }
+                        return known->second;
+                    }
+                }
+                return add(shares);
+            };
+            std::vector<std::uint32_t> places;
+            for (int j = 0; j <= face.grid(); ++j) {
+                for (int i_step = 0; i_step <= face.grid() - j; ++i_step) {
+                    places.push_back(place(i_step, j));
+                }
+            }
+            for (const Triangle& small : render::grid_triangles(face.grid(), face.turned != 0)) {
+                const Triangle moved{places[small[0]], places[small[1]], places[small[2]]};
+                if (moved[0] != moved[1] && moved[1] != moved[2] && moved[2] != moved[0]) {
+                    triangles.push_back(moved);
+                    tissues.push_back(shape.triangle_tissue[t]);
+                }
+            }
+        }
+        shape.triangles = std::move(triangles);
+        shape.triangle_tissue = std::move(tissues);
     }
     return shapes;
 }

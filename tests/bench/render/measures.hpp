@@ -2,12 +2,14 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "client/render/camera.hpp"
 #include "client/render/drawing.hpp"
 #include "client/render/image.hpp"
+#include "client/render/patient_mesh.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/model/lip_retraction.hpp"
 #include "common/model/tissue.hpp"
@@ -20,10 +22,17 @@ struct Shape {
     std::string name;
     Tissue tissue = Tissue::soft;
     bool bone = false;
-    std::span<const Triangle> triangles;
-    std::span<const Tissue> triangle_tissue;
+    std::vector<Triangle> triangles;
+    std::vector<Tissue> triangle_tissue;
     std::span<const Vec3f> rest;
     std::vector<Vec3f> vertices;  ///< now
+    /// A vertex that was added to those of the surface.
+    struct Added {
+        std::array<std::uint32_t, 3> corners;
+        Vec3f shares;
+        float bend;  ///< [m], from the flat triangle of these corners
+    };
+    std::vector<Added> added;  ///< the last of the vertices
 };
 struct Shapes {
     std::vector<Shape> organs;
@@ -37,6 +46,11 @@ struct Shapes {
 
 /// The same with the lips held aside.
 [[nodiscard]] Shapes held_aside(Shapes shapes, const LipRetraction& lips);
+
+/// The same as a view draws it, triangles about outlines as grids of smaller ones. `patient` was brought up
+/// to date with the scene; `shapes` are as `look` has the lips.
+[[nodiscard]] Shapes with_fine_outlines(Shapes shapes, const render::PatientMesh& patient,
+                                        const view::SceneView& scene, const render::PatientMesh::Look& look);
 
 /// Organs, blade and tube, not the bones, from a camera.
 [[nodiscard]] Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height);

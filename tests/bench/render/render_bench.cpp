@@ -125,10 +125,12 @@ class Results {
     std::map<std::string, Standing, std::less<>> standings_;
 };
 
-/// Draws views off screen.
+/// Draws views off screen, outlines as finely as in `high`.
 class Artist {
   public:
-    Artist(int width, int height) : target_(width, height, 1) {}
+    Artist(int width, int height) : target_(width, height, 1), quality_(render::affordable_quality()) {
+        quality_.fine_outlines = true;
+    }
 
     [[nodiscard]] render::Image draw(const render::View& view, const view::SceneView& scene,
                                      render::Shading shading = render::Shading::lit) {
@@ -137,10 +139,53 @@ class Artist {
         return target_.read();
     }
 
+    [[nodiscard]] const render::PatientMesh& patient() const { return renderer_.meshes().patient(); }
+
   private:
     render::RenderTarget target_;
-    render::SceneRenderer renderer_;
+    render::Quality quality_;
+    render::SceneRenderer renderer_{quality_};
 };
+
+/// Before they give way to the blade, which client_render_test holds to the same function; by surface and
+/// vertex.
+using Apart = std::map<std::string, std::vector<double>>;
+Apart vertices_apart_mm(const view::SceneView& scene, const Attempt& attempt, const Moment& moment) {
+    Apart apart;
+    for (const Surface& surface : attempt.patient.surfaces) {
+        const auto drawn = scene.surfaces().at(surface.name).vertices();
+        for (std::size_t v = 0; v < surface.skin.size(); ++v) {
+            const Vec3f server = skin_point(surface.mesh.vertices[v], surface.skin[v],
+                                            attempt.patient.frame_rest_centre, moment.snapshot.frames);
+            apart[surface.name].push_back(1e3 * static_cast<double>((drawn[v].position - server).norm()));
+        }
+    }
+    return apart;
+}
+
+double most_of(const Apart& apart) {
+    double most = 0.0;
+    for (const auto& [name, values] : apart) {
+        most = std::max(most, std::ranges::max(values));
+    }
+    return most;
+}
+
+/// Of vertices that a view adds, at most: of their triangle's corners, and how far they are bent from it.
+double most_added_apart_mm(const Shapes& drawn, const Apart& apart) {
+    double most = 0.0;
+    for (const Shape& shape : drawn.organs) {
+        for (const Shape::Added& added : shape.added) {
+            double sum = 1e3 * static_cast<double>(added.bend);
+            for (std::size_t k = 0; k < 3; ++k) {
+                sum += static_cast<double>(added.shares[static_cast<int>(k)]) *
+                       apart.at(shape.name)[added.corners[k]];
+            }
+            most = std::max(most, sum);
+        }
+    }
+    return most;
+}
 
 /// Camera on the glottis from an eye; its picture is what that eye can see of it.
 render::Camera towards_glottis(const Vec3f& eye, const Landmarks& landmarks) {
@@ -151,20 +196,6 @@ render::Camera towards_glottis(const Vec3f& eye, const Landmarks& landmarks) {
     camera.near_plane = 0.03f;
     camera.far_plane = 0.8f;
     return camera;
-}
-
-/// Before they give way to the blade, which client_render_test holds to the same function.
-double vertices_apart_mm(const view::SceneView& scene, const Attempt& attempt, const Moment& moment) {
-    double most = 0.0;
-    for (const Surface& surface : attempt.patient.surfaces) {
-        const auto drawn = scene.surfaces().at(surface.name).vertices();
-        for (std::size_t v = 0; v < surface.skin.size(); ++v) {
-            const Vec3f server = skin_point(surface.mesh.vertices[v], surface.skin[v],
-                                            attempt.patient.frame_rest_centre, moment.snapshot.frames);
-            most = std::max(most, 1e3 * static_cast<double>((drawn[v].position - server).norm()));
-        }
-    }
-    return most;
 }
 
 class Bench {
@@ -187,7 +218,8 @@ class Bench {
                                  std::string_view where = "") {
                 results_.add(scenario, script, moment_names[m], view, measure, value, where);
             };
-            add("all", "vertices_apart", vertices_apart_mm(scene, attempt, moment));
+            const Apart apart = vertices_apart_mm(scene, attempt, moment);
+            add("all", "vertices_apart", most_of(apart));
             if (m < touch) {
                 const Stretch stretch = edge_stretch(shapes);
                 add("all", "edge_stretch", stretch.ratio, stretch.where);
@@ -197,7 +229,7 @@ class Bench {
             }
             for (std::size_t v = 0; v < render::views().size(); ++v) {
                 const render::View& view = render::views()[v];
-                measure_view(attempt, moment, m, view, scene, shapes, add, sheet, v);
+                measure_view(attempt, moment, m, view, scene, shapes, apart, add, sheet, v);
             }
             if (m == best) {
                 compare_eyes(attempt, moment, scene, shapes, add);
@@ -243,8 +275,8 @@ class Bench {
 
     template <typename Add>
     void measure_view(const Attempt& attempt, const Moment& moment, std::size_t m, const render::View& view,
-                      const view::SceneView& scene, const Shapes& shapes, Add&& add, Sheet& sheet,
-                      std::size_t v) {
+                      const view::SceneView& scene, const Shapes& shapes, const Apart& apart, Add&& add,
+                      Sheet& sheet, std::size_t v) {
         const render::Camera camera = view.camera(scene, {});
         if (options_.pictures || m == best || !options_.golden.empty()) {
             const render::Image picture = artist_.draw(view, scene);
@@ -273,8 +305,16 @@ class Bench {
         if (view.cut) {
             return;
         }
-        const Shapes seen =
-            view.lips_aside ? held_aside(shapes, lip_retraction(camera.eye, scene.landmarks())) : shapes;
+        // As they are drawn: aside from the trainee's eye, wherever the camera is.
+        const LipRetraction lips =
+            lip_retraction(render::Vantage{}.eye.position(scene.landmarks()), scene.landmarks());
+        const Eigen::Matrix4f view_projection =
+            camera.projection(static_cast<float>(options_.width) / static_cast<float>(options_.height)) *
+            camera.view();
+        const Shapes seen = with_fine_outlines(
+            view.lips_aside ? held_aside(shapes, lips) : shapes, artist_.patient(), scene,
+            {view_projection, camera.eye, render::no_clipping, view.lips_aside ? &lips : nullptr});
+        add(view.name, "vertices_apart", most_added_apart_mm(seen, apart));
         const Raster raster = raster_of(seen, camera, options_.width, options_.height);
         add(view.name, "blade_in_tissue",
             blade_in_tissue_percent(seen, camera, options_.width, options_.height));

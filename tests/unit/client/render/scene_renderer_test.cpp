@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -191,7 +192,6 @@ TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {
     EXPECT_GT(difference, 0.0);
 }
 
-// Reference: the skinning that server and clients share, on the processor.
 // Reference: the same lights for each pixel. Between the vertices of this coarse head the light is not
 // linear: some levels, where a light that was left out, or arrives twice, makes tens.
 TEST_F(SceneRendererTest, LightAtVerticesIsThatOfPixels) {
@@ -223,6 +223,42 @@ TEST_F(SceneRendererTest, LightAtVerticesIsThatOfPixels) {
     }
 }
 
+// Reference: the flat triangles. A bend of 0.04 mm is less than a pixel; a gap would show within an organ.
+TEST_F(SceneRendererTest, FineOutlinesLeaveNoGaps) {
+    render::Quality bent = render::qualities().front();
+    bent.fine_outlines = true;
+    render::SceneRenderer finer(bent), plain(render::qualities().front());
+    int other = 0;
+    for (const char* name : {"eye", "overview", "laryngoscope"}) {
+        const auto ids = [&](render::SceneRenderer& renderer) {
+            renderer.sync(scene_);
+            renderer.draw(named(name), scene_, target_, {0, 0, width, height}, {}, Shading::object_id);
+            return target_.read();
+        };
+        const render::Image a = ids(finer), b = ids(plain);
+        const auto id = [](const render::Image& image, int x, int y) {
+            std::array<std::uint8_t, 3> colour{};
+            std::copy_n(&image.rgba[4 * static_cast<std::size_t>(y * width + x)], 3, colour.begin());
+            return colour;
+        };
+        for (int y = 1; y + 1 < height; ++y) {
+            for (int x = 1; x + 1 < width; ++x) {
+                if (id(a, x, y) == id(b, x, y)) {
+                    continue;
+                }
+                ++other;
+                bool at_an_outline = false;
+                for (int k = 0; k < 9; ++k) {
+                    at_an_outline = at_an_outline || id(b, x + k % 3 - 1, y + k / 3 - 1) != id(b, x, y);
+                }
+                EXPECT_TRUE(at_an_outline) << name << " at " << x << ", " << y;
+            }
+        }
+    }
+    EXPECT_GT(other, 0) << "nothing is bent";
+}
+
+// Reference: the skinning that server and clients share, on the processor.
 TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
     const auto state = synthetic::deformation(source_, 2'000'000, 0.006f, 0.02f);
     msg::DeformationState turned = state;

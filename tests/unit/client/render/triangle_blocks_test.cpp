@@ -137,8 +137,9 @@ TEST(TriangleBlocks, ComeFromAsFarAsTheyMayLieElsewhere) {
     // The same from the frames' side.
     blocks.update(at_rest, far);
     EXPECT_EQ(sorted(triangles_of(blocks, blocks.visible(matrix, camera.eye, everywhere))), sorted(drawn));
-    EXPECT_TRUE(blocks.visible(matrix, camera.eye, everywhere, {}, [](const Vec3f&, float) { return false; })
-                    .empty());
+    EXPECT_TRUE(
+        blocks.visible(matrix, camera.eye, everywhere, {}, [](const Vec3f&, float, float) { return false; })
+            .empty());
 }
 
 // Reference: each triangle by itself.

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/mesh/check.hpp"
+#include "common/model/tube_end.hpp"
 
 namespace eti {
 namespace {
@@ -61,6 +62,24 @@ TEST(TubeSweep, StraightTubeHasItsRadiiAndLength) {
     EXPECT_NEAR(widest, model.outer_radius(), 1e-6f);
     EXPECT_NEAR(narrowest, model.inner_radius(), 1e-6f);
     EXPECT_NEAR(longest, 0.16f, 1e-5f);
+}
+
+// Reference: the end that rays of sight meet.
+TEST(TubeSweep, EndsAtTheBevelThatHidesFromTheServer) {
+    const Tube model;
+    view::TubeSweep sweep(model);
+    const std::vector<Vec3f> nodes = quarter_arc(0.08f, 24);
+    ASSERT_TRUE(sweep.update(nodes));
+    const std::optional<TubeEnd> end = tube_end(nodes, model.outer_radius());
+    ASSERT_TRUE(end);
+    const auto past_the_plane = [&](const Vec3f& p) {  // [m]
+        return ((p - end->tip).dot(end->bevel) - end->beyond) / end->bevel.norm();
+    };
+    // The last ring of the outer wall; the end is taken as straight where it bends by 0.06 mm.
+    constexpr std::size_t last = std::size_t{view::TubeSweep::rings - 1} * view::TubeSweep::sides;
+    for (std::size_t i = last; i < last + view::TubeSweep::sides; ++i) {
+        EXPECT_NEAR(past_the_plane(sweep.vertices()[i].position), 0.0f, 0.15e-3f);
+    }
 }
 
 TEST(TubeSweep, BevelFacesThePatientsLeftWhenTheConcaveSideIsAnterior) {

@@ -335,6 +335,33 @@ TEST(GlotticView, TheTubeHidesAsBroadAsItIs) {
                 100 * (1 - covered), 5.0f);
 }
 
+// Reference: the bevel's closed form. Seen across axis and left, a tube of radius r is a strip that ends at
+// the tip at its right and two radii before it at its left.
+TEST(SightLines, ATubesEndHidesUpToItsBevel) {
+    constexpr float radius = 2e-3f, far = 1.0f;  // [m]; lines are parallel but for 8 mm a metre
+    const Vec3f eye(0, 0, far), along = Vec3f::UnitX(), left = Vec3f::UnitY();
+    Random random(3);
+    std::vector<Vec3f> targets;
+    for (int i = 0; i < 2000; ++i) {
+        targets.emplace_back(radius * (6.0f * random.uniform() - 4.0f),
+                             radius * (4.0f * random.uniform() - 2.0f), -1.1f * radius);
+    }
+    SightLines lines(eye, targets, 1e-6f);
+    lines.block_by_cut_cylinder(lines.seen_from_eye(-3.0f * radius * along),
+                                lines.seen_from_eye(Vec3f::Zero()), radius, lines.turned(along + left),
+                                -radius);
+    int hidden = 0;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        const float x = targets[i].x() / radius, y = targets[i].y() / radius;
+        const float inside = std::min({x + 3.0f, 1.0f - std::fabs(y), -1.0f - x - y});
+        if (std::fabs(inside) > 0.02f) {  // lines meet by less than that
+            EXPECT_EQ(lines.blocked(i), inside > 0.0f) << x << ' ' << y;
+        }
+        hidden += lines.blocked(i) ? 1 : 0;
+    }
+    EXPECT_GT(hidden, 200);
+}
+
 TEST(GlotticView, AgreesWithBruteForceOnDeformedSurfaces) {
     Model model(24);
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
