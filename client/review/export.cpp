@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 
 namespace eti::review {
@@ -24,10 +25,7 @@ class CsvFile {
   public:
     explicit CsvFile(const std::filesystem::path& path)
         : path_(path), unfinished_(path.string() + ".unfinished") {
-        if (std::filesystem::exists(path)) {
-            throw ExportError(fmt::format(
-                "{}: exists already and is not replaced; choose another folder with --out", path.string()));
-        }
+        refuse_existing(path, "--out");
         file_.reset(std::fopen(unfinished_.c_str(), "wb"));
         if (!file_) {
             fail();
@@ -85,14 +83,7 @@ class CsvFile {
 };
 
 void put_text(fmt::memory_buffer& line, const std::string& text) {
-    line.push_back('"');
-    for (const char c : text) {
-        if (c == '"') {
-            line.push_back('"');
-        }
-        line.push_back(c);
-    }
-    line.push_back('"');
+    line.append(csv_text(text));
 }
 
 void put_number(fmt::memory_buffer& line, double value) {
@@ -296,7 +287,9 @@ std::vector<std::filesystem::path> export_csv(
            own("deformation.csv", write_deformation) &&
            (!reader.root().has("fluid") || own("fluid.csv", write_fluid)) &&
            table("events", "events", false) && own("annotations.csv", write_annotations) &&
-           table("summary", "summary", false));
+           table("summary", "summary", false) &&
+           (!reader.root().has(session::ratings_group) || table(session::ratings_group, "ratings", false)) &&
+           (!reader.root().has(session::answers_group) || table(session::answers_group, "answers", false)));
     return written;
 }
 

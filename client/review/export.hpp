@@ -4,21 +4,17 @@
 
 #include <filesystem>
 #include <functional>
-#include <stdexcept>
 #include <vector>
+
+#include "client/review/output.hpp"
 
 namespace eti::review {
 
-/// A file that cannot be written; the text names it, and says why and what to do.
-class ExportError : public std::runtime_error {
-  public:
-    using std::runtime_error::runtime_error;
-};
-
 /// Writes every series of a session as CSV (RFC 4180; decimal point; header with units; time in
-/// seconds): inputs, commands, tools, tube_nodes, skeleton, metrics, deformation, events, summary.
-/// Makes the folder, replaces no file. `progress` is called with each file; when `stop` says so, the file
-/// being written is removed and the export ends. Returns the files written. Throws ExportError, hdf5::Error.
+/// seconds): inputs, commands, tools, tube_nodes, skeleton, metrics, deformation, events, summary, ratings,
+/// answers. Makes the folder, replaces no file. `progress` is called with each file; when `stop` says so, the
+/// file being written is removed and the export ends. Returns the files written. Throws ExportError,
+/// hdf5::Error.
 std::vector<std::filesystem::path> export_csv(
     const std::filesystem::path& session, const std::filesystem::path& folder,
     const std::function<void(const std::filesystem::path&)>& progress, const std::function<bool()>& stop);

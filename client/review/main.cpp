@@ -4,16 +4,22 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/review/export.hpp"
 #include "client/review/report.hpp"
+#include "client/review/server_program.hpp"
+#include "client/review/study.hpp"
+#include "client/review/study_commands.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
+#include "common/scenario/scenario.hpp"
 #include "common/session/check.hpp"
 
 namespace {
@@ -71,7 +77,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     int count = 0;
     const auto progress = [&](const std::filesystem::path& path) {
         if (on_terminal) {
-            std::cerr << fmt::format("\r\033[K[{}/10] {}", ++count, path.string()) << std::flush;
+            std::cerr << fmt::format("\r\033[K[{}] {}", ++count, path.string()) << std::flush;
         }
     };
     const auto written = review::export_csv(file, folder, progress, stop_asked);
@@ -99,7 +105,7 @@ struct Replay {
 
 /// The server publishes it, as only it speaks for a session. Returns only where there is none.
 int replay(const std::filesystem::path& file, const Replay& how, const std::vector<std::string>& further) {
-    std::vector<std::string> words{"eti-server", "--replay", file.string()};
+    std::vector<std::string> words{"--replay", file.string()};
     for (const auto& [name, value] :
          {std::pair("--speed", how.speed), {"--from", how.from}, {"--to", how.to}}) {
         if (!value.empty()) {
@@ -113,17 +119,7 @@ int replay(const std::filesystem::path& file, const Replay& how, const std::vect
         words.emplace_back("--pause");
     }
     words.insert(words.end(), further.begin(), further.end());
-    std::vector<char*> arguments;
-    for (std::string& word : words) {
-        arguments.push_back(word.data());
-    }
-    arguments.push_back(nullptr);
-    std::error_code error;
-    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-    ::execv((self.parent_path() / "eti-server").c_str(), arguments.data());
-    ::execvp("eti-server", arguments.data());
-    std::cerr << "eti-review: eti-server, which publishes a replay, is neither in "
-              << self.parent_path().string() << " nor in the PATH: install it (docs/packages.md)\n";
+    review::become_server(words);
     return refused;
 }
 
@@ -196,6 +192,25 @@ int main(int argc, char** argv) {
     report_command->add_option("--out", folder, "Folder to write report.html into; made if missing")
         ->required();
 
+    CLI::App* const study_command = app.add_subcommand(
+        "study", "Run the sessions of a study one after another, and go on where it was ended");
+    std::string study_file;
+    study_command->add_option("STUDY", study_file, "Study by name or path")->required();
+    review::StudyRun study_run;
+    study_command->add_option("--out", study_run.folder, "Folder of the study; made if missing")->required();
+    study_command->add_option("--participant", study_run.participant,
+                              "Run this participant's sessions alone");
+    study_command->add_flag("--status", study_run.status_only, "Say where the study is, and run nothing");
+    study_command->footer(
+        "What else is given goes to eti-server. Ctrl-C ends it until it is started again; a session cut off "
+        "is done "
+        "anew.");
+    study_command->allow_extras()->fallthrough(false);
+    study_command->add_flag("--json", json, "Print the result as one JSON object");
+
+    std::vector<review::Command> study_commands = review::add_study_commands(app);
+    std::ranges::move(review::add_opinion_commands(app), std::back_inserter(study_commands));
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -206,6 +221,16 @@ int main(int argc, char** argv) {
     }
     // The task below decides when to end; it inherits the handler.
     catch_stop_signals();
+
+    if (study_command->parsed()) {  // starts programs that need more than the task below may take
+        try {
+            study_run.further = study_command->remaining();
+            return run_study(review::load_study(find_data_file(study_file, "studies")), study_run, json);
+        } catch (const std::exception& error) {
+            std::cerr << "eti-review: " << error.what() << '\n';
+            return refused;
+        }
+    }
 
     // Session files come from other people too, and the HDF5 library can crash on a damaged one.
     const Guarded ended = run_guarded([&] {
@@ -219,6 +244,11 @@ int main(int argc, char** argv) {
             if (report_command->parsed()) {
                 return report(files, folder, json);
             }
+            for (const review::Command& command : study_commands) {
+                if (command.parsed_by->parsed()) {
+                    return command.run(json);
+                }
+            }
             return export_csv(file, folder, json);
         } catch (const std::exception& error) {
             std::cerr << "eti-review: " << error.what() << '\n';
@@ -226,8 +256,9 @@ int main(int argc, char** argv) {
         }
     });
     if (ended.broken) {
-        std::cerr << "eti-review: " << (files.empty() ? file : files.front()).string()
-                  << ": damaged: reading it ended with " << *ended.broken << '\n';
+        const std::string read = (files.empty() ? file : files.front()).string();
+        std::cerr << "eti-review: " << (read.empty() ? "a file" : read) << ": damaged: reading it ended with "
+                  << *ended.broken << '\n';
         return refused;
     }
     return ended.status;

@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <span>
 
-#include "client/review/export.hpp"
+#include "client/review/output.hpp"
 #include "common/model/aims.hpp"
 
 namespace eti::review {
@@ -263,10 +262,7 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
             "Debian's npm, configure with a network (cmake --preset release) and build eti-review again");
     }
     const std::filesystem::path path = folder / "report.html";
-    if (std::filesystem::exists(path)) {
-        throw ExportError(fmt::format(
-            "{}: exists already and is not replaced; choose another folder with --out", path.string()));
-    }
+    refuse_existing(path, "--out");
     ordered_json data{
         {"program", ETI_VERSION}, {"fields", fields_json()}, {"sessions", ordered_json::array()}};
     for (const std::filesystem::path& file : sessions) {
@@ -278,23 +274,10 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
         one["anatomy"] = anatomy_json(reader);
         data["sessions"].push_back(std::move(one));
     }
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) {
-        throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with --out",
-                                      folder.string(), error.message()));
-    }
-    // It shows under its name only when it is complete.
-    const std::filesystem::path unfinished = path.string() + ".unfinished";
-    std::ofstream out(unfinished, std::ios::binary);
-    out << page.substr(0, cut) << embeddable(data) << page.substr(cut + place.size());
-    out.close();
-    if (!out) {
-        std::filesystem::remove(unfinished, error);
-        throw ExportError(fmt::format("{}: cannot be written; make room or choose another folder with --out",
-                                      path.string()));
-    }
-    std::filesystem::rename(unfinished, path);
+    std::string whole(page.substr(0, cut));
+    whole += embeddable(data);
+    whole += page.substr(cut + place.size());
+    write_new_file(path, whole, "--out");
     return path;
 }
 

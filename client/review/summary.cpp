@@ -102,6 +102,8 @@ Summary summarise(const std::filesystem::path& file) {
             summary.remarks.push_back(std::move(event));
         }
     }
+    summary.ratings = session::read_ratings(reader.root());
+    summary.answers = session::read_answers(reader.root());
     if (!summary.has_run) {
         sum_up(summary, reader.steps());
     }
@@ -117,6 +119,29 @@ void put_session(nlohmann::ordered_json& into, const Summary& summary) {
     into["duration_s"] = summary.duration;
     into["finished"] = summary.finished;
     into["lost_records"] = summary.lost_records;
+}
+
+nlohmann::ordered_json ratings_json(const std::vector<session::Rating>& ratings) {
+    auto out = nlohmann::ordered_json::array();
+    for (const session::Rating& rating : ratings) {
+        out.push_back({{"rater", rating.rater},
+                       {"item", rating.item},
+                       {"score", rating.score},
+                       {"given", rating.given}});
+    }
+    return out;
+}
+
+nlohmann::ordered_json answers_json(const std::vector<session::Answer>& answers) {
+    auto out = nlohmann::ordered_json::array();
+    for (const session::Answer& answer : answers) {
+        out.push_back({{"form", answer.form},
+                       {"question", answer.question},
+                       {"text", answer.text},
+                       {"answer", answer.answer},
+                       {"given", answer.given}});
+    }
+    return out;
 }
 
 nlohmann::ordered_json to_json(const Summary& summary) {
@@ -136,6 +161,8 @@ nlohmann::ordered_json to_json(const Summary& summary) {
                                   {"kind", remark.kind},
                                   {"text", remark.text}});
     }
+    out["ratings"] = ratings_json(summary.ratings);
+    out["answers"] = answers_json(summary.answers);
     return out;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 
 namespace eti::review {
@@ -29,6 +30,8 @@ struct Summary {
         return record.attempt == 0 ? has_run : record.attempt != open_attempt;
     }
     std::vector<session::EventRecord> remarks;  ///< what was written, pointed at and drawn, in words
+    std::vector<session::Rating> ratings;       ///< of instructors, afterwards
+    std::vector<session::Answer> answers;       ///< of the participant to questionnaires
 };
 
 /// Throws hdf5::Error.
@@ -39,6 +42,9 @@ void put_session(nlohmann::ordered_json& into, const Summary& summary);
 
 /// One object; NaN becomes null, and so does the success of what is not known.
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
+
+[[nodiscard]] nlohmann::ordered_json ratings_json(const std::vector<session::Rating>& ratings);
+[[nodiscard]] nlohmann::ordered_json answers_json(const std::vector<session::Answer>& answers);
 
 /// For people to read: the twelve parameters of the paper first, then the others; a column for the run
 /// and one for each attempt.

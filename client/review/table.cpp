@@ -97,6 +97,15 @@ std::string to_table(const Summary& summary) {
         out += fmt::format("{}{:10.1f} s  {}\n", &remark == &summary.remarks.front() ? "\nRemarks\n" : "",
                            1e-9 * static_cast<double>(remark.time_ns), remark.text);
     }
+    for (const session::Rating& rating : summary.ratings) {
+        out += fmt::format("{}  {} of {}: {}\n",
+                           &rating == &summary.ratings.front() ? "\nRatings, 1 to 5\n" : "", rating.item,
+                           rating.rater, rating.score);
+    }
+    for (const session::Answer& answer : summary.answers) {
+        out += fmt::format("{}  {}: {}\n", &answer == &summary.answers.front() ? "\nAnswers\n" : "",
+                           answer.text, answer.answer);
+    }
     return out;
 }
 

@@ -33,6 +33,7 @@ Handle creation_properties() {
     Handle properties(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_file_space_strategy(properties.get(), H5F_FSPACE_STRATEGY_PAGE, false, 1);
     H5Pset_file_space_page_size(properties.get(), memory_page);
+    H5Pset_obj_track_times(properties.get(), false);  // of the root; nobody reads when it was made
     return properties;
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/session/damage.hpp"
 #include "common/session/liveness.hpp"
+#include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 #include "common/session/superblock.hpp"
 #include "common/session/survey.hpp"
@@ -86,6 +87,8 @@ CheckResult check(const std::filesystem::path& path) {
         (void)reader.deformations();
         (void)reader.fluids();
         (void)reader.annotations();
+        (void)read_ratings(reader.root());
+        (void)read_answers(reader.root());
     } catch (const hdf5::Error& error) {
         result.damage.push_back(error.what());
     }

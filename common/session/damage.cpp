@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "common/session/opinions.hpp"
+
 namespace eti::session {
 
 namespace {
@@ -18,6 +20,9 @@ constexpr const char* group_name = "damage";
 std::string words_of(const Damage& damage) {
     if (damage.path == "scene") {
         return "scene: surfaces and landmarks are lost";
+    }
+    if (damage.path == ratings_group || damage.path == answers_group) {
+        return fmt::format("{}: all are lost", damage.path);
     }
     return damage.count == 1 ? fmt::format("{}: row {} is lost", damage.path, damage.first)
                              : fmt::format("{}: rows {} to {} are lost", damage.path, damage.first,

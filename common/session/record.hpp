@@ -21,6 +21,13 @@
 
 namespace eti::session {
 
+/// Names of further texts of a session, see SessionInfo::more.
+inline constexpr const char* participant_text = "participant";  ///< pseudonym
+// What bits depend on beside the build.
+inline constexpr const char* processor_text = "processor";
+inline constexpr const char* libraries_text = "libraries";
+inline constexpr const char* patient_hash_text = "patient_hash";
+
 /// What a session file says of the session as a whole.
 struct SessionInfo {
     std::string session;        ///< name

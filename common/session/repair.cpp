@@ -9,11 +9,13 @@
 #include <limits>
 #include <optional>
 
+#include "common/hdf5/copy.hpp"
 #include "common/hdf5/file.hpp"
 #include "common/session/check.hpp"
 #include "common/session/damage.hpp"
 #include "common/session/layout.hpp"
 #include "common/session/liveness.hpp"
+#include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 #include "common/session/rows.hpp"
 #include "common/session/scene_file.hpp"
@@ -285,6 +287,16 @@ std::size_t tube_nodes_of(const Group& root) {
     }
 }
 
+/// Whether what people said of the session afterwards can be read.
+bool is_whole(const Group& root, std::string_view opinions) {
+    try {
+        opinions == ratings_group ? (void)read_ratings(root) : (void)read_answers(root);
+        return true;
+    } catch (const hdf5::Error&) {
+        return false;
+    }
+}
+
 struct Rewritten {
     std::vector<Damage> damage;
     std::vector<std::string> left_out;  ///< what a killed writer had begun, in words
@@ -362,6 +374,17 @@ Rewritten rewrite(const SessionReader& from, const std::vector<TableState>& stat
                small_chunk);
     }
     link_time_axis(file.root());
+    for (const char* group : {ratings_group, answers_group}) {
+        if (!root.has(group)) {
+            continue;
+        }
+        if (!is_whole(root, group)) {
+            damage.push_back({group, 0, 1});
+            continue;
+        }
+        hdf5::copy_members(root.open(group), file.root().create(group),
+                           {[](std::string_view) { return true; }, [](auto...) { return std::nullopt; }});
+    }
     if (!damage.empty()) {
         write_damage(file.root(), damage);
     }
@@ -441,7 +464,8 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     {
         const SessionReader reader(copy.path);  // refuses what is no session
         const auto states = survey(reader.root());
-        if (std::ranges::all_of(states, &TableState::whole) && scene_is_whole(reader)) {
+        if (std::ranges::all_of(states, &TableState::whole) && scene_is_whole(reader) &&
+            is_whole(reader.root(), ratings_group) && is_whole(reader.root(), answers_group)) {
             if (from_tail > 0) {
                 std::filesystem::rename(copy.path, path);
             } else if (marked) {

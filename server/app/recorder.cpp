@@ -2,13 +2,13 @@
 // Copyright the NeoETI authors
 #include "server/app/recorder.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
+
+#include "common/session/opinions.hpp"
 
 namespace eti::app {
 
@@ -43,8 +43,7 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
 
 session::SessionInfo completed(session::SessionInfo info) {
     if (info.start_time.empty()) {
-        const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-        info.start_time = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+        info.start_time = session::utc_now();
     }
     if (info.version.empty()) {
         info.version = ETI_VERSION;

@@ -14,10 +14,8 @@
 
 namespace eti::app {
 
-/// Names of further texts of a session's file.
-inline constexpr const char* processor_text = "processor";
-inline constexpr const char* libraries_text = "libraries";
-inline constexpr const char* patient_hash_text = "patient_hash";
+using session::libraries_text, session::patient_hash_text, session::processor_text;
+/// Name of another text of a session's file.
 inline constexpr const char* scenario_folder_text = "scenario_folder";
 
 /// What a session file says of a session that this program simulates here: scenario, version and all that its

@@ -58,6 +58,7 @@ LIBRARIES = (
     (re.compile(r"gdcm\w*\.h$"), ("server/patient/imaging",), "GDCM"),
     # How many threads it may use is app's to say.
     (re.compile(r"tbb/(?!global_control)"), ("server/parallel",), "oneTBB"),
+    (re.compile(r"boost/"), ("client/review",), "Boost"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
 )
 

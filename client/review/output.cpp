@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/review/output.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+namespace eti::review {
+
+void refuse_existing(const std::filesystem::path& path, std::string_view option) {
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) {
+        throw ExportError(fmt::format("{}: exists already and is not replaced; choose another with {}",
+                                      path.string(), option));
+    }
+}
+
+void write_new_file(const std::filesystem::path& path, std::string_view text, std::string_view option) {
+    refuse_existing(path, option);
+    std::error_code error;
+    if (path.has_parent_path()) {
+        std::filesystem::create_directories(path.parent_path(), error);
+    }
+    if (error) {
+        throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with {}",
+                                      path.parent_path().string(), error.message(), option));
+    }
+    const std::filesystem::path unfinished = path.string() + ".unfinished";
+    std::ofstream out(unfinished, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) {
+        std::filesystem::remove(unfinished, error);
+        throw ExportError(
+            fmt::format("{}: cannot be written; make room or choose another with {}", path.string(), option));
+    }
+    std::filesystem::rename(unfinished, path);
+}
+
+std::string html_text(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
+        }
+    }
+    return out;
+}
+
+std::string csv_text(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        out.append(c == '"' ? 2 : 1, c);
+    }
+    return out + '"';
+}
+
+}  // namespace eti::review

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/review/statistics.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/non_central_t.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/special_functions/gamma.hpp>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <numeric>
+
+#include "common/math/random.hpp"
+
+namespace eti::review {
+
+namespace {
+
+using Sample = std::vector<double>;
+
+/// The values less their mean: what a difference of means owes to each of them, and what is drawn from where
+/// no difference is supposed.
+Sample centred(std::span<const double> values) {
+    const double mean = mean_of(values);
+    Sample out(values.begin(), values.end());
+    for (double& value : out) {
+        value -= mean;
+    }
+    return out;
+}
+
+/// Mean and variance of the mean.
+struct Drawn {
+    double mean = 0.0, variance = 0.0;
+};
+
+Drawn draw(const Sample& from, Random& random) {
+    const double n = static_cast<double>(from.size());
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        const double value = from[random.bits() % from.size()];
+        sum += value;
+        squares += value * value;
+    }
+    const double mean = sum / n;
+    return {mean, std::max(0.0, squares / n - mean * mean) / (n - 1.0)};
+}
+
+/// What draws of the centred samples gave: differences about their own, and these studentised.
+struct Draws {
+    Sample difference, t;
+};
+
+/// `parts`: centred samples; the first counts against the second, where there are two.
+Draws draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
+    Draws draws;
+    Random random(how.seed);
+    double scale = 0.0;
+    for (const Sample& part : parts) {
+        for (const double value : part) {
+            scale = std::max(scale, std::abs(value));
+        }
+    }
+    for (int i = 0; i < how.resamples; ++i) {
+        double difference = 0.0, variance = 0.0;
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+            const Drawn drawn = draw(parts[part], random);
+            difference += part + 1 == parts.size() ? drawn.mean : -drawn.mean;
+            variance += drawn.variance;
+        }
+        draws.difference.push_back(difference);
+        // Draws of one value over and over have a variance of rounding alone.
+        const bool flat = std::sqrt(variance) < 1e-12 * scale;
+        draws.t.push_back(!flat                                  ? difference / std::sqrt(variance)
+                          : std::abs(difference) < 1e-12 * scale ? 0.0
+                                                                 : std::copysign(HUGE_VAL, difference));
+    }
+    return draws;
+}
+
+/// Between the two nearest of sorted values.
+double quantile(const Sample& sorted, double share) {
+    const double at = share * static_cast<double>(sorted.size() - 1);
+    const std::size_t below = std::min(static_cast<std::size_t>(at), sorted.size() - 1);
+    const std::size_t above = std::min(below + 1, sorted.size() - 1);
+    return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+/// About a value of 0, of which `differences` were drawn.
+Interval accelerated(const std::vector<Sample>& parts, Sample differences, double level) {
+    std::ranges::sort(differences);
+    const auto below = std::ranges::lower_bound(differences, 0.0) - differences.begin();
+    const auto not_above = std::ranges::upper_bound(differences, 0.0) - differences.begin();
+    const double n = static_cast<double>(differences.size());
+    const boost::math::normal normal;
+    const double share = std::clamp(0.5 * static_cast<double>(below + not_above) / n, 0.5 / n, 1.0 - 0.5 / n);
+    const double bias = boost::math::quantile(normal, share);
+    double cubes = 0.0, squares = 0.0;
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+        const double size = static_cast<double>(parts[part].size());
+        const double sign = part + 1 == parts.size() ? 1.0 : -1.0;
+        for (const double value : parts[part]) {
+            cubes += std::pow(sign * value / size, 3);
+            squares += std::pow(value / size, 2);
+        }
+    }
+    const double acceleration = cubes / (6.0 * std::pow(squares, 1.5));
+    const auto end = [&](double tail) {
+        const double z = bias + boost::math::quantile(normal, tail);
+        return quantile(differences, boost::math::cdf(normal, bias + z / (1.0 - acceleration * z)));
+    };
+    return {end(0.5 * (1.0 - level)), end(0.5 * (1.0 + level))};
+}
+
+/// The non-centrality at which a t as small as this one has the probability `p`.
+double non_centrality(double freedom, double t, double p) {
+    const auto excess = [&](double at) {
+        return boost::math::cdf(boost::math::non_central_t(freedom, at), t) - p;
+    };
+    double low = t - 2.0, high = t + 2.0;
+    for (double reach = 2.0; excess(low) < 0.0; reach *= 2.0) {
+        low -= reach;
+    }
+    for (double reach = 2.0; excess(high) > 0.0; reach *= 2.0) {
+        high += reach;
+    }
+    const auto root =
+        boost::math::tools::bisect(excess, low, high, boost::math::tools::eps_tolerance<double>(30));
+    return 0.5 * (root.first + root.second);
+}
+
+/// `scale`: t over the standardised difference. Farther than this the distribution cannot be computed.
+void put_effect(Difference& into, double deviation, double scale, double freedom, double level) {
+    constexpr double farthest = 35.0;
+    if (!(deviation > 0.0) || freedom < 2.0) {  // the correction for the bias begins at two
+        return;
+    }
+    const double unbiased =
+        boost::math::tgamma_ratio(0.5 * freedom, 0.5 * (freedom - 1.0)) / std::sqrt(0.5 * freedom);
+    const double raw = into.value / deviation;
+    into.effect = unbiased * raw;
+    if (const double t = raw * scale; std::abs(t) < farthest) {
+        into.effect_interval = {unbiased / scale * non_centrality(freedom, t, 0.5 * (1.0 + level)),
+                                unbiased / scale * non_centrality(freedom, t, 0.5 * (1.0 - level))};
+    }
+}
+
+/// All but the effect, of samples whose means differ by `value`.
+Difference bootstrapped(const std::vector<Sample>& parts, double value, const Bootstrap& how) {
+    Difference out;
+    out.value = value;
+    double variance = 0.0, spread = 0.0;
+    for (const Sample& part : parts) {
+        const double n = static_cast<double>(part.size());
+        const double squares = std::inner_product(part.begin(), part.end(), part.begin(), 0.0);
+        variance += squares / n / (n - 1.0);
+        spread = std::max(spread, squares);
+    }
+    if (!(spread > 0.0)) {
+        out.interval = {value, value};
+        return out;
+    }
+    Draws draws = draw_all(parts, how);
+    const double t = std::abs(value / std::sqrt(variance));
+    const auto as_far = std::ranges::count_if(draws.t, [t](double drawn) { return std::abs(drawn) >= t; });
+    out.p = static_cast<double>(as_far + 1) / static_cast<double>(how.resamples + 1);
+    out.interval = accelerated(parts, std::move(draws.difference), how.level);
+    out.interval.low += value;
+    out.interval.high += value;
+    return out;
+}
+
+}  // namespace
+
+double mean_of(std::span<const double> values) {
+    return values.empty()
+               ? no_value
+               : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double deviation_of(std::span<const double> values) {
+    if (values.size() < 2) {
+        return no_value;
+    }
+    const Sample about = centred(values);
+    return std::sqrt(std::inner_product(about.begin(), about.end(), about.begin(), 0.0) /
+                     static_cast<double>(values.size() - 1));
+}
+
+Difference difference_between(std::span<const double> a, std::span<const double> b, const Bootstrap& how) {
+    Difference out;
+    out.value = mean_of(b) - mean_of(a);
+    if (a.size() < 2 || b.size() < 2) {
+        return out;
+    }
+    out = bootstrapped({centred(a), centred(b)}, out.value, how);
+    const double n = static_cast<double>(a.size()), m = static_cast<double>(b.size());
+    const double pooled =
+        std::sqrt(((n - 1.0) * std::pow(deviation_of(a), 2) + (m - 1.0) * std::pow(deviation_of(b), 2)) /
+                  (n + m - 2.0));
+    put_effect(out, pooled, std::sqrt(n * m / (n + m)), n + m - 2.0, how.level);
+    return out;
+}
+
+Difference difference_within(std::span<const double> differences, const Bootstrap& how) {
+    Difference out;
+    out.value = mean_of(differences);
+    if (differences.size() < 2) {
+        return out;
+    }
+    out = bootstrapped({centred(differences)}, out.value, how);
+    const double n = static_cast<double>(differences.size());
+    put_effect(out, deviation_of(differences), std::sqrt(n), n - 1.0, how.level);
+    return out;
+}
+
+std::vector<double> holm(std::span<const double> p) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        if (!std::isnan(p[i])) {
+            order.push_back(i);
+        }
+    }
+    std::ranges::sort(order, {}, [&](std::size_t i) { return p[i]; });
+    std::vector<double> adjusted(p.begin(), p.end());
+    double greatest = 0.0;
+    for (std::size_t rank = 0; rank < order.size(); ++rank) {
+        greatest = std::max(greatest, p[order[rank]] * static_cast<double>(order.size() - rank));
+        adjusted[order[rank]] = std::min(1.0, greatest);
+    }
+    return adjusted;
+}
+
+Agreement agreement(const std::vector<std::vector<double>>& scores, double level) {
+    Agreement out;
+    if (scores.size() < 2 || scores.front().size() < 2) {
+        return out;
+    }
+    const double n = static_cast<double>(scores.size()), k = static_cast<double>(scores.front().size());
+    Sample all, raters(scores.front().size(), 0.0);
+    double rows = 0.0;
+    for (const Sample& row : scores) {
+        all.insert(all.end(), row.begin(), row.end());
+        for (std::size_t j = 0; j < row.size(); ++j) {
+            raters[j] += row[j] / n;
+        }
+    }
+    const double middle = mean_of(all);
+    const auto square = [](double x) { return x * x; };
+    for (const Sample& row : scores) {
+        rows += k * square(mean_of(row) - middle);
+    }
+    double columns = 0.0, total = 0.0;
+    for (const double mean : raters) {
+        columns += n * square(mean - middle);
+    }
+    for (const double score : all) {
+        total += square(score - middle);
+    }
+    if (!(total > 0.0)) {
+        return out;
+    }
+    // Mean squares of rows, of raters and of what is left; the last not below zero by rounding.
+    const double msr = rows / (n - 1.0), msj = columns / (k - 1.0);
+    const double mse = std::max(0.0, total - rows - columns) / ((n - 1.0) * (k - 1.0));
+    out.single = (msr - mse) / (msr + (k - 1.0) * mse + k * (msj - mse) / n);
+    out.mean = (msr - mse) / (msr + (msj - mse) / n);
+    if (!(mse > 1e-12 * total)) {
+        return out;  // raters differ by constants alone: F is infinite
+    }
+    const double r = out.single, f = msj / mse;
+    const double v = (k - 1.0) * (n - 1.0) * square(k * r * f + n * (1.0 + (k - 1.0) * r) - k * r) /
+                     ((n - 1.0) * square(k * r * f) + square(n * (1.0 + (k - 1.0) * r) - k * r));
+    const double tail = 0.5 * (1.0 + level);
+    const double above = boost::math::quantile(boost::math::fisher_f(n - 1.0, v), tail);
+    const double below = boost::math::quantile(boost::math::fisher_f(v, n - 1.0), tail);
+    const double rest = k * msj + (k * n - k - n) * mse;
+    out.single_interval = {n * (msr - above * mse) / (above * rest + n * msr),
+                           n * (below * msr - mse) / (rest + n * below * msr)};
+    const auto of_mean = [k](double one) { return k * one / (1.0 + (k - 1.0) * one); };
+    out.mean_interval = {of_mean(out.single_interval.low), of_mean(out.single_interval.high)};
+    return out;
+}
+
+}  // namespace eti::review

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fmt/format.h>
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <optional>
+
+#include "client/review/output.hpp"
+#include "client/review/prompt.hpp"
+#include "client/review/server_program.hpp"
+#include "client/review/study.hpp"
+#include "common/process/guard.hpp"
+#include "common/process/stop_signal.hpp"
+#include "common/scenario/scenario.hpp"
+#include "common/scenario/yaml_map.hpp"
+
+namespace eti::review {
+
+namespace {
+
+constexpr int interrupted = 130;
+constexpr int no_server = 127;
+
+enum class State : std::uint8_t { open, done, cut_off };
+constexpr std::string_view state_words[] = {"open", "done", "cut off"};
+
+/// Of a session's file. Reads it in a process of its own.
+State state_of(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) {
+        return State::open;
+    }
+    const Guarded read = run_guarded([&file] {
+        try {
+            const Summary summary = summarise(file);
+            return summary.finished && summary.has_run ? 0 : 1;
+        } catch (const std::exception&) {
+            return 1;
+        }
+    });
+    return !read.broken && read.status == 0 ? State::done : State::cut_off;
+}
+
+/// The study as it is run in a folder.
+class Progress {
+  public:
+    Progress(const Study& study, const std::filesystem::path& folder)
+        : folder_(folder), sessions_(plan_of(study)) {
+        for (const PlannedSession& session : sessions_) {
+            states_.push_back(state_of(folder / session.file));
+        }
+    }
+
+    [[nodiscard]] const std::vector<PlannedSession>& sessions() const { return sessions_; }
+    [[nodiscard]] State state(std::size_t i) const { return states_[i]; }
+    void look_again(std::size_t i) { states_[i] = state_of(folder_ / sessions_[i].file); }
+    [[nodiscard]] std::size_t done() const {
+        return static_cast<std::size_t>(std::ranges::count(states_, State::done));
+    }
+
+    /// Where the study is, in place of what it was before.
+    void write() const {
+        std::string out = "number,participant,place,condition,scenario,operator,seed,state,file\r\n";
+        for (std::size_t i = 0; i < sessions_.size(); ++i) {
+            const PlannedSession& one = sessions_[i];
+            out +=
+                fmt::format("{},{},{},{},{},{},{},{},{}\r\n", i + 1, one.participant->name, one.place,
+                            csv_text(one.condition->name), csv_text(one.condition->scenario),
+                            csv_text(one.participant->operator_), one.participant->seed,
+                            state_words[static_cast<std::size_t>(states_[i])], csv_text(one.file.string()));
+        }
+        const std::filesystem::path path = folder_ / "plan.csv", unfinished = folder_ / "plan.csv.unfinished";
+        std::ofstream file(unfinished, std::ios::binary);
+        file << out;
+        file.close();
+        std::error_code error;
+        if (file) {
+            std::filesystem::rename(unfinished, path, error);
+        }
+        if (!file || error) {
+            throw ExportError(
+                fmt::format("{}: cannot be written; make room or choose another with --out", path.string()));
+        }
+    }
+
+  private:
+    std::filesystem::path folder_;
+    std::vector<PlannedSession> sessions_;
+    std::vector<State> states_;
+};
+
+/// The folder belongs to one study: what it was asked to run lies in it.
+void keep_study(const Study& study, const std::filesystem::path& folder) {
+    const std::filesystem::path kept = folder / "study.yaml";
+    std::error_code ignored;
+    if (!std::filesystem::exists(kept, ignored)) {
+        write_new_file(kept, study.text, "--out");
+    } else if (read_text_file(kept) != study.text) {
+        throw InputError(
+            fmt::format("{}: the study in this folder is not the one that was given; expected is the same to "
+                        "the letter, as its "
+                        "sessions belong together: give {} itself, or choose another folder with --out",
+                        kept.string(), kept.string()));
+    }
+}
+
+/// A recording that did not come to its end makes room for the next, and stays.
+void put_aside(const std::filesystem::path& file) {
+    for (int number = 1;; ++number) {
+        const std::filesystem::path aside = fmt::format("{}.cut-{}", file.string(), number);
+        if (!std::filesystem::exists(aside)) {
+            std::filesystem::rename(file, aside);
+            return;
+        }
+    }
+}
+
+std::vector<std::string> server_arguments(const PlannedSession& session, const StudyRun& how) {
+    const Study::Participant& who = *session.participant;
+    std::vector<std::string> words{
+        "--scenario", session.condition->scenario,          "--participant", who.name,
+        "--record",   (how.folder / session.file).string(), "--seed",        std::to_string(who.seed)};
+    if (who.operator_.empty()) {
+        words.emplace_back("--finish-after-attempt");
+    } else {
+        words.insert(words.end(), {"--operator", who.operator_, "--fast", "--no-dds"});
+    }
+    words.insert(words.end(), how.further.begin(), how.further.end());
+    return words;
+}
+
+/// Whether a person is ready.
+bool ready(const PlannedSession& session) {
+    std::cout << fmt::format("{}: condition {} ({}). Enter begins, q and Enter ends: ",
+                             session.participant->name, session.condition->name, session.condition->scenario)
+              << std::flush;
+    const auto line = read_line();
+    return line && *line != "q";
+}
+
+std::string outcome_of(const std::filesystem::path& file) {
+    const Summary summary = summarise(file);
+    return fmt::format("{}, {:.1f} s", summary.run.outcome.success ? "intubated" : "not intubated",
+                       summary.duration);
+}
+
+}  // namespace
+
+int run_study(const Study& study, const StudyRun& how, bool json) {
+    if (!how.participant.empty() &&
+        std::ranges::find(study.participants, how.participant, &Study::Participant::name) ==
+            study.participants.end()) {
+        throw InputError(fmt::format("--participant {}: not in the study; expected is one of {} to {}",
+                                     how.participant, study.participants.front().name,
+                                     study.participants.back().name));
+    }
+    for (const Study::Condition& condition : study.conditions) {
+        (void)load_scenario(find_data_file(condition.scenario, "scenarios"));
+    }
+    for (const Study::Participant& participant : study.participants) {
+        if (!participant.operator_.empty()) {
+            (void)find_data_file(participant.operator_, "operators");
+        }
+    }
+    if (!how.status_only) {
+        keep_study(study, how.folder);
+    }
+    Progress progress(study, how.folder);
+    const std::size_t count = progress.sessions().size();
+    const auto end = [&](int status) {
+        if (json) {
+            std::cout << nlohmann::ordered_json{{"study", study.name},
+                                                {"sessions", count},
+                                                {"done", progress.done()},
+                                                {"plan", (how.folder / "plan.csv").string()}}
+                             .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+                      << '\n';
+        } else {
+            std::cout << fmt::format("{}: {} of {} sessions done; {}\n", study.name, progress.done(), count,
+                                     (how.folder / "plan.csv").string());
+        }
+        return status;
+    };
+    if (how.status_only) {
+        for (std::size_t i = 0; i < count && !json; ++i) {
+            const PlannedSession& session = progress.sessions()[i];
+            std::cout << fmt::format("[{}/{}] {} {} {}\n", i + 1, count, session.participant->name,
+                                     session.condition->name,
+                                     state_words[static_cast<std::size_t>(progress.state(i))]);
+        }
+        return end(0);
+    }
+    progress.write();
+    for (std::size_t i = 0; i < count; ++i) {
+        const PlannedSession& session = progress.sessions()[i];
+        if (progress.state(i) == State::done ||
+            (!how.participant.empty() && session.participant->name != how.participant)) {
+            continue;
+        }
+        if (stop_asked() || (session.participant->operator_.empty() && !ready(session))) {
+            return end(interrupted);
+        }
+        const std::filesystem::path file = how.folder / session.file;
+        if (progress.state(i) == State::cut_off) {
+            put_aside(file);
+        }
+        std::filesystem::create_directories(file.parent_path());
+        const int status = run_server(server_arguments(session, how));
+        std::error_code ignored;
+        if (stop_asked() && std::filesystem::exists(file, ignored)) {
+            put_aside(file);  // ended before its time, though in order
+        }
+        progress.look_again(i);
+        progress.write();
+        if (stop_asked()) {
+            return end(interrupted);
+        }
+        // Its status tells whether the trachea was intubated; that is in the file.
+        if (progress.state(i) != State::done) {
+            std::cerr << fmt::format(
+                "eti-review: session {} of {} ({}, {}) ended with status {} and without a whole record; see "
+                "what "
+                "eti-server said above, and start the study again\n",
+                i + 1, count, session.participant->name, session.condition->name, status);
+            return end(status == no_server ? no_server : 1);
+        }
+        if (!json) {
+            std::cout << fmt::format("[{}/{}] {} {}: {}\n", i + 1, count, session.participant->name,
+                                     session.condition->name, outcome_of(file))
+                      << std::flush;
+        }
+    }
+    return end(0);
+}
+
+}  // namespace eti::review

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/opinions.hpp"
+
+#include <unistd.h>
+
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/fmt/fmt.h>
+#include <algorithm>
+#include <chrono>
+#include <functional>
+
+#include "common/hdf5/file.hpp"
+#include "common/session/liveness.hpp"
+#include "common/session/reader.hpp"
+#include "common/session/superblock.hpp"
+
+namespace eti::session {
+
+namespace {
+
+using hdf5::Group;
+
+template <class Record, class Field>
+std::vector<std::string> texts_of(const std::vector<Record>& records, Field field) {
+    std::vector<std::string> texts;
+    for (const Record& record : records) {
+        texts.push_back(record.*field);
+    }
+    return texts;
+}
+
+/// Texts of a group, each as long as the first list.
+class Columns {
+  public:
+    Columns(const Group& group, const char* first) : group_(group), rows_(group.read_texts(first).size()) {}
+    [[nodiscard]] std::size_t rows() const { return rows_; }
+    [[nodiscard]] std::vector<std::string> texts(const char* name) const {
+        std::vector<std::string> texts = group_.read_texts(name);
+        if (texts.size() != rows_) {
+            throw hdf5::Error(fmt::format("{}: {} rows, expected {} as in its neighbours", group_.at(name),
+                                          texts.size(), rows_));
+        }
+        return texts;
+    }
+
+  private:
+    const Group& group_;
+    std::size_t rows_;
+};
+
+void write_ratings(const Group& root, const std::vector<Rating>& ratings) {
+    const Group group = root.create(ratings_group);
+    group.write_texts("rater", texts_of(ratings, &Rating::rater), {"1", "who rated"});
+    group.write_texts("item", texts_of(ratings, &Rating::item), {"1", "what was rated"});
+    group.write_texts("given", texts_of(ratings, &Rating::given), {"1", "when, UTC"});
+    std::vector<std::uint8_t> scores;
+    for (const Rating& rating : ratings) {
+        scores.push_back(rating.score);
+    }
+    group.write<std::uint8_t>("score", scores, {scores.size()}, {"1", "1 (worst) to 5 (best)"});
+}
+
+void write_answers(const Group& root, const std::vector<Answer>& answers) {
+    const Group group = root.create(answers_group);
+    group.write_texts("form", texts_of(answers, &Answer::form), {"1", "name of the form"});
+    group.write_texts("question", texts_of(answers, &Answer::question), {"1", "name of the question in it"});
+    group.write_texts("text", texts_of(answers, &Answer::text), {"1", "the question as it was asked"});
+    group.write_texts("answer", texts_of(answers, &Answer::answer),
+                      {"1", "a score from 1 (worst) to 5 (best), yes or no, or words"});
+    group.write_texts("given", texts_of(answers, &Answer::given), {"1", "when, UTC"});
+}
+
+void require_amendable(const std::filesystem::path& file) {
+    const SessionReader reader(file);
+    if (reader.live()) {
+        throw hdf5::Error(
+            fmt::format("{}: a running program is recording into this file; expected is a finished one: end "
+                        "the session first",
+                        file.string()));
+    }
+    const auto superblock = read_superblock(file);
+    if (reader.rows_in_tail() > 0 || (superblock && superblock->marked_open)) {
+        throw hdf5::Error(
+            fmt::format("{}: the program that recorded was killed, and nothing can be added to its file as "
+                        "it is; run first: "
+                        "eti-review check --repair {}",
+                        file.string(), file.string()));
+    }
+}
+
+/// Changes a copy, which takes the file's place when it is whole.
+void amend(const std::filesystem::path& file, const std::function<void(const Group& root)>& change) {
+    require_amendable(file);
+    const std::filesystem::path copy = fmt::format("{}.unfinished.{}", file.string(), ::getpid());
+    try {
+        std::filesystem::copy_file(file, copy);
+        hdf5::File open = hdf5::File::open(copy, hdf5::Access::modify, file);
+        change(open.root());
+        open.close();
+        std::filesystem::rename(copy, file);
+    } catch (const std::filesystem::filesystem_error& error) {
+        std::error_code ignored;
+        std::filesystem::remove(copy, ignored);
+        throw hdf5::Error(
+            fmt::format("{}: cannot be changed: {}; the folder needs room for a copy and must be "
+                        "writable",
+                        file.string(), error.code().message()));
+    } catch (...) {
+        std::error_code ignored;
+        std::filesystem::remove(copy, ignored);
+        throw;
+    }
+}
+
+void remove_group(const Group& root, const char* name) {
+    if (root.has(name) && H5Ldelete(root.id(), name, H5P_DEFAULT) < 0) {
+        throw hdf5::Error(fmt::format("{}: cannot be replaced: {}", root.at(name), hdf5::last_error()));
+    }
+}
+
+/// Newer records replace those of which `same` holds.
+template <class Record, class Same>
+std::vector<Record> merged(std::vector<Record> records, const std::vector<Record>& newer, const Same& same) {
+    for (const Record& one : newer) {
+        std::erase_if(records, [&](const Record& old) { return same(old, one); });
+        records.push_back(one);
+    }
+    return records;
+}
+
+}  // namespace
+
+std::vector<Rating> read_ratings(const Group& root) {
+    if (!root.has(ratings_group)) {
+        return {};
+    }
+    const Group group = root.open(ratings_group);
+    const Columns columns(group, "rater");
+    const auto raters = columns.texts("rater"), items = columns.texts("item"), given = columns.texts("given");
+    const auto scores = group.read<std::uint8_t>("score", {columns.rows()}).values;
+    std::vector<Rating> ratings;
+    for (std::size_t i = 0; i < columns.rows(); ++i) {
+        ratings.push_back({raters[i], items[i], scores[i], given[i]});
+    }
+    return ratings;
+}
+
+std::vector<Answer> read_answers(const Group& root) {
+    if (!root.has(answers_group)) {
+        return {};
+    }
+    const Group group = root.open(answers_group);
+    const Columns columns(group, "form");
+    const auto forms = columns.texts("form"), questions = columns.texts("question"),
+               texts = columns.texts("text"), answers = columns.texts("answer"),
+               given = columns.texts("given");
+    std::vector<Answer> out;
+    for (std::size_t i = 0; i < columns.rows(); ++i) {
+        out.push_back({forms[i], questions[i], texts[i], answers[i], given[i]});
+    }
+    return out;
+}
+
+void add_ratings(const std::filesystem::path& file, const std::vector<Rating>& ratings) {
+    amend(file, [&](const Group& root) {
+        const auto all = merged(read_ratings(root), ratings, [](const Rating& a, const Rating& b) {
+            return a.rater == b.rater && a.item == b.item;
+        });
+        remove_group(root, ratings_group);
+        write_ratings(root, all);
+    });
+}
+
+void add_answers(const std::filesystem::path& file, const std::vector<Answer>& answers) {
+    amend(file, [&](const Group& root) {
+        const auto all = merged(read_answers(root), answers, [](const Answer& a, const Answer& b) {
+            return a.form == b.form && a.question == b.question;
+        });
+        remove_group(root, answers_group);
+        write_answers(root, all);
+    });
+}
+
+std::string utc_now() {
+    return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                       fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
+
+}  // namespace eti::session

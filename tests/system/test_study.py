@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Studies: sessions in turn, compared as an independent program compares them, rated, asked about, without names."""
+
+import csv
+import json
+import os
+import pty
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+import numpy
+import scipy.optimize
+import scipy.special
+import scipy.stats
+
+import support
+
+STUDY = """name: short
+seed: 5
+conditions:
+  - {name: one, scenario: term}
+  - {name: two, scenario: term}
+participants:
+  - {count: 2, operator: no_lift}
+"""
+SHORT = ["--duration", "0.2"]  # long enough to be a session
+
+
+def read_plan(folder):
+    with (folder / "plan.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class Study(support.Case):
+    def setUp(self):
+        super().setUp()
+        self.study = self.folder / "short.yaml"
+        self.study.write_text(STUDY)
+        self.out = self.folder / "out"
+
+    def review(self, *arguments, status=0, **options):
+        done = support.run("eti-review", *arguments, timeout=300, **options)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def run_study(self, *arguments, status=0):
+        return self.review("study", self.study, "--out", self.out, *arguments, status=status)
+
+    def record(self):
+        """One short session, of which others are made."""
+        file = self.folder / "template.eti.h5"
+        done = support.run("eti-server", "--scenario", "term", "--no-dds", "--fast", "--record", file, *SHORT, timeout=300)
+        self.assertTrue(file.exists(), done.stderr)
+        return file
+
+    def sessions(self, group, times, participants=None):
+        """Files whose runs took these times."""
+        template = self.record() if not (self.folder / "template.eti.h5").exists() else self.folder / "template.eti.h5"
+        files = []
+        for number, value in enumerate(times):
+            file = self.folder / f"{group}-{number}.eti.h5"
+            shutil.copy(template, file)
+            with h5py.File(file, "r+") as session:
+                run = numpy.flatnonzero(session["summary/attempt"][:] == 0)
+                session["summary/time_s"][run] = value
+                if participants:
+                    session["meta/more"].attrs["participant"] = participants[number]
+            files.append(file)
+        return files
+
+    def compare(self, *arguments):
+        done = self.review("compare", *arguments, "--json")
+        result = json.loads(done.stdout)
+        return result, next(one for one in result["measures"] if one["key"] == "time_s")
+
+    def assert_effect(self, entry, standardised, scale, freedom):
+        """Hedges' g and its interval by SciPy's non-central t."""
+        unbiased = numpy.exp(scipy.special.gammaln(freedom / 2) - scipy.special.gammaln((freedom - 1) / 2)) / numpy.sqrt(
+            freedom / 2)
+        t = standardised * scale
+        ends = [scipy.optimize.brentq(lambda x: scipy.stats.nct.cdf(t, freedom, x) - p, t - 30, t + 30) / scale
+                for p in (0.975, 0.025)]
+        self.assertAlmostEqual(entry["hedges_g"], unbiased * standardised, places=9)
+        numpy.testing.assert_allclose(entry["hedges_g_interval"], unbiased * numpy.array(ends), rtol=1e-5, atol=1e-6)
+
+    def test_a_comparison_is_that_of_scipy(self):
+        random = numpy.random.default_rng(4)
+        first, second = random.gamma(9, 1.5, 14), random.gamma(9, 2.0, 11)
+        result, time_s = self.compare(
+            "--group", "first", *self.sessions("first", first), "--group", "second", *self.sessions("second", second),
+            "--resamples", 100_000)
+        for group, values in zip(time_s["groups"], (first, second)):
+            self.assertEqual(group["count"], len(values))
+            self.assertAlmostEqual(group["mean"], values.mean(), places=9)
+            self.assertAlmostEqual(group["deviation"], values.std(ddof=1), places=9)
+        entry = time_s["differences"][0]
+        self.assertAlmostEqual(entry["difference"], second.mean() - first.mean(), places=9)
+        ends = scipy.stats.bootstrap((first, second), lambda a, b, axis: b.mean(axis) - a.mean(axis), vectorized=True,
+                                     n_resamples=100_000, batch=10_000, method="BCa", random_state=1).confidence_interval
+        # The standard error of a quantile of 0.025 among 100,000 draws of a normal distribution is 0.0085 of its
+        # deviation; of two, and four times that.
+        error = numpy.sqrt(first.var(ddof=1) / 14 + second.var(ddof=1) / 11)
+        numpy.testing.assert_allclose(entry["interval"], ends, atol=4 * 0.0085 * numpy.sqrt(2) * error)
+        pooled = numpy.sqrt((13 * first.var(ddof=1) + 10 * second.var(ddof=1)) / 23)
+        self.assert_effect(entry, (second.mean() - first.mean()) / pooled, numpy.sqrt(14 * 11 / 25), 23)
+        self.assertEqual(result["seed"], 1)
+
+    def test_pairs_are_compared_by_participant_as_by_scipy(self):
+        random = numpy.random.default_rng(8)
+        before = random.gamma(9, 1.5, 12)
+        after = before - random.normal(1, 2, 12)
+        names = [f"P{i}" for i in range(12)]
+        turned = numpy.arange(12)[::-1]
+        _, time_s = self.compare("--group", "before", *self.sessions("before", before, names), "--group", "after",
+                                 *self.sessions("after", after[turned], [names[i] for i in turned]), "--paired",
+                                 "--resamples", 100_000)
+        entry, change = time_s["differences"][0], after - before
+        self.assertEqual(entry["pairs"], 12)
+        self.assertAlmostEqual(entry["difference"], change.mean(), places=9)
+        ends = scipy.stats.bootstrap((change,), lambda a, axis: a.mean(axis), vectorized=True, n_resamples=100_000,
+                                     batch=10_000, method="BCa", random_state=1).confidence_interval
+        error = change.std(ddof=1) / numpy.sqrt(12)
+        numpy.testing.assert_allclose(entry["interval"], ends, atol=4 * 0.0085 * numpy.sqrt(2) * error)
+        self.assert_effect(entry, change.mean() / change.std(ddof=1), numpy.sqrt(12), 11)
+
+    def test_is_ended_and_gone_on_with(self):
+        self.assertIn("0 of 4 sessions done", self.run_study("--status").stdout)
+        self.assertFalse(self.out.exists(), "asking where it is must write nothing")
+        first = subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out],
+                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                 start_new_session=True, text=True)
+        end = time.monotonic() + 200
+        while not list(self.out.glob("*/*.eti.h5")) and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(0.5)
+        os.killpg(first.pid, signal.SIGINT)  # as Ctrl-C does
+        first.communicate(timeout=60)
+        self.assertEqual(first.returncode, 130)
+        self.assertEqual(len(list(self.out.glob("*/*.cut-1"))), 1)
+        self.assertEqual({row["state"] for row in read_plan(self.out)}, {"open"})
+        # A server killed in the midst leaves a file without its end.
+        cut = self.out / "one" / "P01.eti.h5"
+        cut.write_bytes(b"no session")
+        self.assertIn("4 of 4 sessions done", self.run_study(*SHORT).stdout)
+        plan = read_plan(self.out)
+        self.assertEqual([row["condition"] for row in plan], ["one", "two", "two", "one"])
+        self.assertEqual({row["state"] for row in plan}, {"done"})
+        for row in plan:
+            with h5py.File(self.out / row["file"]) as session:
+                self.assertEqual(session["meta/more"].attrs["participant"], row["participant"])
+                self.assertEqual(session["meta"].attrs["seed"], int(row["seed"]))
+        # Done is done: nothing runs again.
+        before = {file: file.stat().st_mtime_ns for file in self.out.glob("*/*.eti.h5")}
+        self.run_study(*SHORT)
+        self.assertEqual(before, {file: file.stat().st_mtime_ns for file in self.out.glob("*/*.eti.h5")})
+        self.study.write_text(STUDY.replace("seed: 5", "seed: 6"))
+        self.assert_refused(self.run_study(status=1), "not the one that was given", self.out / "study.yaml")
+
+    def test_one_participant_alone(self):
+        done = self.run_study("--participant", "P02", *SHORT)
+        self.assertIn("2 of 4 sessions done", done.stdout)
+        self.assertEqual([row["state"] for row in read_plan(self.out)], ["open", "open", "done", "done"])
+        self.assert_refused(self.run_study("--participant", "P99", status=1), "P99", "P01 to P02")
+
+    def test_a_person_is_waited_for(self):
+        self.study.write_text(STUDY.replace("{count: 2, operator: no_lift}", "{count: 1}"))
+        done = subprocess.run([support.BIN / "eti-review", "study", self.study, "--out", self.out, "--no-dds", "--fast", *SHORT],
+                              input="\nq\n", capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 130, done.stderr)
+        self.assertIn("P01: condition one (term). Enter begins", done.stdout)
+        self.assertIn("1 of 2 sessions done", done.stdout)
+
+    def test_ratings_answers_and_a_copy_without_names(self):
+        file = self.record()
+        self.review("rate", file, "--rater", "dr-hopper", "--score", "overall=4", "--score", "lift=2")
+        self.review("rate", file, "--rater", "dr-hopper", "--score", "lift=3")
+        self.assert_refused(self.review("rate", file, "--rater", "x", "--score", "lift=7", status=1), "lift=7", "ITEM=SCORE")
+        answers = self.folder / "answers.yaml"
+        answers.write_text("look_of_anatomy: 4\nmissing: more foam\n")
+        self.review("questionnaire", file, "--answers", answers)
+        answers.write_text("look_of_anatomy: 6\n")
+        self.assert_refused(self.review("questionnaire", file, "--answers", answers, status=1), "answers.yaml",
+                            "look_of_anatomy", "1 (not at all) to 5 (as in life)")
+        with h5py.File(file) as session:
+            self.assertEqual(dict(zip(session["ratings/item"].asstr(), session["ratings/score"])), {"overall": 4, "lift": 3})
+            self.assertEqual(list(session["answers/answer"].asstr()), ["4", "more foam"])
+        self.review("export", file, "--out", self.folder / "csv")
+        with (self.folder / "csv" / "ratings.csv").open(newline="") as table:
+            self.assertEqual([(row["rater"], row["item"], row["score"]) for row in csv.DictReader(table)],
+                             [("dr-hopper", "overall", "4"), ("dr-hopper", "lift", "3")])
+        copy = self.folder / "copy.eti.h5"
+        self.review("anonymise", file, "--out", copy, "--participant", "P9")
+        self.assertNotIn(b"hopper", copy.read_bytes())
+        self.assertIn("sound", self.review("check", copy).stdout)
+        with h5py.File(copy) as session, h5py.File(file) as before:
+            self.assertEqual(session["meta/more"].attrs["participant"], "P9")
+            numpy.testing.assert_array_equal(session["tools/proxy_pose"][:], before["tools/proxy_pose"][:])
+        self.assert_refused(self.review("anonymise", file, "--out", copy, status=1), "not replaced")
+
+    def test_questions_are_asked_at_the_terminal(self):
+        file = self.record()
+        form = self.folder / "form.yaml"
+        form.write_text("name: f\nquestions:\n  - {name: look, ask: 'Looks real?'}\n  - {name: hard, ask: 'Hard?', kind: yes_no}\n")
+        mine, theirs = pty.openpty()
+        process = subprocess.Popen([support.BIN / "eti-review", "questionnaire", file, "--form", form], stdin=theirs,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        os.write(mine, b"9\n2\nyes\n")
+        output, _ = process.communicate(timeout=60)
+        os.close(mine)
+        os.close(theirs)
+        self.assertEqual(process.returncode, 0, output)
+        self.assertIn("'9' is no answer", output)
+        self.assertIn("2 of 2 questions answered", output)
+        with h5py.File(file) as session:
+            self.assertEqual(list(session["answers/answer"].asstr()), ["2", "yes"])
+
+
+if __name__ == "__main__":
+    unittest.main()
