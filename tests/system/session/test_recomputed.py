@@ -31,6 +31,11 @@ class Recomputed(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         return record
 
+    def written(self, name, script):
+        operator = self.folder / f"{name}.yaml"
+        operator.write_text(yaml.safe_dump(script, sort_keys=False), encoding="utf-8")
+        return operator
+
     def assert_row(self, file, row, found):
         keys = [key.replace(".", "/") for key in recompute.texts(file["scene/definitions/parameters/key"])]
         self.assertEqual(set(keys), set(found), "all parameters that the file defines")
@@ -103,6 +108,19 @@ class Recomputed(support.Case):
             _, parts = self.assert_recomputed(file)
             self.assertGreater(parts[0].values["pitch_peaks"], 0)
 
+    def test_of_a_tube_pushed_far_past_the_carina(self):
+        """It is counted once, and in nothing else, wherever it goes then."""
+        script = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
+        for stage in (*script["laryngoscope"], *script["tube"]):
+            if "tube_depth_mm" in stage.get("until", {}):
+                del stage["until"]  # which ends the advance in time
+                stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 8})
+        with h5py.File(self.record("term", self.written("deep", script))) as file:
+            steps, (part,) = self.assert_recomputed(file)
+            self.assertGreater((steps.along - steps.trachea_length).max(), 0.03)
+            self.assertEqual(part.values["main_stem_entries"], 1)
+            self.assertEqual(part.values["oesophageal_entries"], 0)
+
     def test_of_two_attempts(self):
         """The run's values, of attempts that differ in length, depth and what the tube does."""
         expert = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
@@ -110,9 +128,7 @@ class Recomputed(support.Case):
         lever = [{"stage": "lever", "keep": True, "pitch_deg": turn, "speed_mm_per_s": 20} for turn in (-9, 9)]
         tube = [{**expert["tube"][0], "until": {"time_s": 3.0}}, {**expert["tube"][1], "hold_s": 4}]
         script = {**expert, "name": "twice", "laryngoscope": [*way_in, out, *way_in, *lever, out], "tube": tube}
-        operator = self.folder / "twice.yaml"
-        operator.write_text(yaml.safe_dump(script, sort_keys=False), encoding="utf-8")
-        with h5py.File(self.record("premature", operator)) as file:
+        with h5py.File(self.record("premature", self.written("twice", script))) as file:
             _, parts = self.assert_recomputed(file)
             self.assertEqual(len(parts), 2)
 
