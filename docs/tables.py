@@ -16,7 +16,7 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
-PAGES = ("scenarios.md", "commands.md", "metrics.md")
+PAGES = ("scenarios.md", "commands.md", "metrics.md", "metrics-numbers.md")
 
 
 def number(value):
@@ -63,7 +63,13 @@ def parameters(tables):
                   for r in tables["parameters"]])
 
 
-MAKERS = {"scenario": scenario, "live": live, "parameters": parameters}
+def thresholds(tables):
+    return table(["name", "value", "meaning"],
+                 [[f"`{r['name']}`", f"{number(r['value'])} {r['unit']}".removesuffix(" 1"), r["meaning"]]
+                  for r in tables["thresholds"]])
+
+
+MAKERS = {"thresholds": thresholds, "scenario": scenario, "live": live, "parameters": parameters}
 
 
 def main():

@@ -105,6 +105,8 @@ std::vector<std::string> titles(const Series& series, const std::string& group) 
         if (series.row_shape.size() == 1 && count == 7) {
             part = fmt::format("_{}", pose_parts[i]);
             unit = i < 3 ? "m" : "1";
+        } else if (series.row_shape.size() == 1 && count == 4) {
+            part = fmt::format("_{}", pose_parts[3 + i]);
         } else if (series.row_shape.size() == 1 && count == 3) {
             part = fmt::format("_{}", pose_parts[i]);
         } else if (series.row_shape.size() == 2) {
@@ -282,6 +284,7 @@ std::vector<std::filesystem::path> export_csv(
            (!reader.root().has("contacts") ||
             (table("contacts", "contacts", false) && table("contacts", "contact_forces", true))) &&
            table("skeleton", "skeleton", false) && table("tissue", "tissue", false) &&
+           (!reader.root().has("tissue/landmarks") || table("tissue", "landmarks", true)) &&
            table("metrics", "metrics", false) &&
            (!reader.root().has("state") || table("state", "state", false)) &&
            own("deformation.csv", write_deformation) &&

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "common/model/landmark.hpp"
 
+#include "common/model/thresholds.hpp"
+
 namespace eti {
 
 Vec3f best_eye(const Landmarks& points, float distance) {
@@ -10,6 +12,10 @@ Vec3f best_eye(const Landmarks& points, float distance) {
     const Vec3f under = gum + (at(points, Landmark::lower_gum) - gum) / 3.0f;
     const Vec3f onward = (under - at(points, Landmark::glottis)).normalized();
     return under + distance * onward;
+}
+
+Vec3f best_eye(const Landmarks& points) {
+    return best_eye(points, threshold::eye_distance.as_float());
 }
 
 }  // namespace eti

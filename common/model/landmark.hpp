@@ -65,6 +65,8 @@ using Landmarks = std::array<Vec3f, landmark_count>;
 /// Where an examiner's eye best looks from: on the line from the glottis through a point just
 /// below the upper gum (towards the mouth opening), `distance` [m] beyond the gum.
 /// Returns the eye position [m], patient frame.
-[[nodiscard]] Vec3f best_eye(const Landmarks& points, float distance = 0.30f);
+[[nodiscard]] Vec3f best_eye(const Landmarks& points, float distance);
+/// At threshold::eye_distance.
+[[nodiscard]] Vec3f best_eye(const Landmarks& points);
 
 }  // namespace eti

@@ -120,6 +120,18 @@ constexpr ParameterField rows[] = {
 
 constinit const std::span<const ParameterField> parameter_fields = rows;
 
+std::string_view words_of(Combine combine) {
+    constexpr std::string_view words[] = {"greatest",
+                                          "least",
+                                          "sum",
+                                          "mean over time",
+                                          "mean over time of sight",
+                                          "mean over time in the mouth",
+                                          "at the last passage",
+                                          "at the end"};
+    return words[static_cast<std::size_t>(combine)];
+}
+
 Parameters starting_parameters() {
     Parameters parameters;
     for (const ParameterField& field : parameter_fields) {

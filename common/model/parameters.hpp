@@ -51,6 +51,8 @@ enum class Combine : std::uint8_t {
     last,       ///< of the last attempt; where the run itself has a value, that one
 };
 
+[[nodiscard]] std::string_view words_of(Combine combine);
+
 /// One row of the table of parameters: where a value lies in JSON and files, how it is shown, what it is
 /// before anything has happened, and how a run combines its attempts.
 struct ParameterField {

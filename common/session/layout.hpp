@@ -133,6 +133,14 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     }
 
     add(
+        "skeleton/skull_rotation", "1", "turn of the skull from rest: unit quaternion w x y z, patient frame",
+        [](auto& r) -> auto& { return r.skull_rotation; });
+    add(
+        "tissue/landmarks", "m",
+        "where the landmarks are: step, landmark as in scene/landmarks/name, x y z, patient frame",
+        [](auto& r) -> auto& { return r.landmarks; });
+
+    add(
         "metrics/attempt", "1", "number of the attempt; 0 before the first",
         [](auto& r) -> auto& { return r.attempt; });
     add(
@@ -153,6 +161,18 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "where the glottis was last looked at from, by the trainee or, without an eye_pose, where it is seen "
         "best: x y z, patient frame; 30 times a second",
         [](auto& r) -> auto& { return r.eye_used; });
+    add(
+        "metrics/epiglottis_in_sight", "1",
+        "1 where the last look saw the epiglottis, for which it looked only with nothing of the opening in "
+        "sight",
+        [](auto& r) -> auto& { return r.epiglottis_in_sight; });
+    add(
+        "metrics/oxygen_saturation_now", "%",
+        "oxygen saturation now, as shown; NaN where it is not simulated",
+        [](auto& r) -> auto& { return r.oxygen_saturation; });
+    add(
+        "metrics/heart_rate_now", "1/min", "heart rate now; NaN where it is not simulated",
+        [](auto& r) -> auto& { return r.heart_rate; });
     parameter_columns("metrics", column);
 }
 

@@ -14,6 +14,7 @@
 #include "common/mesh/skinning.hpp"
 #include "common/mesh/surface_place.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/landmark.hpp"
 #include "common/model/live.hpp"
 #include "common/model/parameters.hpp"
 #include "common/model/surface.hpp"
@@ -56,6 +57,21 @@ inline constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
     return {Quatf(no_number, no_number, no_number, no_number), Vec3f::Constant(no_number)};
 }
 
+/// What the session's parameters mean: docs/metrics.md in short, as it was when they were measured.
+struct Definitions {
+    struct Words {
+        std::string key, unit, run, definition, aim;
+    };
+    struct Number {
+        std::string name;
+        double value = 0.0;
+        std::string unit, meaning;
+    };
+    std::uint64_t version = 0;  ///< 0: the file does not say
+    std::vector<Words> parameters;
+    std::vector<Number> thresholds;
+};
+
 /// What does not change during a session, so that a replay needs neither server nor scenario.
 struct SceneRecord {
     std::vector<Vec3f> frame_rest_centre;  ///< [m], bones, clusters, the head's
@@ -69,6 +85,8 @@ struct SceneRecord {
     float tube_inner_diameter = 0.0f;  ///< [m]
     std::size_t tube_nodes = 0;        ///< points of the centre line in every step
     bool liquid = false;               ///< whether the session has secretions
+    float weight = no_number;          ///< [kg], of the newborn
+    Definitions definitions;
     /// Where the tools were before the first step; no_pose() in a file that does not say it.
     RigidTransform laryngoscope_start = no_pose(), tube_grip_start = no_pose();
 };
@@ -101,6 +119,9 @@ struct StepRecord {
     std::vector<Vec3f> tube_nodes;        ///< [m], connector to tip
     LiveValues live;                      ///< what commands change, as it was in this step
     TissueLoads loads;                    ///< of the blade
+    // What of the patient places and angles are told from.
+    std::array<float, 4> skull_rotation{};                         ///< w x y z, from rest
+    std::array<std::array<float, 3>, landmark_count> landmarks{};  ///< [m]
     // Metrics.
     std::uint32_t attempt = 0;  ///< 0 before the first
     bool attempt_running = false;
@@ -108,7 +129,11 @@ struct StepRecord {
     float gum_force_n = 0.0f;              ///< now
     float tube_depth_past_glottis = 0.0f;  ///< [m], negative before the cords
     std::array<float, 3> eye_used{};       ///< [m], where the glottis was last looked at from
-    Parameters parameters;                 ///< of the current attempt so far
+    /// 1 where the last look saw it; looked for only where nothing of the opening was in sight.
+    float epiglottis_in_sight = no_number;
+    float oxygen_saturation = no_number;  ///< [%], where it is simulated
+    float heart_rate = no_number;         ///< [1/min], likewise
+    Parameters parameters;                ///< of the current attempt so far
 };
 
 /// A command as it was latched.

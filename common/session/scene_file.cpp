@@ -9,6 +9,7 @@
 
 #include "common/hdf5/packing.hpp"
 #include "common/session/cell.hpp"
+#include "common/session/definitions.hpp"
 #include "common/session/layout.hpp"
 
 namespace eti::session {
@@ -23,6 +24,7 @@ struct TextField {
     std::string SessionInfo::*value;
 };
 constexpr const char* blade_length = "blade_length_m";
+constexpr const char* weight = "weight_kg";
 
 constexpr TextField text_fields[] = {
     {"session", &SessionInfo::session},        {"start_time", &SessionInfo::start_time},
@@ -63,6 +65,12 @@ std::vector<PointRecord> read_points(const Group& group, std::size_t frames, boo
         points.push_back({names[i], rest[i], skin[i]});
     }
     return points;
+}
+
+/// NaN where an older file does not say it.
+float number_if_there(const Group& group, const char* attribute) {
+    return std::ranges::count(group.attributes(), attribute) > 0 ? static_cast<float>(group.number(attribute))
+                                                                 : no_number;
 }
 
 constexpr const char* start_pose = "start_pose";
@@ -130,6 +138,7 @@ void write_scene(const Group& group, const SceneRecord& scene) {
         "patient_frame",
         "+x to the patient's left, +y posterior, +z superior; origin at the midpoint of the upper gum's "
         "crest at rest; it tilts with the table");
+    group.set_number(weight, static_cast<double>(scene.weight));
     write_rows(group, "frame_rest_centre", scene.frame_rest_centre,
                {"m", "rest centre of each frame: trunk, skull, mandible, then the clusters; patient frame"});
     const Group surfaces = group.create("surfaces");
@@ -156,10 +165,12 @@ void write_scene(const Group& group, const SceneRecord& scene) {
     tube.set_number("inner_diameter_m", static_cast<double>(scene.tube_inner_diameter));
     tube.set_integer("nodes", scene.tube_nodes);
     write_start(tube, scene.tube_grip_start);
+    write_definitions(group, scene.definitions);
 }
 
 SceneRecord read_scene(const Group& group) {
     SceneRecord scene;
+    scene.weight = number_if_there(group, weight);
     scene.frame_rest_centre = hdf5::read_rows<Vec3f>(group, "frame_rest_centre");
     require_finite(group, "frame_rest_centre", hdf5::numbers_of(scene.frame_rest_centre));
     const std::size_t frames = scene.frame_rest_centre.size();
@@ -171,9 +182,7 @@ SceneRecord read_scene(const Group& group) {
     scene.glottis_contour = read_points(group.open("glottis_contour"), frames, false);
     const Group laryngoscope = group.open("laryngoscope");
     scene.blade = laryngoscope.text("blade");
-    if (std::ranges::count(laryngoscope.attributes(), blade_length) > 0) {  // not in every file
-        scene.blade_length = static_cast<float>(laryngoscope.number(blade_length));
-    }
+    scene.blade_length = number_if_there(laryngoscope, blade_length);
     scene.laryngoscope = read_mesh(laryngoscope);
     scene.laryngoscope_start = read_start(laryngoscope);
     const Group tube = group.open("tube");
@@ -181,6 +190,7 @@ SceneRecord read_scene(const Group& group) {
     scene.tube_inner_diameter = static_cast<float>(tube.number("inner_diameter_m"));
     scene.tube_nodes = tube.integer("nodes");
     scene.tube_grip_start = read_start(tube);
+    scene.definitions = read_definitions(group);
     return scene;
 }
 

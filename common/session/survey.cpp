@@ -34,29 +34,34 @@ void drop_incomplete(const Group& root, const std::string& group, std::size_t ro
 
 std::vector<EqualLength> tables(const Group& root) {
     std::vector<EqualLength> all;
-    const auto add = [&](const char* what, const auto& visit) {
+    const auto add = [&]<class Record>(const char* what, const Record&, const auto& visit) {
         EqualLength table{what, {}};
-        visit([&](const std::string& path, const hdf5::Label&, auto, std::size_t) {
-            table.paths.push_back(path);
+        visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t) {
+            using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
+            // A measure may be newer than the file.
+            if (!is_measure<Field> || root.has(path)) {
+                table.paths.push_back(path);
+            }
         });
         all.push_back(std::move(table));
     };
-    add("steps", [](const auto& column) { step_columns(1, column); });
-    add("commands", [](const auto& column) { command_columns(column); });
-    add("moved frames", [](const auto& column) { moved_frame_columns(column); });
-    add("deformations", [](const auto& column) { moved_frames_columns(column); });
-    add("events", [](const auto& column) { event_columns(column); });
-    add("summaries", [](const auto& column) { summary_columns(column); });
+    add("steps", StepRecord{}, [](const auto& column) { step_columns(1, column); });
+    add("commands", CommandRecord{}, [](const auto& column) { command_columns(column); });
+    add("moved frames", MovedFrame{}, [](const auto& column) { moved_frame_columns(column); });
+    add("deformations", MovedFrames{}, [](const auto& column) { moved_frames_columns(column); });
+    add("events", EventRecord{}, [](const auto& column) { event_columns(column); });
+    add("summaries", SummaryRecord{}, [](const auto& column) { summary_columns(column); });
     if (root.has("fluid")) {
-        add("liquid particles", [](const auto& column) { fluid_columns(column); });
-        add("states of the liquid", [](const auto& column) { fluid_rows_columns(column); });
+        add("liquid particles", FluidParticle{}, [](const auto& column) { fluid_columns(column); });
+        add("states of the liquid", FluidRows{}, [](const auto& column) { fluid_rows_columns(column); });
     }
     if (root.has("annotations")) {
-        add("places of annotations", [](const auto& column) { annotation_place_columns(column); });
-        add("annotations", [](const auto& column) { annotation_rows_columns(column); });
+        add("places of annotations", AnnotationPlace{},
+            [](const auto& column) { annotation_place_columns(column); });
+        add("annotations", AnnotationRows{}, [](const auto& column) { annotation_rows_columns(column); });
     }
     if (root.has("state")) {
-        add("hashes of the state", [](const auto& column) { state_columns(column); });
+        add("hashes of the state", StateRecord{}, [](const auto& column) { state_columns(column); });
     }
     return all;
 }
@@ -73,11 +78,6 @@ std::vector<TableState> survey(const Group& root) {
     for (const EqualLength& table : tables(root)) {
         TableState state{table.what, {}, std::numeric_limits<std::size_t>::max()};
         for (const std::string& path : table.paths) {
-            const bool measure =
-                path.starts_with("metrics/") || path.starts_with("summary/") || path.starts_with("contacts/");
-            if (measure && !root.has(path)) {
-                continue;  // newer than the file
-            }
             const Condition& found = state.series.emplace_back(path, examine(root, path)).condition;
             state.common = std::min(state.common, found.prefix());
             state.most = std::max(state.most, found.stated);

@@ -13,6 +13,7 @@
 #include "common/model/live.hpp"
 #include "common/model/newborn_shape.hpp"
 #include "common/model/parameters.hpp"
+#include "common/model/thresholds.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools.hpp"
 
@@ -21,15 +22,6 @@ namespace eti::app {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr std::string_view combinations[] = {"greatest",
-                                             "least",
-                                             "sum",
-                                             "mean over time",
-                                             "mean over time of sight",
-                                             "mean over time in the mouth",
-                                             "at the last passage",
-                                             "at the end"};
 
 /// As a person types it: without the digits that only a float's rounding adds.
 double typed(float value) {
@@ -80,9 +72,15 @@ ordered_json description() {
                                      {"label", field.label},
                                      {"unit", field.unit},
                                      {"in_paper", field.in_paper},
-                                     {"run", combinations[static_cast<std::size_t>(field.combine)]},
+                                     {"run", words_of(field.combine)},
                                      {"definition", field.definition},
                                      {"norm", field.norm}});
+    }
+    for (const Threshold& threshold : thresholds) {
+        out["thresholds"].push_back({{"name", threshold.name},
+                                     {"value", threshold.value},
+                                     {"unit", threshold.unit},
+                                     {"meaning", threshold.meaning}});
     }
     out["landmarks"] = landmark_names;
     out["tissues"] = tissue_names;

@@ -5,10 +5,13 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "common/session/definitions.hpp"
 #include "common/session/opinions.hpp"
+#include "server/metrics/places.hpp"
 
 namespace eti::app {
 
@@ -18,8 +21,8 @@ session::PointRecord point(std::string name, const anatomy::CarriedPoint& carrie
     return {std::move(name), carried.rest, carried.skin};
 }
 
-session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                              const scene::Snapshot& start, bool saliva) {
+session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope,
+                              const Scenario& scenario, const scene::Snapshot& start) {
     session::SceneRecord scene;
     scene.frame_rest_centre = patient.frame_rest_centre;
     scene.surfaces = patient.surfaces;
@@ -32,12 +35,14 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
     scene.blade = name_of(scope.blade);
     scene.laryngoscope = laryngoscope_mesh(scope);
     scene.blade_length = scope.blade_length;
-    scene.tube_outer_diameter = tube.outer_diameter;
-    scene.tube_inner_diameter = tube.inner_diameter;
+    scene.tube_outer_diameter = scenario.tube.outer_diameter;
+    scene.tube_inner_diameter = scenario.tube.inner_diameter;
     scene.tube_nodes = start.tube_nodes.size();
     scene.laryngoscope_start = start.device;
     scene.tube_grip_start = start.tube_grip;
-    scene.liquid = saliva;
+    scene.liquid = scenario.saliva;
+    scene.weight = patient.weight;
+    scene.definitions = session::definitions_here(static_cast<double>(scenario.time_limit));
     return scene;
 }
 
@@ -129,9 +134,9 @@ std::string build_description() {
 }
 
 Recorder::Recorder(const std::filesystem::path& path, session::SessionInfo info,
-                   const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
-                   const scene::Snapshot& start, bool saliva, bool wait_when_full)
-    : writer_(path, completed(std::move(info)), scene_of(patient, scope, tube, start, saliva),
+                   const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario,
+                   const scene::Snapshot& start, bool wait_when_full)
+    : writer_(path, completed(std::move(info)), scene_of(patient, scope, scenario, start),
               writer_settings(wait_when_full)) {}
 
 void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const metrics::Live& live,
@@ -149,12 +154,18 @@ void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const me
     record.tube_nodes = snapshot.tube_nodes;
     record.live = snapshot.live;
     record.loads = loads_of(snapshot);
+    const Quatf skull = metrics::skull_rotation(snapshot);
+    record.skull_rotation = {skull.w(), skull.x(), skull.y(), skull.z()};
+    std::ranges::transform(snapshot.landmarks, record.landmarks.begin(), numbers);
     record.attempt = live.attempt;
     record.attempt_running = live.attempt_running;
     record.glottic_opening_percent = live.glottic_opening_percent;
     record.gum_force_n = live.gum_force;
     record.tube_depth_past_glottis = live.tube_depth_past_glottis;
     record.eye_used = numbers(eye_used);
+    record.epiglottis_in_sight = live.epiglottis_in_sight ? 1.0f : 0.0f;
+    record.oxygen_saturation = static_cast<float>(live.oxygen_saturation);
+    record.heart_rate = static_cast<float>(live.heart_rate);
     record.parameters = parameters;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/model/tools.hpp"
+#include "common/scenario/scenario.hpp"
 #include "common/session/writer.hpp"
 #include "server/metrics/metrics.hpp"
 #include "server/patient/model/patient.hpp"
@@ -24,7 +25,7 @@ class Recorder {
     /// `wait_when_full`: for runs that ignore the clock; see SessionWriter::Settings. Throws hdf5::Error if
     /// the file cannot be begun.
     Recorder(const std::filesystem::path& path, session::SessionInfo info, const anatomy::Patient& patient,
-             const Laryngoscope& scope, const Tube& tube, const scene::Snapshot& start, bool saliva,
+             const Laryngoscope& scope, const Scenario& scenario, const scene::Snapshot& start,
              bool wait_when_full);
 
     /// Once per step. `eye`: as latched, if one has arrived; `eye_used`: of the last look [m].

@@ -146,8 +146,8 @@ class Resimulation {
         info.seed = recorded.seed;
         info.more["resimulation_of"] = options_.resimulate.filename().string();
         info.more["resimulation_set"] = fmt::format("{}", fmt::join(options_.settings, " "));
-        recorder_.emplace(options_.record, std::move(info), patient_, simulation_->scope(), scenario_.tube,
-                          simulation_->snapshot(), scenario_.saliva, true);
+        recorder_.emplace(options_.record, std::move(info), patient_, simulation_->scope(), scenario_,
+                          simulation_->snapshot(), true);
     }
 
     /// Takes in what came before a step; false where the file does not hold it.

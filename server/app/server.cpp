@@ -115,8 +115,8 @@ class Session {
                 script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
             info.more[session::participant_text] = options.participant;
-            recorder_.emplace(options.record, std::move(info), patient_, simulation_->scope(), scenario_.tube,
-                              simulation_->snapshot(), scenario_.saliva, options.fast);
+            recorder_.emplace(options.record, std::move(info), patient_, simulation_->scope(), scenario_,
+                              simulation_->snapshot(), options.fast);
             spdlog::info("recording to {}", options.record.string());
         }
         start_threads();

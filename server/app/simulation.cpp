@@ -9,6 +9,7 @@
 
 #include "common/model/pace.hpp"
 #include "common/model/parked_pose.hpp"
+#include "common/model/thresholds.hpp"
 #include "server/app/patient_cache.hpp"
 #include "server/patient/newborn/from_scenario.hpp"
 
@@ -16,7 +17,8 @@ namespace eti::app {
 
 namespace {
 
-constexpr std::uint64_t steps_per_look = steps_per_second / 30;
+constexpr std::uint64_t steps_per_look =
+    steps_per_second / static_cast<std::uint64_t>(threshold::look_rate.value);
 
 /// Of the newborn whose vital signs are simulated; nothing where none are. A built model says its weight
 /// alone.

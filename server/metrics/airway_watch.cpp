@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "server/metrics/airway_watch.hpp"
 
+#include "common/model/thresholds.hpp"
+
 namespace eti::metrics {
 
 Passage::Change Passage::update(float past, bool in_reach, bool still_there, float slack) {
@@ -25,24 +27,27 @@ TubePlace AirwayWatch::place() const {
 }
 
 AirwayWatch::Changes AirwayWatch::update(const Vec3f& tip, const Places& places) {
-    const GateSettings& s = settings_;
+    constexpr float slack = threshold::gate_slack.as_float();
+    constexpr float carina_slack = threshold::carina_slack.as_float();
     const float to_trachea = places.from_trachea(tip);
     const float to_oesophagus = places.from_oesophagus(tip);
     // Below the carina neither line says where the tip is: it stays in what it went into above.
     const bool told_apart = places.along_trachea(tip) < places.trachea_length();
     const bool rather_trachea = to_trachea < to_oesophagus;
     Changes changes;
-    changes.mouth =
-        mouth_.update(places.mouth.past(tip), places.mouth.aside(tip) < s.mouth_radius, true, s.slack);
-    changes.trachea = trachea_.update(places.glottis.past(tip),
-                                      told_apart && to_trachea < s.glottis_radius && rather_trachea,
-                                      !told_apart || to_trachea < to_oesophagus + s.slack, s.slack);
+    changes.mouth = mouth_.update(places.mouth.past(tip),
+                                  places.mouth.aside(tip) < threshold::mouth_radius.as_float(), true, slack);
+    changes.trachea =
+        trachea_.update(places.glottis.past(tip),
+                        told_apart && to_trachea < threshold::glottis_radius.as_float() && rather_trachea,
+                        !told_apart || to_trachea < to_oesophagus + slack, slack);
     changes.oesophagus = oesophagus_.update(
-        places.oesophagus.past(tip), told_apart && to_oesophagus < s.oesophagus_radius && !rather_trachea,
-        !told_apart || to_oesophagus < to_trachea + s.slack, s.slack);
+        places.oesophagus.past(tip),
+        told_apart && to_oesophagus < threshold::oesophagus_radius.as_float() && !rather_trachea,
+        !told_apart || to_oesophagus < to_trachea + slack, slack);
     past_glottis_ = trachea_.inside() ? places.along_trachea(tip) : -(tip - places.glottis.centre).norm();
     changes.main_stem = main_stem_.update(past_glottis_ - places.trachea_length(), trachea_.inside(),
-                                          trachea_.inside(), s.carina_slack);
+                                          trachea_.inside(), carina_slack);
     return changes;
 }
 

@@ -12,18 +12,7 @@ namespace eti::metrics {
 /// Where the tube's tip lies.
 enum class TubePlace : std::uint8_t { outside, mouth, trachea, main_stem, oesophagus };
 
-/// Distances [m] that decide where a tip is. A state is entered `slack` past its gate and left
-/// `slack` before it, so that a trembling tip is counted once.
-struct GateSettings {
-    float slack = 2e-3f;
-    float mouth_radius = 30e-3f;  ///< a tip that passes farther aside went past the face
-    float glottis_radius = 6e-3f;
-    float oesophagus_radius = 8e-3f;
-    float carina_slack = 1e-3f;
-    float success_depth = 10e-3f;  ///< past the glottis
-};
-
-/// Whether a point is past a gate, with hysteresis.
+/// Whether a point is past a gate, with hysteresis: a trembling tip is counted once.
 class Passage {
   public:
     enum class Change : unsigned char { none, in, out };
@@ -47,8 +36,6 @@ class AirwayWatch {
         Passage::Change main_stem = Passage::Change::none;
     };
 
-    explicit AirwayWatch(const GateSettings& settings = {}) : settings_(settings) {}
-
     Changes update(const Vec3f& tip, const Places& places);
 
     [[nodiscard]] bool in_mouth() const { return mouth_.inside(); }
@@ -60,7 +47,6 @@ class AirwayWatch {
     [[nodiscard]] float past_glottis() const { return past_glottis_; }
 
   private:
-    GateSettings settings_;
     Passage mouth_, trachea_, oesophagus_, main_stem_;
     float past_glottis_ = -1.0f;
 };

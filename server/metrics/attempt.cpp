@@ -7,23 +7,11 @@
 #include <numbers>
 
 #include "common/math/units.hpp"
+#include "common/model/thresholds.hpp"
 #include "common/model/tools.hpp"
 
 namespace eti::metrics {
 namespace {
-
-constexpr double peak_prominence_deg = 5.0;
-
-// [%]; where grade 1 after Cormack and Lehane begins. Chosen: the original gives no number.
-constexpr double most_of_the_glottis = 50.0;
-
-// Bins of the angle curves [Hz] that rocking is judged on. The noise level is read from the finest
-// wavelet band, a quarter to a half of this: 2.5 to 5 Hz, the fastest that a hand rocks a blade.
-// Physiological tremor, 8 to 12 Hz, is averaged out; at finer bins it alone would set the result.
-constexpr double curve_rate = 10.0;
-
-// [Hz]; the shortest interval that a speed is taken over, and the bins of the speed profile.
-constexpr double speed_rate = 30.0;
 
 // Nine minutes at 30 Hz before neighbours merge and bins double.
 constexpr std::size_t curve_capacity = std::size_t{1} << 14;
@@ -79,7 +67,7 @@ bool SpeedMeter::add(double time, const Vec3f& point) {
 }
 
 double cormack_lehane_grade(double best_opening_percent, bool epiglottis_seen) {
-    if (best_opening_percent >= most_of_the_glottis) {
+    if (best_opening_percent >= threshold::most_of_the_glottis.value) {
         return 1.0;
     }
     if (best_opening_percent > 0.0) {
@@ -90,15 +78,15 @@ double cormack_lehane_grade(double best_opening_percent, bool epiglottis_seen) {
 
 Attempt::Attempt(double weight_kg, double time_limit)
     : time_limit_(time_limit),
-      pitch_peaks_(peak_prominence_deg),
-      left_peaks_(peak_prominence_deg),
-      right_peaks_(peak_prominence_deg),
-      pitch_(curve_rate, curve_capacity),
-      yaw_(curve_rate, curve_capacity),
-      blade_speed_(speed_rate, curve_capacity),
-      tube_meter_(1.0 / speed_rate),
-      grip_meter_(1.0 / speed_rate),
-      blade_meter_(1.0 / speed_rate) {
+      pitch_peaks_(threshold::peak_prominence.value),
+      left_peaks_(threshold::peak_prominence.value),
+      right_peaks_(threshold::peak_prominence.value),
+      pitch_(threshold::curve_rate.value, curve_capacity),
+      yaw_(threshold::curve_rate.value, curve_capacity),
+      blade_speed_(threshold::speed_rate.value, curve_capacity),
+      tube_meter_(1.0 / threshold::speed_rate.value),
+      grip_meter_(1.0 / threshold::speed_rate.value),
+      blade_meter_(1.0 / threshold::speed_rate.value) {
     parameters_.attempts = 1;
     parameters_.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_kg);
 }
@@ -121,7 +109,8 @@ void Attempt::add(const Moment& moment) {
     pitch_.add(moment.time, pitch);
     yaw_.add(moment.time, yaw);
     if (blade_meter_.add(moment.time, moment.blade_tip)) {
-        blade_speed_.add(moment.time, blade_meter_.speed);
+        // Of the interval that ends now.
+        blade_speed_.add(moment.time - 0.5 * blade_meter_.seconds, blade_meter_.speed);
         parameters_.blade_path_length_cm += 100.0 * blade_meter_.speed * blade_meter_.seconds;
     }
 
@@ -137,7 +126,7 @@ void Attempt::add(const Moment& moment) {
     tube_reached_glottis_ = tube_reached_glottis_ || moment.tube_at_glottis || passed_glottis_;
     if (seen_ && !tube_reached_glottis_) {
         view_.add(opening, moment.seconds);
-        parameters_.view_held_s += opening >= most_of_the_glottis ? moment.seconds : 0.0;
+        parameters_.view_held_s += opening >= threshold::most_of_the_glottis.value ? moment.seconds : 0.0;
     }
     if (!seen_ && opening > 0.0) {
         seen_ = true;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/model/thresholds.hpp"
 #include "common/model/tools.hpp"
 #include "server/metrics/occluders.hpp"
 #include "server/patient/model/patient.hpp"
@@ -30,11 +31,9 @@ struct GlotticView {
 class GlotticViewer {
   public:
     struct Settings {
-        /// Over the glottis. An edge across it is measured within 2.5 points with 160.
-        int samples = 160;
-        int epiglottis_samples = 48;
-        /// [m]; what lies so near to a target does not hide it (the rim the contour runs along).
-        float tolerance = 0.5e-3f;
+        int samples = static_cast<int>(threshold::glottis_points.value);
+        int epiglottis_samples = static_cast<int>(threshold::epiglottis_points.value);
+        float tolerance = threshold::hiding_distance.as_float();  ///< [m]
         float tube_radius = 2.1e-3f;  ///< [m]; 0: there is no tube to hide anything
     };
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/model/thresholds.hpp"
+
 namespace eti::metrics {
 namespace {
 
@@ -15,9 +17,6 @@ constexpr double nanoseconds = 1e-9;  // [s]
 
 // Rocking and smoothness need an attempt's whole curve.
 constexpr double refresh_interval = 1.0;  // [s]
-
-// [s]; a blade that was in the mouth for less only touched it. Chosen: an attempt takes seconds.
-constexpr double least_attempt = 0.5;
 
 // Beyond it a run repeats itself; later events are dropped and the last entry says so.
 constexpr std::size_t most_events = 1000;
@@ -66,9 +65,9 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
     const Places places = places_in(snapshot);
     trachea_length_ = places.trachea_length();
     const Vec3f blade_tip = snapshot.proxy * scope_.tip();
-    const Passage::Change blade =
-        blade_.update(places.mouth.past(blade_tip), places.mouth.aside(blade_tip) < gates_.mouth_radius, true,
-                      gates_.slack);
+    const Passage::Change blade = blade_.update(
+        places.mouth.past(blade_tip), places.mouth.aside(blade_tip) < threshold::mouth_radius.as_float(),
+        true, threshold::gate_slack.as_float());
     AirwayWatch::Changes changes;
     depth_at_lip_ = unknown();
     if (!snapshot.tube_nodes.empty()) {
@@ -83,6 +82,7 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
     const TissueForces forces = tissue_forces(snapshot);
     live_.glottic_opening_percent = view.opening_percent;
     live_.gum_force = static_cast<float>(forces.gum);
+    live_.epiglottis_in_sight = view.epiglottis_seen;
 
     const bool starts = blade == Passage::Change::in;
     if (starts) {
@@ -105,14 +105,12 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
         moment.tube_tip = live_.tube_tip;
         moment.tube_grip = snapshot.tube_grip.translation;
         moment.tube = changes;
-        moment.tube_at_glottis =
-            tube_.in_mouth() && (live_.tube_tip - places.glottis.centre).norm() < gates_.glottis_radius;
+        moment.tube_at_glottis = tube_.in_mouth() && (live_.tube_tip - places.glottis.centre).norm() <
+                                                         threshold::glottis_radius.as_float();
         moment.head_elevation = snapshot.live.head_elevation;
         moment.depth_at_lip = depth_at_lip_;
-        if (vital_signs_) {
-            moment.oxygen_saturation = vital_signs_->oxygen_saturation();
-            moment.heart_rate = vital_signs_->heart_rate();
-        }
+        moment.oxygen_saturation = live_.oxygen_saturation;
+        moment.heart_rate = live_.heart_rate;
         add_to_attempt(moment);
     } else {
         entries_between_ += changes.oesophagus == Passage::Change::in ? 1 : 0;
@@ -163,6 +161,8 @@ void Metrics::note_vital_signs(double seconds) {
         return;
     }
     vital_signs_->advance(seconds, ventilation());
+    live_.oxygen_saturation = vital_signs_->oxygen_saturation();
+    live_.heart_rate = vital_signs_->heart_rate();
     const auto watch = [&](bool& low, double value, double limit, double back, const char* fell,
                            const char* recovered) {
         if (!low && value < limit) {
@@ -194,7 +194,7 @@ void Metrics::start_attempt() {
 
 void Metrics::end_attempt() {
     const Parameters& so_far = attempt_->parameters();
-    if (so_far.time_s < least_attempt) {
+    if (so_far.time_s < threshold::least_attempt.value) {
         note(fmt::format("attempt {} does not count: the blade was in the mouth for {:.2f} s", live_.attempt,
                          so_far.time_s));
         entries_between_ += static_cast<int>(so_far.oesophageal_entries);
@@ -207,7 +207,7 @@ void Metrics::end_attempt() {
     attempt_->refresh_curves();
     attempt_story_.duration = attempt_->parameters().time_s;
     AttemptSummary summary{live_.attempt, attempt_began_, now_,
-                           judge(attempt_story_, tube_, trachea_length_, gates_, time_limit_),
+                           judge(attempt_story_, tube_, trachea_length_, time_limit_),
                            attempt_->parameters()};
     note(fmt::format("attempt {} ended: {}", summary.number, summary.outcome.reason));
     attempts_.push_back(std::move(summary));
@@ -250,7 +250,7 @@ AttemptSummary Metrics::run() const {
     for (const RunPart& part : parts) {
         story.duration = std::max(story.duration, part.parameters.time_s);
     }
-    summary.outcome = judge(story, tube_, trachea_length_, gates_, time_limit_);
+    summary.outcome = judge(story, tube_, trachea_length_, time_limit_);
     return summary;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,6 +31,10 @@ struct Live {
     TubePlace tube_place = TubePlace::outside;
     Vec3f tube_tip = Vec3f::Zero();  ///< [m]
     std::string message;             ///< the last event
+    /// Looked for only where nothing of the opening is in sight.
+    bool epiglottis_in_sight = false;
+    double oxygen_saturation = std::numeric_limits<double>::quiet_NaN();  ///< [%], where it is simulated
+    double heart_rate = std::numeric_limits<double>::quiet_NaN();         ///< [1/min], likewise
 };
 
 struct AttemptSummary {
@@ -83,7 +88,6 @@ class Metrics {
     [[nodiscard]] Ventilation ventilation() const;
     void note(std::string text);
 
-    GateSettings gates_;
     Laryngoscope scope_;
     double weight_ = 0.0;       // [kg]
     double time_limit_ = 30.0;  // [s]

@@ -5,25 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/math/units.hpp"
+#include "common/model/thresholds.hpp"
 #include "server/patient/model/patient.hpp"
 
 namespace eti::metrics {
 namespace {
 
-constexpr std::size_t trunk = static_cast<std::size_t>(anatomy::Bone::trunk);
 constexpr std::size_t skull = static_cast<std::size_t>(anatomy::Bone::skull);
-
-// The lips must gape by this much [m] for the line between them to tell the plane of the opening.
-constexpr float gaping = 3e-3f;
 
 Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
     const float norm = v.norm();
     return norm > 1e-6f ? Vec3f(v / norm) : otherwise;
-}
-
-Quatf rotation_of(const scene::Snapshot& snapshot, std::size_t bone) {
-    return bone < snapshot.frames.size() ? snapshot.frames[bone].rotation : Quatf(Quatf::Identity());
 }
 
 struct Foot {
@@ -40,15 +32,20 @@ Foot foot_on(const Vec3f& point, const Vec3f& from, const Vec3f& to, bool endles
 
 }  // namespace
 
+Quatf skull_rotation(const scene::Snapshot& snapshot) {
+    return skull < snapshot.frames.size() ? snapshot.frames[skull].rotation : Quatf(Quatf::Identity());
+}
+
 Places places_in(const scene::Snapshot& snapshot) {
     const Landmarks& points = snapshot.landmarks;
-    const Vec3f left = rotation_of(snapshot, trunk) * Vec3f::UnitX();
+    const Vec3f left = Vec3f::UnitX();
     Places places;
 
     places.mouth.centre = at(points, Landmark::mouth_opening);
-    const Vec3f posterior = rotation_of(snapshot, skull) * Vec3f::UnitY();
+    const Vec3f posterior = skull_rotation(snapshot) * Vec3f::UnitY();
     const Vec3f gape = at(points, Landmark::upper_lip) - at(points, Landmark::lower_lip);
-    places.mouth.onward = gape.norm() > gaping ? unit_or(gape.cross(left), posterior) : posterior;
+    places.mouth.onward =
+        gape.norm() > threshold::lips_apart.as_float() ? unit_or(gape.cross(left), posterior) : posterior;
     if (places.mouth.past(at(points, Landmark::tongue_dorsum)) < 0.0f) {
         places.mouth.onward = -places.mouth.onward;
     }
@@ -110,7 +107,7 @@ std::optional<float> depth_at_lip(std::span<const Vec3f> tube_nodes, const Gate&
 }
 
 BladeAngles blade_angles(const scene::Snapshot& snapshot) {
-    const Quatf to_skull = rotation_of(snapshot, skull).conjugate();
+    const Quatf to_skull = skull_rotation(snapshot).conjugate();
     const Vec3d direction = (to_skull * (snapshot.proxy.rotation * Vec3f::UnitZ())).cast<double>();
     return {std::atan2(-direction.z(), direction.y()), std::asin(std::clamp(direction.x(), -1.0, 1.0))};
 }

@@ -44,6 +44,9 @@ struct Places {
     [[nodiscard]] float trachea_length() const;  ///< [m], glottis to carina
 };
 
+/// From rest, patient frame; that of a head at rest where there are no frames.
+[[nodiscard]] Quatf skull_rotation(const scene::Snapshot& snapshot);
+
 [[nodiscard]] Places places_in(const scene::Snapshot& snapshot);
 
 /// Length [m] of a tube's centre line from its last node back to where it leaves the mouth; nothing

@@ -6,11 +6,10 @@
 
 #include <algorithm>
 
+#include "common/model/thresholds.hpp"
+
 namespace eti::metrics {
 namespace {
-
-// A glimpse smaller than this [%] is no view of the glottis.
-constexpr double least_view_percent = 5.0;
 
 double in_mm(float metres) {
     return 1e3 * static_cast<double>(metres);
@@ -34,7 +33,7 @@ std::string why_not_placed(const Story& story, const AirwayWatch& tube) {
     if (!story.blade_entered) {
         return "the blade never entered the mouth";
     }
-    if (story.best_opening_percent < least_view_percent) {
+    if (story.best_opening_percent < threshold::least_view.value) {
         return fmt::format("the glottis was never seen ({})", view);
     }
     if (!story.tube_entered_mouth) {
@@ -61,8 +60,8 @@ void Story::add(const AirwayWatch& tube, const AirwayWatch::Changes& changes, do
     }
 }
 
-Outcome judge(const Story& story, const AirwayWatch& tube, float trachea_length, const GateSettings& settings,
-              double time_limit) {
+Outcome judge(const Story& story, const AirwayWatch& tube, float trachea_length, double time_limit) {
+    constexpr float success_depth = threshold::success_depth.as_float();
     Outcome outcome;
     const float past = tube.past_glottis();
     if (!tube.in_trachea()) {
@@ -70,10 +69,10 @@ Outcome judge(const Story& story, const AirwayWatch& tube, float trachea_length,
     } else if (tube.in_main_stem()) {
         outcome.reason = fmt::format("the tube's tip lies {:.0f} mm past the carina, in a main bronchus",
                                      in_mm(past - trachea_length));
-    } else if (past < settings.success_depth) {
+    } else if (past < success_depth) {
         outcome.reason =
             fmt::format("the tube's tip lies only {:.0f} mm past the glottis, where {:.0f} mm are needed",
-                        in_mm(past), in_mm(settings.success_depth));
+                        in_mm(past), in_mm(success_depth));
     } else {
         outcome.success = true;
         outcome.reason =

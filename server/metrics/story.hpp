@@ -25,9 +25,9 @@ struct Story {
              double time);
 };
 
-/// Success when the tip lies in the trachea: `settings.success_depth` or more past the glottis and above
+/// Success when the tip lies in the trachea: threshold::success_depth or more past the glottis and above
 /// the carina. The reason is one sentence without a full stop, on success too.
 [[nodiscard]] Outcome judge(const Story& story, const AirwayWatch& tube, float trachea_length,
-                            const GateSettings& settings, double time_limit);
+                            double time_limit);
 
 }  // namespace eti::metrics

@@ -397,7 +397,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         tables = {path.stem: list(csv.reader(path.read_text().splitlines())) for path in out.glob("*.csv")}
         self.assertEqual(set(tables), {"inputs", "commands", "tools", "tube_nodes", "contacts",
-                                       "contact_forces", "skeleton", "tissue", "metrics", "deformation", "fluid",
+                                       "contact_forces", "skeleton", "tissue", "landmarks", "metrics", "deformation", "fluid",
                                        "state", "events", "summary", "annotations"})
         for name in ("inputs", "tools", "tube_nodes", "skeleton", "tissue", "metrics"):
             self.assertEqual(len(tables[name]), 301, name)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +8,9 @@
 #include <limits>
 #include <set>
 
+#include "common/math/hash.hpp"
 #include "common/model/parameters_json.hpp"
+#include "common/model/thresholds.hpp"
 
 namespace eti {
 namespace {
@@ -67,6 +70,26 @@ TEST(Parameters, JsonKeepsTheOrderOfDisplay) {
     const nlohmann::ordered_json json = parameters_to_json(numbered());
     EXPECT_EQ(json.begin().key(), "gum_force_n");
     EXPECT_EQ(std::prev(json.end()).key(), "heart_rate_per_min");
+}
+
+// FNV-1a over everything that says what a parameter is. If this fails because a definition or a number has
+// changed, raise definitions_version, too, and write what stands here now beside it.
+TEST(Parameters, DefinitionsChangeWithTheirVersion) {
+    Hash hash;
+    for (const ParameterField& field : parameter_fields) {
+        for (const std::string_view text :
+             {field.key, field.unit, words_of(field.combine), field.definition}) {
+            hash.add(text);
+        }
+    }
+    for (const Threshold& threshold : thresholds) {
+        hash.add(threshold.name);
+        hash.add(fmt::format("{}", threshold.value));
+        hash.add(threshold.unit);
+        hash.add(threshold.meaning);
+    }
+    EXPECT_EQ(definitions_version, 1u);
+    EXPECT_EQ(fmt::format("{:016x}", hash.value()), "bf41a0452a9eb401");
 }
 
 }  // namespace

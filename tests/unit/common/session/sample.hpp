@@ -59,6 +59,11 @@ inline SceneRecord scene(std::size_t vertices = 300) {
     scene.landmarks = {{"upper_gum", Vec3f::Zero(), skin(random)}, {"carina", Vec3f(0, 1, 2), skin(random)}};
     scene.glottis_contour = {{"", Vec3f(1, 0, 0), skin(random)}, {"", Vec3f(0, 1, 0), skin(random)}};
     scene.liquid = true;
+    scene.weight = 3.5f;
+    scene.definitions = {7,
+                         {{"time_s", "s", "sum", "From its beginning \xe2\x80\x93 to its end", ""},
+                          {"attempts", "", "sum", "One", "1"}},
+                         {{"gate_slack", 0.002, "m", "so far"}, {"look_rate", 30.0, "1/s", ""}}};
     scene.blade = "miller_1";
     scene.blade_length = 0.125f;
     scene.laryngoscope = scene.surfaces[0].mesh;
@@ -104,10 +109,19 @@ inline StepRecord step(std::uint64_t number) {
     record.live.tongue_scale = value(number, 126);
     record.live.tissue_stiffness = value(number, 127);
     record.live.secretion = value(number, 128);
+    record.skull_rotation = {value(number, 310), value(number, 311), value(number, 312), value(number, 313)};
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        const int channel = 320 + 3 * static_cast<int>(i);
+        record.landmarks[i] = {value(number, channel), value(number, channel + 1),
+                               value(number, channel + 2)};
+    }
     record.loads.pressed.fill(value(number, 300));
     record.loads.net[6] = {value(number, 301), value(number, 302), value(number, 303)};
     record.loads.place[6] = {value(number, 304), value(number, 305), value(number, 306)};
     record.eye_used = {value(number, 307), value(number, 308), value(number, 309)};
+    record.epiglottis_in_sight = value(number, 314);
+    record.oxygen_saturation = value(number, 315);
+    record.heart_rate = value(number, 316);
     record.attempt = static_cast<std::uint32_t>(number / 1000);
     record.attempt_running = number % 2 == 1;
     record.glottic_opening_percent = value(number, 122);

@@ -168,6 +168,23 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     EXPECT_EQ(scene.landmarks[1].name, "carina");
     EXPECT_EQ(scene.blade, "miller_1");
     EXPECT_EQ(scene.blade_length, 0.125f);
+    EXPECT_EQ(scene.weight, 3.5f);
+    const Definitions& said = expected.definitions;
+    EXPECT_EQ(scene.definitions.version, 7u);
+    ASSERT_EQ(scene.definitions.parameters.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto& [key, unit, run, definition, aim] = scene.definitions.parameters[i];
+        EXPECT_EQ(key, said.parameters[i].key);
+        EXPECT_EQ(unit, said.parameters[i].unit);
+        EXPECT_EQ(run, said.parameters[i].run);
+        EXPECT_EQ(definition, said.parameters[i].definition);
+        EXPECT_EQ(aim, said.parameters[i].aim);
+    }
+    ASSERT_EQ(scene.definitions.thresholds.size(), 2u);
+    EXPECT_EQ(scene.definitions.thresholds[0].name, "gate_slack");
+    EXPECT_EQ(scene.definitions.thresholds[0].value, 0.002);
+    EXPECT_EQ(scene.definitions.thresholds[1].unit, "1/s");
+    EXPECT_EQ(scene.definitions.thresholds[1].meaning, "");
     EXPECT_EQ(scene.tube_outer_diameter, expected.tube_outer_diameter);
     EXPECT_TRUE(check(path).sound());
 }

@@ -40,8 +40,9 @@ class RecorderTest : public ::testing::Test {
     [[nodiscard]] Recorder recorder(bool saliva = false) const {
         session::SessionInfo info;
         info.session = "test";
-        return {path,   info,     small_patient(), make_laryngoscope(Blade::miller_0),
-                Tube{}, snapshot, saliva,          true};
+        Scenario scenario;
+        scenario.saliva = saliva;
+        return {path, info, small_patient(), make_laryngoscope(Blade::miller_0), scenario, snapshot, true};
     }
 
     /// Moves the snapshot on to step `number` at 180 Hz.
@@ -82,6 +83,10 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     snapshot.live.tongue_scale = 1.2f;
     snapshot.live.tissue_stiffness = 9e3f;
     snapshot.live.secretion = 3.0f;
+    snapshot.frames[1].rotation = quaternion_from({0.25f, 0.0f, 0.0f});
+    snapshot.landmarks[4] = {22, 23, 24};
+    live.epiglottis_in_sight = true;
+    live.heart_rate = 140.0;
     live.attempt = 3;
     live.attempt_running = true;
     live.glottic_opening_percent = 42.0f;
@@ -136,6 +141,12 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(first.live.secretion, 3.0f);
     EXPECT_EQ(first.attempt, 3u);
     EXPECT_TRUE(first.attempt_running);
+    const Quatf& skull = snapshot.frames[1].rotation;
+    EXPECT_THAT(first.skull_rotation, testing::ElementsAre(skull.w(), skull.x(), skull.y(), skull.z()));
+    EXPECT_THAT(first.landmarks[4], testing::ElementsAre(22.0f, 23.0f, 24.0f));
+    EXPECT_EQ(first.epiglottis_in_sight, 1.0f);
+    EXPECT_EQ(first.heart_rate, 140.0f);
+    EXPECT_TRUE(std::isnan(first.oxygen_saturation)) << "not simulated";
     EXPECT_EQ(first.glottic_opening_percent, 42.0f);
     EXPECT_EQ(first.gum_force_n, 2.5f);
     EXPECT_EQ(first.tube_depth_past_glottis, -0.01f);

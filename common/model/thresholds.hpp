@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace eti {
+
+/// A number that definitions of parameters turn on.
+struct Threshold {
+    std::string_view name;
+    double value;
+    std::string_view unit;
+    std::string_view meaning;
+    [[nodiscard]] constexpr float as_float() const { return static_cast<float>(value); }
+};
+
+/// Raised with every change of a definition or threshold: parameters of two versions are not the same
+/// measures. A test holds it against the words and numbers.
+inline constexpr std::uint32_t definitions_version = 1;
+
+// Those without a source are chosen.
+namespace threshold {
+
+inline constexpr Threshold gate_slack{
+    "gate_slack", 2e-3, "m", "A plane counts as passed so far beyond it, and as left so far before it"};
+inline constexpr Threshold mouth_radius{
+    "mouth_radius", 30e-3, "m", "A tip that goes in farther from the opening's axis went past the face"};
+inline constexpr Threshold lips_apart{"lips_apart", 3e-3, "m",
+                                      "Lips nearer to each other do not define the plane of the opening"};
+inline constexpr Threshold least_attempt{"least_attempt", 0.5, "s",
+                                         "A blade that is in for less only touched the mouth"};
+inline constexpr Threshold peak_prominence{"peak_prominence", 5.0, "deg", "Of a maximum of pitch or yaw"};
+/// The noise level of rocking is read from the finest wavelet band, a quarter to a half of this: 2.5 to 5 Hz,
+/// the fastest that a hand rocks a blade. Physiological tremor, 8 to 12 Hz, is averaged out; at finer bins it
+/// alone would set the result.
+inline constexpr Threshold curve_rate{"curve_rate", 10.0, "1/s", "Bins of the angle curves for rocking"};
+/// Differences between neighbouring steps would show the solver's noise as speed.
+inline constexpr Threshold speed_rate{"speed_rate", 30.0, "1/s", "Intervals that speeds are taken over"};
+inline constexpr Threshold look_rate{"look_rate", 30.0, "1/s", "How often the view of the glottis is judged"};
+inline constexpr Threshold eye_distance{"eye_distance", 0.3, "m",
+                                        "From the upper gum to an eye that no client reports"};
+/// An edge across the opening is measured within 2.5 points.
+inline constexpr Threshold glottis_points{"glottis_points", 160.0, "1", "Points over the glottic opening"};
+inline constexpr Threshold epiglottis_points{"epiglottis_points", 48.0, "1", "Points of the epiglottis"};
+inline constexpr Threshold hiding_distance{
+    "hiding_distance", 0.5e-3, "m",
+    "What lies nearer to a point does not hide it: the rim that it lies along"};
+inline constexpr Threshold most_of_the_glottis{"most_of_the_glottis", 50.0, "%",
+                                               "In sight: grade 1 begins, a view is held"};
+inline constexpr Threshold least_view{"least_view", 5.0, "%",
+                                      "A best view below it is named as the reason of a failure"};
+inline constexpr Threshold glottis_radius{
+    "glottis_radius", 6e-3, "m",
+    "The tube's tip is at the glottis so near to it, and passes it so near "
+    "to the trachea's line"};
+inline constexpr Threshold oesophagus_radius{
+    "oesophagus_radius", 8e-3, "m", "The tube's tip passes the inlet so near to the oesophagus's line"};
+inline constexpr Threshold carina_slack{
+    "carina_slack", 1e-3, "m", "The carina counts as passed so far beyond it, and as left so far before it"};
+inline constexpr Threshold success_depth{"success_depth", 10e-3, "m", "Past the glottis: intubated"};
+
+}  // namespace threshold
+
+/// All of them.
+inline constexpr Threshold thresholds[] = {
+    threshold::gate_slack,          threshold::mouth_radius,      threshold::lips_apart,
+    threshold::least_attempt,       threshold::peak_prominence,   threshold::curve_rate,
+    threshold::speed_rate,          threshold::look_rate,         threshold::eye_distance,
+    threshold::glottis_points,      threshold::epiglottis_points, threshold::hiding_distance,
+    threshold::most_of_the_glottis, threshold::least_view,        threshold::glottis_radius,
+    threshold::oesophagus_radius,   threshold::carina_slack,      threshold::success_depth,
+};
+
+}  // namespace eti

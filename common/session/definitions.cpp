@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/definitions.hpp"
+
+#include <fmt/format.h>
+
+#include "common/model/parameters.hpp"
+#include "common/model/thresholds.hpp"
+
+namespace eti::session {
+
+namespace {
+
+using hdf5::Group;
+
+constexpr const char* group_name = "definitions";
+
+template <class Row>
+struct TextColumn {
+    const char* name;
+    const char* description;
+    std::string Row::*value;
+};
+
+constexpr TextColumn<Definitions::Words> words_columns[] = {
+    {"key", "of the parameter, in summary and metrics; a dot where these have a slash",
+     &Definitions::Words::key},
+    {"unit", "of its value", &Definitions::Words::unit},
+    {"run", "how the run's value follows from those of its attempts", &Definitions::Words::run},
+    {"definition", "in words", &Definitions::Words::definition},
+    {"aim", "what to aim at, with its source", &Definitions::Words::aim},
+};
+
+constexpr TextColumn<Definitions::Number> number_columns[] = {
+    {"name", "of the threshold", &Definitions::Number::name},
+    {"unit", "of its value", &Definitions::Number::unit},
+    {"meaning", "in words", &Definitions::Number::meaning},
+};
+
+template <class Row, std::size_t N>
+void write_columns(const Group& group, const std::vector<Row>& rows, const TextColumn<Row> (&columns)[N]) {
+    for (const TextColumn<Row>& column : columns) {
+        std::vector<std::string> texts;
+        for (const Row& row : rows) {
+            texts.push_back(row.*column.value);
+        }
+        group.write_texts(column.name, texts, {"1", column.description});
+    }
+}
+
+template <class Row, std::size_t N>
+[[nodiscard]] std::vector<Row> read_columns(const Group& group, const TextColumn<Row> (&columns)[N]) {
+    std::vector<Row> rows;
+    for (const TextColumn<Row>& column : columns) {
+        const std::vector<std::string> texts = group.read_texts(column.name);
+        if (&column == columns) {
+            rows.resize(texts.size());
+        }
+        if (texts.size() != rows.size()) {
+            throw hdf5::Error(fmt::format("{}: {} texts, expected {} as in {}", group.at(column.name),
+                                          texts.size(), rows.size(), columns[0].name));
+        }
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            rows[i].*column.value = texts[i];
+        }
+    }
+    return rows;
+}
+
+}  // namespace
+
+Definitions definitions_here(double time_limit) {
+    Definitions here;
+    here.version = definitions_version;
+    for (const ParameterField& field : parameter_fields) {
+        here.parameters.push_back({std::string(field.key), std::string(field.unit),
+                                   std::string(words_of(field.combine)), std::string(field.definition),
+                                   std::string(field.norm)});
+    }
+    for (const Threshold& threshold : thresholds) {
+        here.thresholds.push_back({std::string(threshold.name), threshold.value, std::string(threshold.unit),
+                                   std::string(threshold.meaning)});
+    }
+    here.thresholds.push_back(
+        {"time_limit", time_limit, "s", "An attempt that takes longer is over the scenario's limit"});
+    return here;
+}
+
+void write_definitions(const Group& scene, const Definitions& definitions) {
+    if (definitions.version == 0) {
+        return;
+    }
+    const Group group = scene.create(group_name);
+    group.set_integer("version", definitions.version);
+    write_columns(group.create("parameters"), definitions.parameters, words_columns);
+    const Group numbers = group.create("thresholds");
+    write_columns(numbers, definitions.thresholds, number_columns);
+    std::vector<double> values;
+    for (const Definitions::Number& number : definitions.thresholds) {
+        values.push_back(number.value);
+    }
+    numbers.write<double>("value", values, {values.size()}, {"as in unit", "of each name"});
+}
+
+Definitions read_definitions(const Group& scene) {
+    Definitions definitions;
+    if (!scene.has(group_name)) {
+        return definitions;
+    }
+    const Group group = scene.open(group_name);
+    definitions.version = group.integer("version");
+    definitions.parameters = read_columns(group.open("parameters"), words_columns);
+    const Group numbers = group.open("thresholds");
+    definitions.thresholds = read_columns(numbers, number_columns);
+    const std::vector<double> values = numbers.read<double>("value", {definitions.thresholds.size()}).values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        definitions.thresholds[i].value = values[i];
+    }
+    return definitions;
+}
+
+}  // namespace eti::session
