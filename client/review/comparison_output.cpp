@@ -122,13 +122,16 @@ tr.distinct td { font-weight: 600; }
 }  // namespace
 
 std::string to_table(const Comparison& comparison) {
+    // What stands in brackets is in metrics.md.
+    const auto label = [](const MeasureRow& row) {
+        return row.measure->label.substr(0, row.measure->label.find(" ("));
+    };
     std::size_t label_width = 0;
     for (const MeasureRow& row : comparison.rows) {
-        label_width = std::max(label_width, std::min<std::size_t>(row.measure->label.size(), 46));
+        label_width = std::max(label_width, label(row).size());
     }
     const auto begin = [&](const MeasureRow& row) {
-        return fmt::format("  {:<{}.{}}  {:<5}", row.measure->label, label_width, label_width,
-                           row.measure->unit);
+        return fmt::format("  {:<{}}  {:<5}", label(row), label_width, row.measure->unit);
     };
     std::string out;
     constexpr std::size_t groups_abreast = 3;
@@ -157,7 +160,7 @@ std::string to_table(const Comparison& comparison) {
     }
     const std::size_t contrasts = comparison.rows.empty() ? 0 : comparison.rows.front().contrasts.size();
     for (std::size_t c = 0; c < contrasts; ++c) {
-        out += fmt::format("  {}\n  {:<{}}{:>9}{:>19}{:>8}{:>8}{:>7}{:>15}\n",
+        out += fmt::format("  {}\n  {:<{}}{:>9}{:>19}{:>8}{:>8}{:>7}{:>17}\n",
                            pair_name(comparison, comparison.rows.front().contrasts[c]), "Difference",
                            label_width + 7, "", "interval", "p", "Holm", "g", "interval");
         in_two_parts(
@@ -165,7 +168,7 @@ std::string to_table(const Comparison& comparison) {
             [&](const MeasureRow& row) {
                 const Contrast& one = row.contrasts[c];
                 out += fmt::format(
-                    "{}{:>9}{:>19}{:>8}{:>8}{:>7}{:>15}\n", begin(row), number(one.difference.value),
+                    "{}{:>9}{:>19}{:>8}{:>8}{:>7}{:>17}\n", begin(row), number(one.difference.value),
                     interval_text(one.difference.interval), chance(one.difference.p), chance(one.p_adjusted),
                     number(one.difference.effect), interval_text(one.difference.effect_interval));
             },

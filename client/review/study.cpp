@@ -190,9 +190,11 @@ std::vector<Verdict> judge(const Comparison& comparison, const std::vector<Expec
         const double near = sign > 0.0 ? range.low : -range.high, far = sign > 0.0 ? range.high : -range.low;
         verdict.word = near > 0.0 ? agrees : far < 0.0 ? disagrees : undecided;
         const double shown = contrast->first == from ? 1.0 : -1.0;
-        verdict.found =
-            fmt::format("{:+.2f} ({:.2f} to {:.2f})", shown * contrast->difference.value,
-                        shown > 0.0 ? range.low : -range.high, shown > 0.0 ? range.high : -range.low);
+        verdict.found = fmt::format("{:+.2f}", shown * contrast->difference.value);
+        if (std::isfinite(range.low)) {
+            verdict.found += fmt::format(" ({:.2f} to {:.2f})", shown > 0.0 ? range.low : -range.high,
+                                         shown > 0.0 ? range.high : -range.low);
+        }
     }
     return verdicts;
 }
@@ -200,19 +202,19 @@ std::vector<Verdict> judge(const Comparison& comparison, const std::vector<Expec
 namespace {
 
 std::string expected_text(const Expectation& expected) {
-    return expected.is_range() ? fmt::format("{}: {} to {}", expected.group, expected.low, expected.high)
-                               : fmt::format("{} in {} than in {}", expected.more ? "more" : "less",
-                                             expected.to, expected.from);
+    return expected.is_range()
+               ? fmt::format("{:.4g} to {:.4g} in {}", expected.low, expected.high, expected.group)
+               : fmt::format("{} in {} than in {}", expected.more ? "more" : "less", expected.to,
+                             expected.from);
 }
 
 }  // namespace
 
 std::string to_table(const std::vector<Verdict>& verdicts) {
-    std::string out =
-        fmt::format("  {:<30}{:<36}{:<28}{}\n", "Held to what is published", "expected", "found", "");
+    std::string out = fmt::format("  {:<28}{:<36}{:<28}\n", "Held to what is published", "expected", "found");
     for (const Verdict& verdict : verdicts) {
         out +=
-            fmt::format("  {:<30}{:<36}{:<28}{}\n", verdict.expected.measure, expected_text(verdict.expected),
+            fmt::format("  {:<28}{:<36}{:<28}{}\n", verdict.expected.measure, expected_text(verdict.expected),
                         verdict.found, verdict_words[static_cast<std::size_t>(verdict.word)]);
     }
     std::vector<std::string> sources;
