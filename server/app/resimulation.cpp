@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/model/pace.hpp"
+#include "common/model/thresholds.hpp"
 #include "common/process/progress_bar.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/setting.hpp"
@@ -240,6 +241,12 @@ class Resimulation {
     /// What may have made a step come out otherwise.
     [[nodiscard]] std::vector<std::string> reasons() const {
         std::vector<std::string> out = differences(recording_.reader.info(), here_);
+        if (const std::uint64_t version = recording_.scene.definitions.version;
+            version != 0 && version != definitions_version) {
+            out.push_back(
+                fmt::format("other definitions of the parameters: version {} when it was recorded, {} here",
+                            version, definitions_version));
+        }
         if (what_if()) {
             out.insert(out.begin(), fmt::format("set here: {}", fmt::join(options_.settings, ", ")));
         }

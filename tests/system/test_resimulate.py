@@ -111,8 +111,9 @@ class Resimulate(support.Programs):
             file["meta"].attrs["build"] = "compiler 1.0, AVX-512"
             file["meta/more"].attrs["processor"] = "another one"
             file["meta/more"].attrs["patient_hash"] = "0"
+            file["scene/definitions"].attrs["version"] = numpy.uint64(99)
         reasons = self.resimulate(status=1)["reasons"]
-        for reason, words in zip(reasons, ("compiler 1.0, AVX-512", "another one", "patient"), strict=True):
+        for reason, words in zip(reasons, ("compiler 1.0, AVX-512", "another one", "patient", "version 99"), strict=True):
             self.assertIn(words, reason)
         said = support.run("eti-server", "--resimulate", self.record)
         self.assertEqual(said.returncode, 1)
