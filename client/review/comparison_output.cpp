@@ -19,7 +19,8 @@ std::string number(double value) {
     if (!std::isfinite(value)) {
         return "-";
     }
-    return fmt::format("{:.{}f}", value, std::abs(value) < 99.95 ? 2 : 1);
+    const double shown = std::abs(value) < 0.005 ? 0.0 : value;  // no zero with a sign
+    return fmt::format("{:.{}f}", shown, std::abs(value) < 99.95 ? 2 : 1);
 }
 
 std::string chance(double p) {
@@ -111,7 +112,7 @@ body { margin: 0 auto; max-width: 1180px; padding: 16px; color: #1d2329; font: 1
 h1 { font-size: 1.6rem; margin: 0 0 4px; } h2 { font-size: 1.15rem; margin: 20px 0 6px; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; width: 100%; }
 th, td { padding: 3px 8px; text-align: right; border-bottom: 1px solid #d5dae0; white-space: nowrap; font-variant-numeric: tabular-nums; }
-th:first-child, td:first-child { text-align: left; white-space: normal; }
+th:first-child, td:first-child, th:nth-child(2), td:nth-child(2) { text-align: left; white-space: normal; }
 tr.part th { background: #f4f6f8; text-align: left; } .soft { color: #55606b; font-size: 0.88rem; }
 tr.distinct td { font-weight: 600; }
 </style>

@@ -20,12 +20,14 @@ namespace {
 using Sample = std::vector<double>;
 
 /// The values less their mean: what a difference of means owes to each of them, and what is drawn from where
-/// no difference is supposed.
+/// no difference is supposed. Those that differ by rounding alone are equal.
 Sample centred(std::span<const double> values) {
+    constexpr double rounding = 1e-10;
     const double mean = mean_of(values);
     Sample out(values.begin(), values.end());
     for (double& value : out) {
-        value -= mean;
+        const double size = std::max(std::abs(value), std::abs(mean));
+        value = std::abs(value - mean) > rounding * size ? value - mean : 0.0;
     }
     return out;
 }

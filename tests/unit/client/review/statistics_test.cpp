@@ -95,6 +95,10 @@ TEST(Statistics, NothingIsMadeUpWhereNothingVaries) {
     EXPECT_EQ(single.value, 1.0);
     EXPECT_TRUE(std::isnan(single.interval.low));
     EXPECT_TRUE(std::isnan(difference_within({}, many).value));
+    // A mean of equal values may differ from them in the last bit.
+    const Difference rounded = difference_within(std::vector<double>(7, 7.1 - 9.5), many);
+    EXPECT_TRUE(std::isnan(rounded.p));
+    EXPECT_TRUE(std::isnan(rounded.effect));
     // Two pairs have a deviation, and no effect size: its correction begins at two degrees of freedom.
     EXPECT_TRUE(std::isnan(difference_within(std::vector<double>{1.0, 3.0}, many).effect));
     // One side alone varies.
