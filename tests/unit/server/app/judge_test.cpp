@@ -57,7 +57,7 @@ Judged judged(bool beside) {
         info.session = "test";
         scene::Snapshot snapshot = metrics::test::plain_snapshot();
         snapshot.tube_nodes = {Vec3f(-0.12f, -0.25f, 0.1f), Vec3f(-0.12f, -0.2f, 0.1f)};
-        Recorder recorder(file, info, patient, scope, Tube{}, snapshot, false, true);
+        Recorder recorder(file, info, patient, scope, Scenario{}, snapshot, true);
         Judge judge(assessor, &recorder, nullptr, beside);
         for (std::uint64_t k = 0; k < step_count; ++k) {
             go_on(snapshot);

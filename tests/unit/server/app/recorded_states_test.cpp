@@ -50,8 +50,10 @@ class RecordedStatesTest : public ::testing::Test {
     void record(std::uint64_t count, const Change& change, bool saliva = false) {
         session::SessionInfo info;
         info.session = "test";
-        Recorder kept(path, info, small_patient(), make_laryngoscope(Blade::miller_0), Tube{}, snapshot,
-                      saliva, true);
+        Scenario scenario;
+        scenario.saliva = saliva;
+        Recorder kept(path, info, small_patient(), make_laryngoscope(Blade::miller_0), scenario, snapshot,
+                      true);
         snapshot.saliva.on = saliva;
         for (std::uint64_t step = 1; step <= count; ++step) {
             snapshot.step = step;
