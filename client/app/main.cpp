@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <exception>
@@ -10,11 +9,12 @@
 #include "client/app/offscreen.hpp"
 #include "client/app/options.hpp"
 #include "client/app/windowed.hpp"
+#include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 
 int main(int argc, char** argv) {
     using namespace eti::client;
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-client"));
+    eti::set_up_log("eti-client");
     Options options;
     if (const auto status = parse(argc, argv, options)) {
         return *status;

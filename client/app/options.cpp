@@ -17,6 +17,7 @@
 #include "client/app/tutorial.hpp"
 #include "common/bus/command_line.hpp"
 #include "common/math/units.hpp"
+#include "common/process/command_line.hpp"
 
 namespace eti::client {
 namespace {
@@ -173,15 +174,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                  text, 1e3f * render::Section::farthest, 1e3f * render::Section::farthest);
             },
             "OFFSET,TURN,TILT");
-    app.add_option("--fogging", options.vantage.fogging,
-                   "Breath on the blade's lens as the session begins, 0 to 1; it clears as the lamp warms it")
-        ->capture_default_str()
-        ->check([](const std::string& text) {
-            const auto number = read_three(text + ",0,0", Vec3f::Ones());
-            return number && number->x() >= 0.0f
-                       ? std::string()
-                       : fmt::format("'{}' is no share of fogging; expected a number from 0 to 1", text);
-        });
+    add_number(app, "--fogging", options.vantage.fogging,
+               "Breath on the blade's lens as the session begins; it clears as the lamp warms it",
+               {0.0f, 1.0f})
+        ->capture_default_str();
     auto* const offscreen = app.add_option("--offscreen", options.offscreen,
                                            "Draw without a display; pictures go into this folder");
     auto* const video =
@@ -190,22 +186,19 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                        "trainee: session.mp4 in the folder]")
             ->needs(offscreen);
     app.add_flag("--no-video", no_video, "Make no video")->excludes(video);
-    app.add_option("--fps", options.frames_per_second, "Video frames per second of simulation time")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 90.0));
-    app.add_option("--every", options.every_s,
-                   "Simulation time between pictures [s]; 0: only the best view and the last")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 3600.0));
-    app.add_option("--frames", options.frames, "End after this many frames; 0: with the session")
-        ->check(CLI::NonNegativeNumber)
+    add_number(app, "--fps", options.frames_per_second, "Of the video",
+               {1.0, 90.0, "frames a second of simulation time"})
         ->capture_default_str();
-    app.add_option(
-           "--wait", options.wait_s,
-           fmt::format("Give up when no server is there for so long [s]; without it pictures wait for "
-                       "{:.0f} s and a window until it is closed",
-                       Options::pictures_wait_s))
-        ->check(CLI::Range(0.0, 3600.0));
+    add_number(app, "--every", options.every_s,
+               "Simulation time between pictures; 0: only the best view and the last", {0.0, 3600.0, "s"})
+        ->capture_default_str();
+    add_number(app, "--frames", options.frames, "End after this many frames; 0: with the session", {0})
+        ->capture_default_str();
+    add_number(app, "--wait", options.wait_s,
+               fmt::format("Give up when no server is there for so long; without it pictures wait for "
+                           "{:.0f} s and a window until it is closed",
+                           Options::pictures_wait_s),
+               {0.0, 3600.0, "s"});
     app.add_option("--size", size, "Pixels, WIDTHxHEIGHT, both even")
         ->capture_default_str()
         ->check(
@@ -234,15 +227,11 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                    "machine has a device to play on")
         ->capture_default_str()
         ->check(CLI::IsMember({"auto", "on", "off"}));
-    app.add_option("--volume", options.volume, "Of the sound, 0 to 1")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
+    add_number(app, "--volume", options.volume, "Of the sound", {0.0f, 1.0f})->capture_default_str();
     bus::add_options(app, options.bus);
     app.add_flag("--json", options.json, "Print what was made as one JSON object");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    if (const auto status = parse_command_line(app, argc, argv)) {
+        return *status;
     }
     options.headset = view == headset_name;
     if (options.instructor && options.headset) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iostream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,8 @@
 #include "client/review/study.hpp"
 #include "client/review/study_commands.hpp"
 #include "client/review/summary.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/escaped.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
@@ -27,7 +30,6 @@ namespace {
 using namespace eti;
 
 constexpr int refused = 1;
-constexpr int misused = 2;
 constexpr int interrupted = 130;
 
 int summary(const std::filesystem::path& file, bool json) {
@@ -35,7 +37,7 @@ int summary(const std::filesystem::path& file, bool json) {
     if (json) {
         std::cout << to_json(summary).dump(2) << '\n';
     } else {
-        std::cout << to_table(summary);
+        std::cout << escaped_lines(to_table(summary));
     }
     return 0;
 }
@@ -57,18 +59,18 @@ int check(const std::filesystem::path& file, bool repair, bool json) {
         return result.sound() ? 0 : refused;
     }
     for (const std::string& text : done) {
-        std::cout << "repaired: " << text << '\n';
+        std::cout << "repaired: " << escaped_lines(text) << '\n';
     }
     for (const std::string& text : result.remarks) {
-        std::cout << text << '\n';
+        std::cout << escaped_lines(text) << '\n';
     }
     for (const std::string& text : result.damage) {
-        std::cerr << file.string() << ": " << text << '\n';
+        std::cerr << escaped_lines(file.string() + ": " + text) << '\n';
     }
     if (!result.sound() && result.repairable && !repair) {
-        std::cerr << "Remedy: eti-review check --repair " << file.string() << '\n';
+        std::cerr << "Remedy: eti-review check --repair " << escaped(file.string()) << '\n';
     }
-    std::cout << file.string() << (result.sound() ? ": sound\n" : ": damaged\n");
+    std::cout << escaped(file.string()) << (result.sound() ? ": sound\n" : ": damaged\n");
     return result.sound() ? 0 : refused;
 }
 
@@ -77,7 +79,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     int count = 0;
     const auto progress = [&](const std::filesystem::path& path) {
         if (on_terminal) {
-            std::cerr << fmt::format("\r\033[K[{}] {}", ++count, path.string()) << std::flush;
+            std::cerr << fmt::format("\r\033[K[{}] {}", ++count, escaped(path.string())) << std::flush;
         }
     };
     const auto written = review::export_csv(file, folder, progress, stop_asked);
@@ -99,7 +101,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
 
 /// Options of a replay, as eti-server takes them.
 struct Replay {
-    std::string speed, from, to;
+    std::optional<double> speed, from, to;
     bool loop = false, pause = false;
 };
 
@@ -108,8 +110,8 @@ int replay(const std::filesystem::path& file, const Replay& how, const std::vect
     std::vector<std::string> words{"--replay", file.string()};
     for (const auto& [name, value] :
          {std::pair("--speed", how.speed), {"--from", how.from}, {"--to", how.to}}) {
-        if (!value.empty()) {
-            words.insert(words.end(), {name, value});
+        if (value) {
+            words.insert(words.end(), {name, fmt::format("{}", *value)});
         }
     }
     if (how.loop) {
@@ -170,9 +172,9 @@ int main(int argc, char** argv) {
         "replay", "Publish a session on the bus as if it went on now, for clients to show");
     replay_command->add_option("FILE", file, "Session file; comes first")->required();
     Replay how;
-    replay_command->add_option("--speed", how.speed, "Times real time, 1/16 to 16");
-    replay_command->add_option("--from", how.from, "Where it begins [s]");
-    replay_command->add_option("--to", how.to, "Where it ends [s]");
+    add_number(*replay_command, "--speed", how.speed, "How fast", {1.0 / 16, 16.0, "times real time"});
+    add_number(*replay_command, "--from", how.from, "Where it begins", {0.0, 1e7, "s"});
+    add_number(*replay_command, "--to", how.to, "Where it ends", {0.0, 1e7, "s"});
     replay_command->add_flag("--loop", how.loop, "Begin again at the end");
     replay_command->add_flag("--pause", how.pause, "Begin paused");
     replay_command->footer(
@@ -211,10 +213,8 @@ int main(int argc, char** argv) {
     std::vector<review::Command> study_commands = review::add_study_commands(app);
     std::ranges::move(review::add_opinion_commands(app), std::back_inserter(study_commands));
 
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : misused;
+    if (const auto status = parse_command_line(app, argc, argv)) {
+        return *status;
     }
     if (replay_command->parsed()) {
         return replay(file, how, replay_command->remaining());
@@ -251,14 +251,14 @@ int main(int argc, char** argv) {
             }
             return export_csv(file, folder, json);
         } catch (const std::exception& error) {
-            std::cerr << "eti-review: " << error.what() << '\n';
+            std::cerr << "eti-review: " << escaped_lines(error.what()) << '\n';
             return refused;
         }
     });
     if (ended.broken) {
         const std::string read = (files.empty() ? file : files.front()).string();
-        std::cerr << "eti-review: " << (read.empty() ? "a file" : read) << ": damaged: reading it ended with "
-                  << *ended.broken << '\n';
+        std::cerr << "eti-review: " << (read.empty() ? "a file" : escaped(read))
+                  << ": damaged: reading it ended with " << *ended.broken << '\n';
         return refused;
     }
     return ended.status;

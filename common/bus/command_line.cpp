@@ -2,17 +2,21 @@
 // Copyright the NeoETI authors
 #include "common/bus/command_line.hpp"
 
+#include "common/process/command_line.hpp"
+
 namespace eti::bus {
+
+CLI::Option* add_domain(CLI::App& app, Options& options) {
+    // The last one whose ports, by the DDS interoperability protocol, are ports.
+    return add_number(app, "--domain", options.domain, "DDS domain", {0, 232})->capture_default_str();
+}
 
 void add_options(CLI::App& app, Options& options) {
     constexpr const char* group = "Session";
     app.add_option("--session", options.session, "Session name; several sessions share a domain")
         ->capture_default_str()
         ->group(group);
-    app.add_option("--domain", options.domain, "DDS domain")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 232))
-        ->group(group);
+    add_domain(app, options)->group(group);
     app.add_flag("--network", options.network,
                  "Meet programs of other machines by multicast; without it and --peer, --discovery-server or "
                  "--profile, those of this machine alone")

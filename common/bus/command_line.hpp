@@ -12,4 +12,7 @@ namespace eti::bus {
 /// --discovery-server, --profile, --identity.
 void add_options(CLI::App& app, Options& options);
 
+/// --domain alone, which add_options() adds with the others.
+CLI::Option* add_domain(CLI::App& app, Options& options);
+
 }  // namespace eti::bus

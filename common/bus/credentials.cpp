@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/process/file_kind.hpp"
+
 namespace eti::bus {
 
 namespace {
@@ -47,10 +49,16 @@ Bio open(const std::filesystem::path& file) {
                         "or {}",
                         file.string(), make_anew));
     }
+    if (const std::string kind = no_plain_file(file); !kind.empty()) {
+        throw CredentialError(fmt::format(
+            "{}: is {}, expected a file; copy the identity's whole folder as make_lab.sh made it, or "
+            "{}",
+            file.string(), kind, make_anew));
+    }
     errno = 0;
     Bio bio(BIO_new_file(file.c_str(), "r"));
-    if (!bio || std::filesystem::is_directory(file, error)) {
-        const int reason = errno != 0 ? errno : EISDIR;
+    if (!bio) {
+        const int reason = errno != 0 ? errno : EIO;
         ERR_clear_error();
         throw CredentialError(fmt::format(
             "{}: cannot be read ({}); give the user who runs this program the right to, for example "

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <thread>
 
+#include "common/bus/command_line.hpp"
 #include "common/bus/discovery_server.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 
 int main(int argc, char** argv) {
     using namespace eti;
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-discovery"));
+    set_up_log("eti-discovery");
     catch_stop_signals();
     bus::Options options{.name = "eti-discovery"};
     int number = 0;
@@ -20,19 +22,14 @@ int main(int argc, char** argv) {
     CLI::App app("A discovery server: tells programs that name it with --discovery-server who else is there.",
                  "eti-discovery");
     app.set_version_flag("--version", ETI_VERSION);
-    app.add_option("--number", number,
-                   "Its place among the --discovery-server that programs are given; 1 is a backup")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 255));
+    add_number(app, "--number", number,
+               "Its place among the --discovery-server that programs are given; 1 is a backup", {0, 255})
+        ->capture_default_str();
     app.add_option("--address", address, "Address of this machine to listen on; without it, all");
-    app.add_option("--port", port, "UDP port")->capture_default_str()->check(CLI::Range(1, 65535));
-    app.add_option("--domain", options.domain, "DDS domain")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 232));
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    add_number(app, "--port", port, "UDP port", {1})->capture_default_str();
+    bus::add_domain(app, options);
+    if (const auto status = parse_command_line(app, argc, argv)) {
+        return *status;
     }
     try {
         const bus::DiscoveryServer server(options, number, address, port);

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -16,6 +15,8 @@
 #include "common/doctor/machine.hpp"
 #include "common/doctor/network.hpp"
 #include "common/doctor/session.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 
 namespace eti::doctor {
@@ -125,23 +126,20 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
     using namespace eti;
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-doctor"));
+    set_up_log("eti-doctor");
     catch_stop_signals();
     doctor::Options options;
     options.bus.name = "eti-doctor";
     CLI::App app("Looks at this machine and at a session: what keeps it from running well, and what to do.",
                  "eti-doctor");
     app.set_version_flag("--version", ETI_VERSION);
-    app.add_option("--duration", options.duration, "How long the session is listened to [s]")
-        ->capture_default_str()
-        ->check(CLI::Range(0.5, 3600.0));
+    add_number(app, "--duration", options.duration, "How long the session is listened to", {0.5, 3600.0, "s"})
+        ->capture_default_str();
     app.add_flag("--json", options.json, "Print everything as one JSON object");
     app.footer("Exit status: 0 all is well, 1 something needs mending, 2 wrong usage.");
     bus::add_options(app, options.bus);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    if (const auto status = parse_command_line(app, argc, argv)) {
+        return *status;
     }
     try {
         return doctor::run(options);

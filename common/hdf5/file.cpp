@@ -7,6 +7,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "common/process/file_kind.hpp"
+
 namespace eti::hdf5 {
 
 namespace {
@@ -56,12 +58,12 @@ unsigned flags_of(Access access) {
 
 void require_plain_file(const std::filesystem::path& path) {
     std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) {
-        throw Error(fmt::format("{}: no such file", path.string()));
+    const std::string kind = no_plain_file(path);
+    if (kind == "nothing") {
+        throw Error(fmt::format("{}: no such file; check the path", path.string()));
     }
-    if (!std::filesystem::is_regular_file(status)) {
-        throw Error(fmt::format("{}: not a regular file", path.string()));
+    if (!kind.empty()) {
+        throw Error(fmt::format("{}: not a regular file but {}; name a file", path.string(), kind));
     }
     if (std::filesystem::file_size(path, error) == 0) {
         throw Error(fmt::format("{}: the file is empty", path.string()));

@@ -50,6 +50,11 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
         s.axis_from_fixed_offset = axis->vector("from_fixed_offset_mm", offset_range);
         s.axis_to_tip = !axis->has("to");
         s.axis_to = landmark(*axis, "to", s.axis_to);
+        if (!s.axis_to_tip && s.axis_to == s.axis_from && s.axis_from_offset.isZero() &&
+            s.axis_from_fixed_offset.isZero()) {
+            axis->refuse("to", "the place of 'from'",
+                         "another one; between a place and itself there is no direction");
+        }
         axis->finish();
     }
     s.lift = map.number("lift_mm", s.lift, {-60, 60, millimetre});

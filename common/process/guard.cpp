@@ -13,6 +13,8 @@
 #include <cstring>
 #include <iostream>
 
+#include "common/process/escaped.hpp"
+
 namespace eti {
 
 namespace {
@@ -45,7 +47,7 @@ Guarded run_guarded(const std::function<int()>& task, const GuardLimits& limits)
         try {
             status = task();
         } catch (const std::exception& error) {
-            std::cerr << error.what() << '\n';
+            std::cerr << escaped_lines(error.what()) << '\n';
         }
         std::cout.flush();
         std::fflush(nullptr);

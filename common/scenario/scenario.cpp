@@ -8,6 +8,8 @@
 #include <cstdlib>
 
 #include "common/math/units.hpp"
+#include "common/process/escaped.hpp"
+#include "common/process/file_kind.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {
@@ -113,11 +115,12 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-Scenario load_scenario(const std::filesystem::path& file) {
-    return parse_scenario(read_text_file(file), file);
-}
+namespace {
 
-Scenario parse_scenario(const std::string& text, const std::filesystem::path& file) {
+/// Whether a patient's model must be there for its scenario to be good; a recorded one may have moved.
+enum class ModelFile { required, may_be_absent };
+
+Scenario parse(const std::string& text, const std::filesystem::path& file, ModelFile model_file) {
     Scenario s;
     s.text = text;
     s.folder = file.parent_path();
@@ -136,6 +139,13 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
             refuse_what_a_model_holds(*patient, held);
             // Beside the scenario, wherever the server was started.
             p.model = s.folder / model;
+            if (const std::string kind = no_plain_file(p.model);
+                model_file == ModelFile::required && !kind.empty()) {
+                patient->refuse(
+                    "model", fmt::format("'{}', where there is {}", escaped(p.model.string()), kind),
+                    "a file that 'eti-anatomy build --out' wrote; build it, or mend the path, which "
+                    "begins at the scenario's folder");
+            }
         }
         patient->finish();
     }
@@ -201,6 +211,16 @@ Scenario parse_scenario(const std::string& text, const std::filesystem::path& fi
     s.seed = root.seed("seed", s.seed);
     root.finish();
     return s;
+}
+
+}  // namespace
+
+Scenario load_scenario(const std::filesystem::path& file) {
+    return parse(read_text_file(file), file, ModelFile::required);
+}
+
+Scenario parse_scenario(const std::string& text, const std::filesystem::path& file) {
+    return parse(text, file, ModelFile::may_be_absent);
 }
 
 }  // namespace eti

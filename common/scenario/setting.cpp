@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
@@ -44,7 +45,7 @@ LiveSetting live_setting(const std::string& typed) {
     float value = 0.0f;
     const char* const end = wanted.data() + wanted.size();
     const auto [stop, error] = std::from_chars(wanted.data(), end, value);
-    if (error != std::errc() || stop != end) {
+    if (error != std::errc() || stop != end || !std::isfinite(value)) {
         throw InputError(fmt::format("--set {}: expected {} after '=', {:g} to {:g}", typed,
                                      field->on_off ? "on, off or a plain number" : "a plain number",
                                      field->low, field->high));

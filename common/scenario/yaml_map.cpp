@@ -12,6 +12,8 @@
 #include <sstream>
 #include <unordered_set>
 
+#include "common/process/escaped.hpp"
+#include "common/process/file_kind.hpp"
 #include "common/scenario/scenario.hpp"
 
 namespace eti {
@@ -28,20 +30,35 @@ std::string place(const std::string& file, const YAML::Mark& mark) {
     return mark.is_null() ? file : fmt::format("{}:{}", file, mark.line + 1);
 }
 
-/// At most 60 bytes, never half a letter.
+/// As a message shows it: short, and without what a terminal would obey.
 std::string shortened(const std::string& value) {
-    std::size_t cut = 60;
-    if (value.size() <= cut) {
-        return value;
-    }
-    while ((static_cast<unsigned char>(value[cut]) >> 6) == 0x2) {
-        --cut;
-    }
-    return fmt::format("{}...", value.substr(0, cut));
+    return escaped(value, longest_shown);
 }
 
 std::string shown(const std::string& value) {
     return fmt::format("'{}'", shortened(value));
+}
+
+/// Where a tab stands before a line's first word, or nothing: YAML indents by spaces alone, and its parser
+/// says something else of a tab.
+std::optional<int> line_indented_by_tab(const std::string& text) {
+    int number = 1;
+    bool indenting = true, tab = false;
+    for (const char letter : text) {
+        if (letter == '\n') {
+            ++number;
+            indenting = true;
+            tab = false;
+        } else if (indenting && (letter == ' ' || letter == '\t')) {
+            tab = tab || letter == '\t';
+        } else {
+            if (indenting && tab && letter != '\r') {
+                return number;
+            }
+            indenting = false;
+        }
+    }
+    return std::nullopt;
 }
 
 /// Walks the events before any tree is built: refuses what could make a small file large.
@@ -189,10 +206,10 @@ std::string guess(const std::string& word, std::span<const std::string> known) {
 }  // namespace
 
 std::string read_text_file(const std::filesystem::path& file) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) {
-        throw InputError(fmt::format("{}: not a readable file; check the path", file.string()));
+    if (const std::string kind = no_plain_file(file); !kind.empty()) {
+        throw InputError(fmt::format("{}: found {}, expected a file; check the path", file.string(), kind));
     }
+    std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(file, error);
     if (error || size > largest_file) {
         throw InputError(fmt::format("{}: {} bytes, expected at most {}; is this the right file?",
@@ -244,6 +261,12 @@ YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
         }
         return YamlMap(YAML::Load(text), file, "");
     } catch (const YAML::Exception& error) {
+        if (const auto line = line_indented_by_tab(text)) {
+            throw InputError(
+                fmt::format("{}:{}: found a tab before the first word, expected spaces; replace the "
+                            "tabs at the lines' beginnings by spaces",
+                            file, *line));
+        }
         throw InputError(
             fmt::format("{}: not valid YAML: {}; mend the file there", place(file, error.mark), error.msg));
     }
@@ -340,6 +363,9 @@ std::string YamlMap::text(const std::string& key, const std::string& fallback) {
     if (typed.size() > longest_text) {
         refuse(key, fmt::format("{} letters", typed.size()), expected);
     }
+    if (escaped_lines(typed) != typed) {
+        refuse(key, shown(typed), expected + ", none of which commands a terminal");
+    }
     return typed;
 }
 
@@ -347,7 +373,7 @@ std::string YamlMap::name(const std::string& key, const std::string& fallback) {
     const std::string expected = fmt::format("one line of 1 to {} letters", longest_name);
     const auto typed = scalar(key, expected);
     const std::string value = typed.value_or(fallback.substr(0, longest_name));
-    if (typed && (value.empty() || value.size() > longest_name || value.find('\n') != std::string::npos)) {
+    if (typed && (value.empty() || value.size() > longest_name || escaped(value) != value)) {
         refuse(key, shown(value), expected);
     }
     return value;

@@ -28,6 +28,8 @@ using hdf5::Group;
 constexpr const char* time_axis = "/time_ns";
 
 hdf5::File open_session(const std::filesystem::path& path, bool live) {
+    // What is no file at all, no repair helps.
+    hdf5::require_plain_file(path);
     try {
         return hdf5::File::open(path,
                                 live ? hdf5::Access::read_beside_writer : hdf5::Access::read_left_behind);

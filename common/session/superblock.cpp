@@ -46,7 +46,9 @@ bool valid(const Bytes& bytes) {
 
 class Descriptor {
   public:
-    Descriptor(const std::filesystem::path& path, int flags) : id_(::open(path.c_str(), flags | O_CLOEXEC)) {}
+    // A pipe would wait for its other end.
+    Descriptor(const std::filesystem::path& path, int flags)
+        : id_(::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK)) {}
     ~Descriptor() {
         if (id_ >= 0) {
             ::close(id_);

@@ -20,6 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/process/command_line.hpp"
+#include "common/process/escaped.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
 #include "deploy/lab/medium.hpp"
@@ -148,18 +150,20 @@ int main(int argc, char** argv) {
     bool no_multicast = false;
     std::uint64_t seed = 1;
     std::vector<std::string> texts;
-    app.add_option("--delay", common.delay_ms, "[ms] one way")->check(CLI::Range(0.0, 10e3));
-    app.add_option("--jitter", common.jitter_ms, "[ms] added, evenly from 0")->check(CLI::Range(0.0, 10e3));
-    app.add_option("--loss", common.loss_percent, "[%] of frames")->check(CLI::Range(0.0, 100.0));
-    app.add_option("--rate", common.rate_mbit, "[Mbit/s] of each host each way; 0: no limit")
-        ->check(CLI::Range(0.0, 1e6));
+    eti::add_number(app, "--delay", common.delay_ms, "One way", {0.0, 10e3, "ms"});
+    eti::add_number(app, "--jitter", common.jitter_ms, "Added, evenly from 0", {0.0, 10e3, "ms"});
+    eti::add_number(app, "--loss", common.loss_percent, "Of frames", {0.0, 100.0, "%"});
+    eti::add_number(app, "--rate", common.rate_mbit, "Of each host each way; 0: no limit",
+                    {0.0, 1e6, "Mbit/s"});
     app.add_flag("--no-multicast", no_multicast, "Multicast does not pass");
-    app.add_option("--seed", seed, "Of what gets lost")->capture_default_str();
+    eti::add_number(app, "--seed", seed, "Of what gets lost", {0})->capture_default_str();
     app.add_option("host", texts,
                    "NAME=NAMESPACE[,interface=eth0][,delay=MS][,jitter=MS][,loss=PCT][,rate=MBIT]; "
                    "NAMESPACE: /proc/PID/ns/net or /run/netns/NAME")
         ->required();
-    CLI11_PARSE(app, argc, argv);
+    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+        return *status;
+    }
     eti::catch_stop_signals();
     // The kernel would else wake this thread up to 50 us late, and let the hosts' programs go before it: it
     // stands for hardware, from which no program takes time.
@@ -183,7 +187,7 @@ int main(int argc, char** argv) {
         fmt::print("{}\n", report(hosts, medium).dump());
         return 0;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "eti-lab-link: {}\n", error.what());
+        fmt::print(stderr, "eti-lab-link: {}\n", eti::escaped_lines(error.what()));
         return 1;
     }
 }

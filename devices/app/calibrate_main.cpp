@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/math/units.hpp"
+#include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/program.hpp"
@@ -172,6 +173,12 @@ int conclude(const CalibrateOptions& options, Calibration out, const std::vector
     if (!fit.advice.empty()) {
         spdlog::warn("to do better, {}", fit.advice);
     }
+    if (fit.handedness_open) {
+        spdlog::warn(
+            "the points lie in one plane, so a device whose axes are mirrored would fit as well; touch more "
+            "points, {:.0f} mm or more off it",
+            3e3 * FitSettings().outlier);
+    }
     save_calibration(out, options.out);
     spdlog::info("{}: {} points, error {:.2f} mm, leave-one-out {:.2f} mm", options.out, out.points,
                  1e3 * out.error, 1e3 * out.left_out_error);
@@ -180,6 +187,7 @@ int conclude(const CalibrateOptions& options, Calibration out, const std::vector
                                   {"points", points},
                                   {"error_mm", 1e3 * out.error},
                                   {"left_out_error_mm", 1e3 * out.left_out_error},
+                                  {"handedness_open", fit.handedness_open},
                                   {"advice", fit.advice}}
                          .dump(2)
                   << std::endl;
@@ -333,15 +341,13 @@ int main(int argc, char** argv) {
     common(turn);
     turn->add_option("--poses", options.poses,
                      "Poses measured before: x y z [mm] and quaternion w x y z a line");
-    turn->add_option("--seconds", options.seconds, "How long to swing [s]")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 600.0));
+    eti::add_number(*turn, "--seconds", options.seconds, "How long to swing", {1.0, 600.0, "s"})
+        ->capture_default_str();
     CLI::App* trial = app.add_subcommand("simulate", "What error to expect of each device, by seeded trials");
     trial->add_option("--points", options.points, "Places to touch, by name or path");
-    trial->add_option("--trials", options.trials, "Of each device")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000000));
-    trial->add_option("--seed", options.seed, "Of what is random")->capture_default_str();
+    eti::add_number(*trial, "--trials", options.trials, "Of each device", {1, 1000000})
+        ->capture_default_str();
+    eti::add_number(*trial, "--seed", options.seed, "Of what is random", {0})->capture_default_str();
     trial
         ->add_option("--device", options.device.device,
                      "Instead of a table: the calibration that one such trial gives this simulated device")

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/bus/convert.hpp"
+#include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/setting.hpp"
@@ -257,8 +258,7 @@ int main(int argc, char** argv) {
                "that follows, where the server was given several scenarios; pause: of a replay")
             ->check(CLI::IsMember(std::vector<std::string>(plain_commands.begin(), plain_commands.end())))
             ->excludes(device);
-    auto* const place = app.add_option("--seek", once.seek, "Where a replay goes on [s]")
-                            ->check(CLI::NonNegativeNumber)
+    auto* const place = eti::add_number(app, "--seek", once.seek, "Where a replay goes on", {0.0f, 1e7f, "s"})
                             ->excludes(device);
     bool list = false;
     auto* const listing =

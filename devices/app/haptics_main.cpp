@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "common/process/command_line.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/terminal.hpp"
@@ -123,17 +124,6 @@ void heed_panic(Terminal& terminal, HapticLoop& loop) {
     }
 }
 
-/// From the gap that nothing is held for, to a second. Not CLI::Range, which takes NaN.
-CLI::Validator silence_range() {
-    const auto refusal = [](const std::string& text) {
-        float ms = 0.0f;
-        return CLI::detail::lexical_cast(text, ms) && ms >= 20.0f && ms <= 1000.0f
-                   ? std::string()
-                   : "'" + text + "' is no time from 20 to 1000 ms";
-    };
-    return CLI::Validator(refusal, "20 to 1000");
-}
-
 int run(const ProgramOptions& options, RenderSettings settings) {
     // The bus's threads, too, are between the hand and what it feels.
     std::optional<RealTimeThreads> real_time(priority::bus);
@@ -223,13 +213,14 @@ int main(int argc, char** argv) {
                    "(mean displacement times stiffness, Xiao et al. 2020)")
         ->capture_default_str()
         ->check(CLI::IsMember({"constraint", "displacement"}));
-    app.add_option(
-           "--silence-ms", silence_ms,
-           "Forces are gone after this time without a message [ms]; they are held whole for the first "
-           "third of it and fade over the rest. More bridges longer gaps of a late server, at the "
-           "cost of feeling an old scene for as long")
-        ->capture_default_str()
-        ->check(silence_range());
+    // From the gap that nothing is held for, to a second.
+    eti::add_number(
+        app, "--silence-ms", silence_ms,
+        "Forces are gone after this time without a message; they are held whole for the first third of it "
+        "and fade over the rest. More bridges longer gaps of a late server, at the cost of feeling an old "
+        "scene for as long",
+        {20.0f, 1000.0f, "ms"})
+        ->capture_default_str();
     return run_program(app, argc, argv, [&] {
         settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
         settings.safety.silence_limit = 1e-3f * silence_ms;

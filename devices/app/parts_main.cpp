@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
+#include <list>
 #include <nlohmann/json.hpp>
 
 #include "common/mesh/check.hpp"
+#include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/program.hpp"
@@ -26,11 +28,10 @@ int main(int argc, char** argv) {
         "sensor, the board for eti-calibrate. Binary STL, millimetres.",
         "eti-parts");
     app.add_option("--out", out, "Folder for the files")->capture_default_str();
+    std::list<std::pair<float*, float>> typed;  // a setting [m] and what was given for it [mm]
     const auto millimetres = [&](const char* name, float& value, const char* text, float low, float high) {
-        app.add_option_function<float>(
-               name, [&value](float mm) { value = 1e-3f * mm; }, text)
-            ->default_str(fmt::format("{:g}", 1e3f * value))
-            ->check(CLI::Range(low, high));
+        typed.push_back({&value, 1e3f * value});
+        add_number(app, name, typed.back().second, text, {low, high, "mm"})->capture_default_str();
     };
     millimetres("--stylus-diameter-mm", settings.stylus_diameter, "What the handle is pushed onto", 2.0f,
                 20.0f);
@@ -38,11 +39,13 @@ int main(int argc, char** argv) {
     millimetres("--sensor-diameter-mm", settings.sensor_diameter, "Of the magnetic sensor", 0.5f, 10.0f);
     millimetres("--sensor-length-mm", settings.sensor_length, "How far it goes in", 5.0f, 40.0f);
     millimetres("--clearance-mm", settings.clearance, "About every bore; printers differ", 0.0f, 1.0f);
-    app.add_option("--tube-inner-diameter-mm", tube_inner_mm, "Of the tube")
-        ->capture_default_str()
-        ->check(CLI::Range(2.0f, 6.0f));
+    add_number(app, "--tube-inner-diameter-mm", tube_inner_mm, "Of the tube", {2.0f, 6.0f, "mm"})
+        ->capture_default_str();
     app.add_flag("--json", json, "Print one JSON array");
     return run_program(app, argc, argv, [&] {
+        for (const auto& [setting, mm] : typed) {
+            *setting = 1e-3f * mm;
+        }
         Tube tube;
         tube.inner_diameter = 1e-3f * tube_inner_mm;
         tube.outer_diameter = outer_diameter_of(tube.inner_diameter);

@@ -2,13 +2,14 @@
 // Copyright the NeoETI authors
 #include "devices/app/program.hpp"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <thread>
 
 #include "common/bus/command_line.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
@@ -61,29 +62,20 @@ void add_options(CLI::App& app, ProgramOptions& options) {
 
 void add_bus_options(CLI::App& app, ProgramOptions& options) {
     bus::add_options(app, options.bus);
-    app.add_option("--duration", options.duration, "End after this time [s]; else when the session ends")
-        ->check(CLI::PositiveNumber);
+    add_number(app, "--duration", options.duration, "End after this time; else when the session ends",
+               {0.001, 1e7, "s"});
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");
 }
 
-std::optional<int> parse(CLI::App& app, int argc, char** argv) {
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
-    return std::nullopt;
-}
-
 void set_up_process(const std::string& name) {
-    spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+    set_up_log(name);
     catch_stop_signals({.holds_device = true});
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
     set_up_process(app.get_name());
     app.set_version_flag("--version", ETI_VERSION);
-    if (const auto code = parse(app, argc, argv)) {
+    if (const auto code = parse_command_line(app, argc, argv)) {
         return *code;
     }
     try {

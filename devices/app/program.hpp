@@ -41,9 +41,6 @@ void add_device_options(CLI::App& app, ProgramOptions& options, Use use);
 /// Of the bus and of the program's end.
 void add_bus_options(CLI::App& app, ProgramOptions& options);
 
-/// Parses; the exit status when the program is done already (--help, --version, a mistake).
-[[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, char** argv);
-
 /// Logs go to standard error; Ctrl-C, SIGTERM, SIGQUIT and a closed terminal end the program in order.
 void set_up_process(const std::string& name);
 

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "common/math/units.hpp"
+#include "common/process/file_kind.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
@@ -55,6 +56,11 @@ std::string utc_now() {
 }
 
 void save_calibration(const Calibration& c, const std::filesystem::path& file) {
+    if (const std::string kind = in_the_way(file); !kind.empty()) {
+        throw InputError(
+            fmt::format("{}: is {}, expected a file or a new name; choose another place with --out",
+                        file.string(), kind));
+    }
     const std::filesystem::path half = file.string() + ".part";
     {
         std::ofstream stream(half);

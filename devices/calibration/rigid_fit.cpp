@@ -165,6 +165,9 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
     refuse_thin(spread, settings);
 
     RigidFit out;
+    // Of mirrored points the best turn puts each as far to the other side of their plane as it was on this
+    // one: they miss by twice the spread across it, and agree where that is within the limit.
+    out.handedness_open = 2.0 * spread.size[0] < settings.outlier;
     out.transform = fit(pairs, inliers);
     out.used.assign(pairs.size(), false);
     for (const PointPair& pair : pairs) {
@@ -192,32 +195,21 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
     return out;
 }
 
-PivotFit fit_pivot(std::span<const Isometry3d> poses) {
-    if (poses.size() < fewest_poses) {
-        throw CalibrationError(
-            fmt::format("{} poses, at least {} are needed. Turn the tool about its resting "
-                        "tip for longer",
-                        poses.size(), fewest_poses));
-    }
+namespace {
+
+/// Least squares, without a judgement; `turning` tells how well the poses determine the tip.
+PivotFit solve_pivot(std::span<const Isometry3d> poses, double& turning) {
     const auto rows = static_cast<Eigen::Index>(3 * poses.size());
     Eigen::MatrixXd system(rows, 6);
     Eigen::VectorXd right(rows);
     for (std::size_t i = 0; i < poses.size(); ++i) {
-        if (!poses[i].matrix().allFinite()) {
-            throw CalibrationError(fmt::format("pose {} is not finite", i + 1));
-        }
         const auto row = static_cast<Eigen::Index>(3 * i);
         system.block<3, 3>(row, 0) = poses[i].linear();
         system.block<3, 3>(row, 3) = -Matrix3d::Identity();
         right.segment<3>(row) = -poses[i].translation();
     }
     const Eigen::BDCSVD<Eigen::MatrixXd> svd(system, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const double turning = svd.singularValues()[5] / std::sqrt(static_cast<double>(poses.size()));
-    if (turning < least_turning) {
-        throw CalibrationError(
-            "the tool was turned too little to tell where its tip is. Keep the tip in place and swing the "
-            "handle by 30 deg or more, to all sides");
-    }
+    turning = svd.singularValues()[5] / std::sqrt(static_cast<double>(poses.size()));
     const Eigen::VectorXd solution = svd.solve(right);
     PivotFit out{solution.head<3>(), solution.tail<3>(), 0.0};
     double sum = 0.0;
@@ -225,6 +217,75 @@ PivotFit fit_pivot(std::span<const Isometry3d> poses) {
         sum += (pose * out.tip - out.pivot).squaredNorm();
     }
     out.error = std::sqrt(sum / static_cast<double>(poses.size()));
+    return out;
+}
+
+/// What the poses' numbers may be instead, if that explains why they do not fit; else nothing.
+std::string other_order(std::span<const Isometry3d> poses, const PivotSettings& settings) {
+    const auto error_of = [&](const auto& reading) {
+        std::vector<Isometry3d> others(poses.begin(), poses.end());
+        for (Isometry3d& pose : others) {
+            pose.linear() = reading(Eigen::Quaterniond(pose.linear())).toRotationMatrix();
+        }
+        double turning = 0.0;
+        const PivotFit fit = solve_pivot(others, turning);
+        return turning < least_turning ? settings.largest_error : fit.error;
+    };
+    // Read as w x y z were the numbers x y z w.
+    const double last =
+        error_of([](const Eigen::Quaterniond& q) { return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()); });
+    const double inverse = error_of([](const Eigen::Quaterniond& q) { return q.conjugate(); });
+    if (std::min(last, inverse) >= settings.largest_error) {
+        return "";
+    }
+    return last < inverse
+               ? fmt::format("; with quaternions in the order x y z w they miss by {:.2f} mm: write w first",
+                             1e3 * last)
+               : fmt::format(
+                     "; with the inverse turns they miss by {:.2f} mm: give the sensor's turn in the "
+                     "device's frame",
+                     1e3 * inverse);
+}
+
+}  // namespace
+
+PivotFit fit_pivot(std::span<const Isometry3d> poses, const PivotSettings& settings) {
+    if (poses.size() < fewest_poses) {
+        throw CalibrationError(
+            fmt::format("{} poses, at least {} are needed. Turn the tool about its resting "
+                        "tip for longer",
+                        poses.size(), fewest_poses));
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        if (!poses[i].matrix().allFinite()) {
+            throw CalibrationError(fmt::format("pose {} is not finite", i + 1));
+        }
+    }
+    double turning = 0.0;
+    const PivotFit out = solve_pivot(poses, turning);
+    if (turning < least_turning) {
+        throw CalibrationError(
+            "the tool was turned too little to tell where its tip is. Keep the tip in place and swing the "
+            "handle by 30 deg or more, to all sides");
+    }
+    if (!(out.error <= settings.largest_error)) {
+        throw CalibrationError(fmt::format(
+            "the tip did not rest: the poses miss one place by {:.2f} mm RMS, at most {:g} mm are taken{}. "
+            "Keep "
+            "the tip in its dimple and swing again; of measured poses, give x y z [mm] and w x y z",
+            1e3 * out.error, 1e3 * settings.largest_error, other_order(poses, settings)));
+    }
+    const double distance = out.tip.norm();
+    if (distance < settings.nearest || distance > settings.farthest) {
+        throw CalibrationError(
+            fmt::format("the tip lies {:.3g} mm from the sensor, expected {:g} to {:g} mm{}. Give places in "
+                        "millimetres, and "
+                        "poses of the sensor that the tool is fixed to",
+                        1e3 * distance, 1e3 * settings.nearest, 1e3 * settings.farthest,
+                        1e3 * distance >= settings.nearest && 1e3 * distance <= settings.farthest
+                            ? "; are the places in metres?"
+                            : ""));
+    }
     return out;
 }
 

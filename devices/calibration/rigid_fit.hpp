@@ -43,6 +43,8 @@ struct RigidFit {
     double left_out_error = 0.0;  ///< [m], RMS over the used pairs of how far a fit without the pair
                                   ///< misses it
     std::string advice;           ///< where more points would help most; empty when none are needed
+    /// The used points lie so near one plane that a device whose axes are mirrored would fit as well.
+    bool handedness_open = false;
 };
 
 /// Least-squares rigid transform without scale (Arun, Huang & Blostein 1987; the sign that keeps it from
@@ -61,9 +63,17 @@ struct PivotFit {
     double error = 0.0;                               ///< [m], RMS over the poses
 };
 
+struct PivotSettings {
+    double largest_error = 3e-3;               ///< [m] RMS; twice that of the coarsest sensor, a trakSTAR
+    double nearest = 5e-3, farthest = 500e-3;  ///< [m], from the sensor to the tip of a tool in a hand
+};
+
 /// The tip of a tool that was turned about its resting tip: least squares over R_i tip + t_i = pivot
 /// (the algebraic one-step method; Yaniv, "Which pivot calibration?", SPIE 9415, 2015). Throws
-/// CalibrationError for fewer than 20 poses or when they turn by too little to tell.
-[[nodiscard]] PivotFit fit_pivot(std::span<const Eigen::Isometry3d> poses);
+/// CalibrationError for fewer than 20 poses, when they turn by too little to tell, when the tip did not rest,
+/// or when it lies where no tool has one. The text says so where another order of the quaternions' numbers
+/// or metres for millimetres would explain it.
+[[nodiscard]] PivotFit fit_pivot(std::span<const Eigen::Isometry3d> poses,
+                                 const PivotSettings& settings = {});
 
 }  // namespace eti::devices

@@ -6,9 +6,18 @@
 #include <iostream>
 
 #include "common/bus/command_line.hpp"
+#include "common/process/command_line.hpp"
 #include "server/app/describe.hpp"
 
 namespace eti::app {
+
+namespace {
+
+// No session is as long: half a year.
+constexpr double longest_time = 180.0 * 24 * 3600;  // [s]
+constexpr std::uint64_t most_steps = 180 * static_cast<std::uint64_t>(longest_time);
+
+}  // namespace
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
     CLI::App app("The physics server: simulates the patient, measures the attempt, publishes the scene.",
@@ -37,12 +46,13 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_flag("--json", options.json, "Print the result as one JSON object");
     app.add_flag("--finish-after-attempt", options.finish_after_attempt,
                  "End the session two seconds after an attempt has ended");
-    app.add_option("--steps", options.steps, "End after this many steps of 1/180 s");
-    app.add_option("--duration", options.duration, "End after this simulation time [s]")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--seed", options.seed, "Seed of tremor and chance, instead of the scenario's");
-    app.add_option("--threads", options.threads, "Solver threads; 0: one per core; the result is the same")
-        ->check(CLI::Range(0, 256));
+    add_number(app, "--steps", options.steps, "End after this many steps of 1/180 s",
+               {1, most_steps, "steps"});
+    add_number(app, "--duration", options.duration, "End after this simulation time; 0: no limit",
+               {0.0, longest_time, "s"});
+    add_number(app, "--seed", options.seed, "Seed of tremor and chance, instead of the scenario's", {0});
+    add_number(app, "--threads", options.threads, "Solver threads; 0: one per core; the result is the same",
+               {0, 256});
     CLI::Option* const resimulate =
         app.add_option("--resimulate", options.resimulate,
                        "Run the recorded inputs of this session file again, as fast as possible, and compare "
@@ -60,14 +70,11 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                        "Publish what this session file holds as if it went on now; see eti-review replay")
             ->excludes("--scenario", "--operator", "--seed", "--finish-after-attempt", "--duration",
                        "--record", "--fast", "--no-dds", "--steps", "--resimulate");
-    app.add_option("--speed", options.replay.speed, "Of the replay, times real time")
-        ->check(CLI::Range(1.0 / 16, 16.0))
+    add_number(app, "--speed", options.replay.speed, "Of the replay", {1.0 / 16, 16.0, "times real time"})
         ->needs(replay);
-    app.add_option("--from", options.replay.from, "Where the replay begins [s]")
-        ->check(CLI::NonNegativeNumber)
+    add_number(app, "--from", options.replay.from, "Where the replay begins", {0.0, longest_time, "s"})
         ->needs(replay);
-    app.add_option("--to", options.replay.to, "Where the replay ends [s]")
-        ->check(CLI::NonNegativeNumber)
+    add_number(app, "--to", options.replay.to, "Where the replay ends", {0.0, longest_time, "s"})
         ->needs(replay);
     app.add_flag("--loop", options.replay.loop, "Begin the replay again when it is at its end")
         ->needs(replay);
@@ -75,10 +82,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     bool describe = false;
     app.add_flag("--describe", describe,
                  "Print as JSON what scenarios set, commands change and results hold, with units and ranges");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    if (const auto code = parse_command_line(app, argc, argv)) {
+        return *code;
     }
     if (describe) {
         std::cout << description().dump(2) << std::endl;

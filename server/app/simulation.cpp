@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/hdf5/handle.hpp"
 #include "common/model/pace.hpp"
 #include "common/model/parked_pose.hpp"
 #include "common/model/thresholds.hpp"
@@ -88,7 +89,12 @@ scene::Inputs parked(const Scenario& scenario, const anatomy::Patient& patient) 
 
 anatomy::Patient patient_of(const Scenario& scenario) {
     if (!scenario.patient.model.empty()) {
-        return anatomy::load_patient(scenario.patient.model);
+        try {
+            return anatomy::load_patient(scenario.patient.model);
+        } catch (const hdf5::Error& error) {
+            throw InputError(
+                fmt::format("scenario '{}', key 'patient.model': {}", scenario.name, error.what()));
+        }
     }
     return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
 }

@@ -2,6 +2,7 @@
 # Copyright the NeoETI authors
 """What a person can get wrong is refused with file, finding and remedy, before anything starts."""
 
+import os
 import re
 import unittest
 
@@ -59,6 +60,23 @@ class Scenario(support.Case):
 
     def test_folder_as_scenario_is_refused(self):
         self.assert_refused(self.serve(self.folder), self.folder)
+
+    def test_a_model_that_is_not_there_is_named_with_scenario_line_and_key(self):
+        self.refused("seed: 1\npatient:\n  model: absent.h5\n", ":3", "patient.model", "absent.h5")
+
+    def test_a_file_that_is_no_model_is_named_with_its_scenario(self):
+        (self.folder / "text.h5").write_text("no model, but longer than a header would be\n" * 100)
+        scenario = self.folder / "with_text.yaml"
+        scenario.write_text("name: with_text\npatient: {model: text.h5}\n")
+        self.assert_refused(self.serve(scenario), self.folder / "text.h5", "with_text", "patient.model")
+
+    def test_names_do_not_command_the_terminal(self):
+        file = self.folder / "\x1b[31m\x07red.yaml"
+        file.write_text("\"\\e]0;title\\a\": 1\n")
+        done = self.serve(file)
+        self.assert_refused(done, "\\x1b[31m\\x07red.yaml", "\\x1b]0;title\\x07")
+        # The log's own colours are for terminals alone.
+        self.assertNotRegex(done.stderr, "[\x00-\x08\x0b-\x1f\x7f]")
 
     def test_empty_scenario_is_refused(self):
         self.refused("")
@@ -130,6 +148,44 @@ class Operator(support.Case):
         file = self.folder / "operator.yaml"
         file.write_text(EXPERT.read_text().rstrip("\n") + "\ntremmor_mm: 1\n")
         self.assert_refused(self.perform(file), file, "tremmor_mm")
+
+
+class NoFiles(support.Case):
+    """A pipe would keep its reader waiting for ever, a device never end."""
+
+    READERS = (
+        ("eti-server", "--no-dds", "--fast", "--steps", 2, "--scenario", "{}"),
+        ("eti-server", "--no-dds", "--fast", "--steps", 2, "--operator", "{}"),
+        ("eti-server", "--no-dds", "--resimulate", "{}"),
+        ("eti-server", "--replay", "{}"),
+        ("eti-server", "--fast", "--steps", 2, "--profile", "{}"),
+        ("eti-review", "summary", "{}"),
+        ("eti-review", "check", "{}"),
+        ("eti-review", "export", "{}", "--out", "out"),
+        ("eti-anatomy", "segment", "{}", "--out", "out.nrrd"),
+        ("eti-anatomy", "surfaces", "{}", "--out", "out"),
+        ("eti-anatomy", "build", "{}", "--out", "out.h5"),
+        ("eti-anatomy", "check", "{}"),
+        ("eti-calibrate", "pivot", "--device", "openhaptics", "--poses", "{}", "--out", "out.yaml"),
+        ("eti-calibrate", "register", "--device", "simulated", "--pairs", "{}", "--out", "out.yaml"),
+        ("eti-haptics", "--device", "simulated", "--calibration", "{}"),
+        ("eti-controller", "--preset", "{}"),
+        ("eti-client", "--domain", support.DOMAIN, "--offscreen", "out", "--hands", "--play", "{}"),
+    )
+
+    def test_what_is_no_file_is_refused_in_good_time(self):
+        pipe, folder, absent = self.folder / "pipe", self.folder / "folder", self.folder / "absent"
+        os.mkfifo(pipe)
+        folder.mkdir()
+        for given in (pipe, folder, absent, "/dev/zero"):
+            for command in self.READERS:
+                if not (support.BIN / command[0]).exists():
+                    continue
+                with self.subTest(given=str(given), command=" ".join(map(str, command))):
+                    done = support.run(*(given if word == "{}" else word for word in command),
+                                       timeout=SECONDS_TO_REFUSE, cwd=self.folder)
+                    self.assert_refused(done, given)
+                    self.assertNotIn("--repair", done.stderr, "no repair helps what is no file")
 
 
 class CommandLine(support.Case):

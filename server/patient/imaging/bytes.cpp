@@ -10,17 +10,17 @@
 #include <array>
 #include <fstream>
 
+#include "common/process/file_kind.hpp"
 #include "server/patient/imaging/volume.hpp"
 
 namespace eti::imaging {
 
 Bytes read_bytes(const std::filesystem::path& file, std::size_t most) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) {
-        throw VolumeError(
-            fmt::format("{}: {}; expected a file. Remedy: check the path.", file.string(),
-                        std::filesystem::exists(file, error) ? "is no plain file" : "is not there"));
+    if (const std::string kind = no_plain_file(file); !kind.empty()) {
+        throw VolumeError(fmt::format("{}: {}; expected a file. Remedy: check the path.", file.string(),
+                                      kind == "nothing" ? "is not there" : "is " + kind));
     }
+    std::error_code error;
     const auto size = std::filesystem::file_size(file, error);
     if (error || size > most) {
         throw VolumeError(
@@ -158,6 +158,10 @@ std::vector<float> to_floats(std::span<const std::uint8_t> data, Scalar type, bo
 }
 
 void write_bytes(const std::filesystem::path& file, std::span<const std::uint8_t> data) {
+    if (const std::string kind = in_the_way(file); !kind.empty()) {
+        throw VolumeError(fmt::format(
+            "{}: is {}; expected a file or a new name. Remedy: choose another name.", file.string(), kind));
+    }
     std::filesystem::path partial = file;
     partial += fmt::format(".{}.part", ::getpid());
     std::ofstream out(partial, std::ios::binary);

@@ -6,9 +6,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <fstream>
 #include <map>
+#include <optional>
 
+#include "common/process/escaped.hpp"
 #include "server/patient/imaging/formats.hpp"
 
 namespace eti::imaging {
@@ -98,6 +102,61 @@ bool has_all_pixels(const std::filesystem::path& path) {
     }
 }
 
+/// The numbers of a text, which backslashes part (PS3.5, 6.2, DS); nothing where one is none.
+std::optional<std::vector<double>> numbers_of(const std::string& text) {
+    std::vector<double> out;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find('\\', at), text.size());
+        const std::size_t first = std::min(text.find_first_not_of(" +", at), end);
+        const std::size_t last = text.find_last_not_of(' ', end - 1) + 1;
+        double number = 0.0;
+        const auto [rest, error] = std::from_chars(text.data() + first, text.data() + end, number);
+        if (first >= end || error != std::errc() || rest != text.data() + std::min(last, end) ||
+            !std::isfinite(number)) {
+            return std::nullopt;
+        }
+        out.push_back(number);
+        at = end + 1;
+    }
+    return out;
+}
+
+/// Refuses spacing and directions that GDCM would replace by 1 mm and the axes without a word. Files of
+/// several frames tell both per frame.
+void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_frame) {
+    const auto read = [&](const gdcm::Tag& tag) -> std::optional<std::vector<double>> {
+        const std::string text = text_of(data, tag);
+        if (text.empty() && !one_frame) {
+            return std::nullopt;
+        }
+        const auto numbers = numbers_of(text);
+        return numbers ? *numbers : std::vector<double>{};
+    };
+    const auto shown = [&](const gdcm::Tag& tag) {
+        const std::string text = text_of(data, tag);
+        return text.empty() ? "nothing" : fmt::format("'{}'", escaped(text, longest_shown));
+    };
+    const gdcm::Tag spacing_tag(0x0028, 0x0030), directions_tag(0x0020, 0x0037);
+    if (const auto s = read(spacing_tag); s && (s->size() != 2 || !((*s)[0] > 0.0) || !((*s)[1] > 0.0))) {
+        refuse(file, "Pixel Spacing is " + shown(spacing_tag), "two numbers above 0 [mm]",
+               "export the original slices, with their spacing");
+    }
+    if (const auto d = read(directions_tag)) {
+        bool good = d->size() == 6;
+        if (good) {
+            const Vec3d row((*d)[0], (*d)[1], (*d)[2]), column((*d)[3], (*d)[4], (*d)[5]);
+            // As far from unit and from right angles as scanners round them.
+            constexpr double rounded = 0.01;
+            good = std::abs(row.norm() - 1.0) < rounded && std::abs(column.norm() - 1.0) < rounded &&
+                   std::abs(row.dot(column)) < rounded;
+        }
+        if (!good) {
+            refuse(file, "Image Orientation (Patient) is " + shown(directions_tag),
+                   "two directions of length 1 at a right angle", "export the original slices");
+        }
+    }
+}
+
 Frames read_file(const std::filesystem::path& path) {
     Frames frames;
     frames.file = path.string();
@@ -118,6 +177,7 @@ Frames read_file(const std::filesystem::path& path) {
         refuse(frames.file, "the image is in colour", "one value per pixel", "export the CT itself");
     }
     Geometry& geometry = frames.geometry;
+    check_grid(data, frames.file, image.GetNumberOfDimensions() < 3 || image.GetDimension(2) <= 1);
     const unsigned dimensions = image.GetNumberOfDimensions();
     for (unsigned k = 0; k < 3; ++k) {
         const unsigned n = k < dimensions ? image.GetDimension(k) : 1;
@@ -134,8 +194,9 @@ Frames read_file(const std::filesystem::path& path) {
         refuse(frames.file, "the slice has no place (Image Position Patient)", "one",
                "export the original slices, not screen captures");
     }
-    Vec3d row(cosines[0], cosines[1], cosines[2]);
-    Vec3d column(cosines[3], cosines[4], cosines[5]);
+    // Files round them; lengths are the spacing's to tell.
+    const Vec3d row = Vec3d(cosines[0], cosines[1], cosines[2]).normalized();
+    const Vec3d column = Vec3d(cosines[3], cosines[4], cosines[5]).normalized();
     geometry.origin = 1e-3 * Vec3d(origin[0], origin[1], origin[2]);
     geometry.step.col(0) = 1e-3 * spacing[0] * row;
     geometry.step.col(1) = 1e-3 * spacing[1] * column;
@@ -164,6 +225,10 @@ Frames read_file(const std::filesystem::path& path) {
     frames.value = to_floats(buffer, type, false);
     const auto slope = static_cast<float>(image.GetSlope());
     const auto intercept = static_cast<float>(image.GetIntercept());
+    if (!std::isfinite(slope) || slope == 0.0f || !std::isfinite(intercept)) {
+        refuse(frames.file, fmt::format("Rescale Slope is {:g} and Rescale Intercept {:g}", slope, intercept),
+               "what turns pixels into Hounsfield units", "export the original slices");
+    }
     for (float& v : frames.value) {
         v = slope * v + intercept;
     }

@@ -7,6 +7,14 @@
 
 namespace eti::imaging {
 
+namespace {
+
+// [m] between voxels of a head: a micro-CT's, and what still shows a newborn's airway at all. Beyond them the
+// file means another unit, and radii in millimetres become millions of voxels.
+constexpr double least_spacing = 0.05e-3, most_spacing = 20e-3;
+
+}  // namespace
+
 void require_sound(const Geometry& geometry, const std::string& file) {
     constexpr int least = 4;
     double voxels = 1.0;
@@ -30,12 +38,16 @@ void require_sound(const Geometry& geometry, const std::string& file) {
                         file, sizes, voxels, most_voxels));
     }
     const Vec3d spacing = geometry.spacing();
-    if (!geometry.origin.allFinite() || !geometry.step.allFinite() || !(spacing.minCoeff() > 1e-6) ||
-        !(spacing.maxCoeff() < 0.1)) {
+    if (!geometry.origin.allFinite() || !geometry.step.allFinite() ||
+        !(spacing.minCoeff() >= least_spacing) || !(spacing.maxCoeff() <= most_spacing)) {
         throw VolumeError(
-            fmt::format("{}: the voxels are {:.4g} x {:.4g} x {:.4g} mm apart; expected 0.001 to 100 mm. "
-                        "Remedy: mend spacing and directions in the program that wrote the file.",
-                        file, spacing.x() * 1e3, spacing.y() * 1e3, spacing.z() * 1e3));
+            fmt::format("{}: the voxels are {:.4g} x {:.4g} x {:.4g} mm apart; expected {:g} to {:g} mm. "
+                        "Remedy: mend spacing and directions in the program that wrote the file{}.",
+                        file, spacing.x() * 1e3, spacing.y() * 1e3, spacing.z() * 1e3, 1e3 * least_spacing,
+                        1e3 * most_spacing,
+                        1e3 * spacing.minCoeff() >= least_spacing && 1e3 * spacing.maxCoeff() <= most_spacing
+                            ? "; they seem to be in metres, where millimetres are meant"
+                            : ""));
     }
     // sin of the angles between the axes, all in one: 1 for a right-angled grid, 0 for a flat one.
     const double spanned = geometry.voxel_volume() / spacing.prod();

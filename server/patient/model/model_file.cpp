@@ -10,6 +10,7 @@
 
 #include "common/hdf5/file.hpp"
 #include "common/hdf5/packing.hpp"
+#include "common/process/file_kind.hpp"
 
 namespace eti::anatomy {
 
@@ -284,6 +285,10 @@ hdf5::File open_model(const std::filesystem::path& path) {
 }  // namespace
 
 void save_patient(const Patient& patient, const std::filesystem::path& path, const Provenance& provenance) {
+    if (const std::string kind = in_the_way(path); !kind.empty()) {
+        throw hdf5::Error(fmt::format("{}: is {}, expected a file or a new name; choose another name",
+                                      path.string(), kind));
+    }
     // Two servers may build the same model at once: each writes its own file, the last one stays.
     const std::filesystem::path unfinished = path.string() + ".unfinished." + std::to_string(::getpid());
     std::error_code ignored;

@@ -62,6 +62,10 @@ Agreement agreement(const imaging::Mask& found, const imaging::Mask& truth,
     }
     if (result.voxels_found + result.voxels_true == 0) {
         result.dice = 1.0;
+        result.mean_surface_distance = 0.0;
+        return result;
+    }
+    if (result.voxels_found == 0 || result.voxels_true == 0) {
         return result;
     }
     result.dice =

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "server/patient/imaging/volume.hpp"
@@ -11,8 +12,9 @@ namespace eti::segmentation {
 
 /// How well two segmentations agree on one structure.
 struct Agreement {
-    double dice = 0.0;                   ///< 2 |A and B| / (|A| + |B|)
-    double mean_surface_distance = 0.0;  ///< [voxels], over the surface voxels of both
+    double dice = 0.0;  ///< 2 |A and B| / (|A| + |B|)
+    /// [voxels], over the surface voxels of both; nothing where only one of them has the structure.
+    std::optional<double> mean_surface_distance;
     std::size_t voxels_found = 0;
     std::size_t voxels_true = 0;
 };

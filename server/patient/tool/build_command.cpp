@@ -5,6 +5,7 @@
 
 #include "common/math/hash.hpp"
 #include "common/math/units.hpp"
+#include "common/process/command_line.hpp"
 #include "server/patient/imaging/bytes.hpp"
 #include "server/patient/newborn/check_model.hpp"
 #include "server/patient/newborn/from_scenario.hpp"
@@ -191,27 +192,20 @@ void add_build(CLI::App& app, Run& run) {
     build->add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
     const ShapeOptions shape(*build);
     build->add_option("--out", request->out, "Model to write (*.h5)")->required();
-    build
-        ->add_option("--spacing-mm", request->spacing_mm,
-                     "Distance of particles in the bulk [2]; time grows with its inverse cube")
-        ->check(CLI::Range(0.75, 4.0));
-    build
-        ->add_option("--fine-spacing-mm", request->fine_spacing_mm,
-                     "Distance of particles at epiglottis and larynx [1]")
-        ->check(CLI::Range(0.5, 2.0));
-    build
-        ->add_option(
-            "--surface-mm", request->surface_mm,
-            "Edges of the visible surfaces in the mouth [1]; finer at larynx and lips, coarser at the trunk")
-        ->check(CLI::Range(0.7, 1.5));
-    build
-        ->add_option("--region-mm", request->region_mm,
-                     "Tissue farther than this from the airway only moves with the bones [10]")
-        ->check(CLI::Range(4.0, 40.0));
-    build
-        ->add_option("--tissue-stiffness-kpa", request->stiffness_kpa,
-                     "Young's modulus of tongue and mucosa [8]")
-        ->check(CLI::Range(1.0, 100.0));
+    add_number(*build, "--spacing-mm", request->spacing_mm,
+               "Distance of particles in the bulk [2]; time grows with its inverse cube",
+               {0.75f, 4.0f, "mm"});
+    add_number(*build, "--fine-spacing-mm", request->fine_spacing_mm,
+               "Distance of particles at epiglottis and larynx [1]", {0.5f, 2.0f, "mm"});
+    add_number(
+        *build, "--surface-mm", request->surface_mm,
+        "Edges of the visible surfaces in the mouth [1]; finer at larynx and lips, coarser at the trunk",
+        {0.7f, 1.5f, "mm"});
+    add_number(*build, "--region-mm", request->region_mm,
+               "Tissue farther than this from the airway only moves with the bones [10]",
+               {4.0f, 40.0f, "mm"});
+    add_number(*build, "--tissue-stiffness-kpa", request->stiffness_kpa,
+               "Young's modulus of tongue and mucosa [8]", {1.0f, 100.0f, "kPa"});
     build->callback([request, shape, &run] {
         run = [request, shape] {
             return request->in.empty() ? build_newborn(*request, shape) : build_labelled(*request, shape);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/math/units.hpp"
+#include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
 #include "server/patient/model/model_file.hpp"
 #include "server/patient/model/skeleton.hpp"
@@ -111,11 +112,9 @@ void add_check(CLI::App& app, Run& run) {
     const auto typed = std::make_shared<Typed>();
     check->add_option("MODEL", typed->model, "Model that 'build' wrote, or one of the server's cache")
         ->required();
-    check
-        ->add_option("--jaw-opening-deg", typed->jaw_opening_deg,
-                     "How far the mouth is open where the axes are compared")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 35.0));
+    add_number(*check, "--jaw-opening-deg", typed->jaw_opening_deg,
+               "How far the mouth is open where the axes are compared", {0.0f, 35.0f, "deg"})
+        ->capture_default_str();
     check->callback(
         [typed, &run] { run = [typed] { return check_file(typed->model, typed->jaw_opening_deg); }; });
 }

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "common/math/units.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/escaped.hpp"
 #include "common/process/stop_signal.hpp"
 #include "server/patient/imaging/formats.hpp"
 #include "server/patient/imaging/read.hpp"
@@ -126,9 +128,16 @@ Result run_segment(SegmentRequest request) {
              {"tongue", {Label::tongue}}}};
         for (const auto& [name, labels] : compared) {
             const Agreement a = agreement(found.labels, *truth, labels);
-            result.text += fmt::format("{:<19} {:>6.3f}  {:.2f}\n", name, a.dice, a.mean_surface_distance);
-            result.json["agreement"][name] = {{"dice", a.dice},
-                                              {"mean_surface_distance_voxels", a.mean_surface_distance}};
+            result.text += fmt::format(
+                "{:<19} {:>6.3f}  {}\n", name, a.dice,
+                a.mean_surface_distance
+                    ? fmt::format("{:.2f}", *a.mean_surface_distance)
+                    : fmt::format("none: only in {}", a.voxels_found > 0 ? "what was found" : "the truth"));
+            result.json["agreement"][name] = {
+                {"dice", a.dice},
+                {"mean_surface_distance_voxels", a.mean_surface_distance
+                                                     ? nlohmann::ordered_json(*a.mean_surface_distance)
+                                                     : nlohmann::ordered_json()}};
         }
     }
     result.text +=
@@ -177,24 +186,24 @@ int main(int argc, char** argv) {
     double spacing_mm = 0.6;
     const ShapeOptions phantom_shape(*phantom);
     double jaw_opening_deg = 0.0;
-    phantom->add_option("--jaw-opening-deg", jaw_opening_deg, "How far the mouth is open in the volume")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 25.0));
-    phantom
-        ->add_option("--spacing-mm", spacing_mm,
-                     "Distance of the voxels; half of it takes eight times as long")
-        ->capture_default_str()
-        ->check(CLI::Range(0.2, 3.0));
-    phantom->add_option("--noise-hu", phantom_settings.noise, "Standard deviation of the noise")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 200.0));
-    phantom->add_option("--seed", phantom_settings.seed, "Seed of the noise")->capture_default_str();
+    add_number(*phantom, "--jaw-opening-deg", jaw_opening_deg, "How far the mouth is open in the volume",
+               {0.0, 25.0, "deg"})
+        ->capture_default_str();
+    add_number(*phantom, "--spacing-mm", spacing_mm,
+               "Distance of the voxels; half of it takes eight times as long", {0.2, 3.0, "mm"})
+        ->capture_default_str();
+    add_number(*phantom, "--noise-hu", phantom_settings.noise, "Standard deviation of the noise",
+               {0.0f, 200.0f, "HU"})
+        ->capture_default_str();
+    add_number(*phantom, "--seed", phantom_settings.seed, "Seed of the noise", {0})->capture_default_str();
     phantom->add_option("--out", phantom_out, "CT volume to write (.nrrd, .nii, .nii.gz)")->required();
 
     CLI::App* const segment = app.add_subcommand(
         "segment",
         "Cut a CT of head and neck into labels: airway, bone, mandible, spine, tongue, soft tissue");
     SegmentRequest request;
+    // What twelve bits of a scanner hold.
+    const NumberLimits<float> hounsfield{-1024.0f, 3071.0f, "HU"};
     double closing_mm = 1e3 * static_cast<double>(request.settings.closing);
     segment->add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project")->required();
     segment->add_option("--out", request.out, "Labels to write (.nrrd, .nii, .nii.gz)")->required();
@@ -205,12 +214,13 @@ int main(int argc, char** argv) {
     segment->add_option("--picture", request.picture,
                         "Picture of the result (default: beside the labels, .png)");
     segment->add_option("--truth", request.truth, "Labels to compare the result with");
-    segment->add_option("--air-below-hu", request.settings.air_below, "Air is below")->capture_default_str();
-    segment->add_option("--bone-above-hu", request.settings.bone_above, "Bone is above")
+    add_number(*segment, "--air-below-hu", request.settings.air_below, "Air is below", hounsfield)
         ->capture_default_str();
-    segment->add_option("--closing-mm", closing_mm, "Radius of the ball that closes lips and nostrils")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 30.0));
+    add_number(*segment, "--bone-above-hu", request.settings.bone_above, "Bone is above", hounsfield)
+        ->capture_default_str();
+    add_number(*segment, "--closing-mm", closing_mm, "Radius of the ball that closes lips and nostrils",
+               {0.0, 30.0, "mm"})
+        ->capture_default_str();
 
     CLI::App* const surfaces = app.add_subcommand(
         "surfaces", "Turn labels into closed surfaces of skin, bone and airway (STL, in mm)");
@@ -221,28 +231,28 @@ int main(int argc, char** argv) {
     surfaces->add_option("LABELS", labels, "Labels that 'segment' wrote, or of the same numbers")->required();
     surfaces->add_option("--volume", ct, "The CT that was segmented: surfaces then follow its grey values");
     surfaces->add_option("--out", folder, "Folder to write into; made if missing")->required();
-    surfaces->add_option("--skin-triangles", surface_settings.skin_triangles, "Most triangles")
+    const NumberLimits<std::size_t> triangles{4, 10'000'000, "triangles"};
+    add_number(*surfaces, "--skin-triangles", surface_settings.skin_triangles, "At most so many", triangles)
         ->capture_default_str();
-    surfaces->add_option("--bone-triangles", surface_settings.bone_triangles, "Most triangles")
+    add_number(*surfaces, "--bone-triangles", surface_settings.bone_triangles, "At most so many", triangles)
         ->capture_default_str();
-    surfaces->add_option("--airway-triangles", surface_settings.airway_triangles, "Most triangles")
+    add_number(*surfaces, "--airway-triangles", surface_settings.airway_triangles, "At most so many",
+               triangles)
         ->capture_default_str();
-    surfaces->add_option("--smoothing", surface_settings.smoothing, "Passes of the smoothing filter")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 100));
-    surfaces->add_option("--air-below-hu", surface_settings.air_below, "As given to 'segment'")
+    add_number(*surfaces, "--smoothing", surface_settings.smoothing, "Of the smoothing filter",
+               {0, 100, "passes"})
         ->capture_default_str();
-    surfaces->add_option("--bone-above-hu", surface_settings.bone_above, "As given to 'segment'")
+    add_number(*surfaces, "--air-below-hu", surface_settings.air_below, "As given to 'segment'", hounsfield)
+        ->capture_default_str();
+    add_number(*surfaces, "--bone-above-hu", surface_settings.bone_above, "As given to 'segment'", hounsfield)
         ->capture_default_str();
 
     Run run;
     add_build(app, run);
     add_check(app, run);
 
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : status_misused;
+    if (const auto status = parse_command_line(app, argc, argv)) {
+        return *status;
     }
     catch_stop_signals();
     try {
@@ -261,11 +271,16 @@ int main(int argc, char** argv) {
             result = run();
         }
         clear_progress();
-        std::cout << (json ? result.json.dump(2) + "\n" : result.text);
+        std::cout << (json ? result.json.dump(2) + "\n" : escaped_lines(result.text));
         return result.status;
     } catch (const Stopped& error) {
         remark(error.what());
         return status_interrupted;
+    } catch (const std::bad_alloc&) {
+        remark(
+            "this takes more memory than there is; crop the volume to head and neck, or choose wider "
+            "spacing");
+        return status_refused;
     } catch (const std::exception& error) {
         remark(stop_asked() ? "stopped; nothing was written" : error.what());
         return stop_asked() ? status_interrupted : status_refused;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "common/process/command_line.hpp"
 #include "server/patient/tool/commands.hpp"
 
 namespace eti::tool {
@@ -20,10 +21,9 @@ ShapeOptions::ShapeOptions(CLI::App& command) : typed_(std::make_shared<Typed>()
         const ShapeField& field = shape_fields[i];
         std::string name = "--" + field.key();
         std::replace(name.begin(), name.end(), '_', '-');
-        command
-            .add_option(name, typed_->values[i],
-                        fmt::format("{} [{:g}]", field.help, usual.*field.value / field.per_unit))
-            ->check(CLI::Range(field.low, field.high));
+        add_number(command, name, typed_->values[i],
+                   fmt::format("{} [{:g}]", field.help, usual.*field.value / field.per_unit),
+                   {field.low, field.high, std::string(field.unit)});
     }
     command
         .add_option("--variant", typed_->variant, "Preset of the above; what is given beside it counts more")

@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "common/process/escaped.hpp"
 #include "common/process/progress_bar.hpp"
 #include "common/process/stop_signal.hpp"
 
@@ -26,7 +27,7 @@ void clear_progress() {
 
 void remark(std::string_view text) {
     bar.clear();
-    std::cerr << "eti-anatomy: " << text << '\n';
+    std::cerr << "eti-anatomy: " << escaped_lines(text) << '\n';
 }
 
 std::filesystem::path stem_of(const std::filesystem::path& file) {

@@ -22,7 +22,6 @@ struct Result {
 };
 
 inline constexpr int status_refused = 1;
-inline constexpr int status_misused = 2;
 inline constexpr int status_no_model = 3;  ///< surfaces were written, but what is left makes no model
 inline constexpr int status_interrupted = 130;
 

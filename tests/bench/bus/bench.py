@@ -4,6 +4,7 @@
 """What the bus costs, and what it does over poor links: tables of latency, joins, scenes, observers and endurance."""
 
 import argparse
+import math
 import sys
 from pathlib import Path
 
@@ -24,14 +25,32 @@ TABLES = {
 }
 
 
+def count(text):
+    """A whole number from 1 to a million."""
+    if not text.isdecimal() or not 1 <= int(text) <= 1_000_000:
+        raise argparse.ArgumentTypeError(f"'{text[:40]}' is no count; expected a whole number from 1 to 1000000")
+    return int(text)
+
+
+def minutes(text):
+    """A time above 0, a week at most. NaN is neither."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value <= 10_080.0:
+        raise argparse.ArgumentTypeError(f"'{text[:40]}' is no time; expected a number above 0, at most 10080 minutes")
+    return value
+
+
 def main():
     parser = argparse.ArgumentParser(prog="eti-bench bus", description=__doc__)
     parser.add_argument("--bin", type=Path, default=runs.ROOT / "build/release/bin", help=argparse.SUPPRESS)
     parser.add_argument("--out", type=Path, default=Path("out/bench"),
                         help="folder for the tables (default: %(default)s)")
     parser.add_argument("--only", choices=TABLES, action="append", help="this table; may be given several times")
-    parser.add_argument("--tries", type=int, default=50, metavar="N", help="joins of each kind (default: %(default)s)")
-    parser.add_argument("--soak", type=float, metavar="MINUTES", help="how long programs come and go (default: 2; with "
+    parser.add_argument("--tries", type=count, default=50, metavar="N", help="joins of each kind (default: %(default)s)")
+    parser.add_argument("--soak", type=minutes, metavar="MINUTES", help="how long programs come and go (default: 2; with "
                         "--quick 0.3; an hour shows what creeps)")
     parser.add_argument("--quick", action="store_true", help="few repetitions and a corner of the tables")
     options = parser.parse_args()

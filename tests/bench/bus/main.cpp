@@ -4,7 +4,6 @@
 // eti-bench-bus: what the bus costs and what it does over poor links. The benches themselves are bench.py
 // beside this file, which puts processes on hosts; those processes are this program, too.
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -16,6 +15,8 @@
 #include <vector>
 
 #include "common/bus/command_line.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 #include "tests/bench/bus/parts.hpp"
 
@@ -63,7 +64,7 @@ int main(int argc, char** argv) {
     if (!part_asked) {
         return run_script(argc, argv);
     }
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench-bus"));
+    eti::set_up_log("eti-bench-bus");
     CLI::App app("One end of a measurement of the bus; prints a JSON object");
     app.require_subcommand(1);
     PartOptions options;
@@ -72,11 +73,13 @@ int main(int argc, char** argv) {
     for (const Part& part : parts) {
         CLI::App* sub = app.add_subcommand(part.name, part.help);
         eti::bus::add_options(*sub, options.bus);
-        sub->add_option("--seconds", options.seconds, "Measure for so long")->capture_default_str();
-        sub->add_option("--wait", options.wait_s, "Wait for the other end so long [s]")
+        const eti::NumberLimits<double> time{0.0, 1e6, "s"};
+        eti::add_number(*sub, "--seconds", options.seconds, "Measure for so long", time)
             ->capture_default_str();
-        sub->add_option("--stay", options.stay_s, "Go on after the report for so long [s]");
-        sub->add_option("--rate", options.rate, "[Hz]")->check(CLI::Range(1.0, 10e3));
+        eti::add_number(*sub, "--wait", options.wait_s, "Wait for the other end so long", time)
+            ->capture_default_str();
+        eti::add_number(*sub, "--stay", options.stay_s, "Go on after the report for so long", time);
+        eti::add_number(*sub, "--rate", options.rate, "Of poses", {1.0, 10e3, "Hz"});
         sub->add_flag("--drive", options.drive, "A join counts once the server answers a pose");
         sub->add_flag("--every-state", options.every_state, "90 Hz of shapes, else 30 Hz");
         sub->add_option("--keep", options.keep, "Write the states that arrived into this file");
@@ -84,7 +87,9 @@ int main(int argc, char** argv) {
                         "Such a file of another reader: what that one drew wrongly");
         sub->callback([&run, &part] { run = part.run; });
     }
-    CLI11_PARSE(app, argc, argv);
+    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+        return *status;
+    }
     eti::catch_stop_signals();
     try {
         (void)since_start_ms();

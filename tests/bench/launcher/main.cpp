@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "common/process/escaped.hpp"
+
 namespace {
 
 struct Command {
@@ -60,14 +62,19 @@ int main(int argc, char** argv) {
                 program.string(), std::strerror(errno));
             return 1;
         }
-        if (argument == "--help" || argument == "-h") {
-            usage(stdout);
-            return 0;
-        }
-        if (argument == "--version") {
-            fmt::print("{}\n", ETI_VERSION);
-            return 0;
-        }
+    }
+    // No command of ours is among the words: the first one decides what to say.
+    const std::string_view first = argc > 1 ? argv[1] : "";
+    if (first == "--help" || first == "-h") {
+        usage(stdout);
+        return 0;
+    }
+    if (first == "--version") {
+        fmt::print("{}\n", ETI_VERSION);
+        return 0;
+    }
+    if (!first.empty()) {
+        fmt::print(stderr, "eti-bench: '{}' is no command\n", eti::escaped(first, eti::longest_shown));
     }
     usage(stderr);
     return 2;

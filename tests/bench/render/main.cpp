@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 
 #include "client/render/quality.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 #include "tests/bench/render/render_bench.hpp"
 
 int main(int argc, char** argv) {
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench-render"));
+    eti::set_up_log("eti-bench-render");
     CLI::App app("What one sees, measured: pictures of scripted attempts against their goals.",
                  "eti-bench-render");
     app.set_version_flag("--version", ETI_VERSION);
@@ -25,19 +26,14 @@ int main(int argc, char** argv) {
                           ->capture_default_str();
     auto* operators = render->add_option("--operator", options.operators, "Operators by name or path")
                           ->capture_default_str();
-    render->add_option("--width", options.width, "Of the pictures")
-        ->capture_default_str()
-        ->check(CLI::Range(64, 8192));
-    render->add_option("--height", options.height, "Of the pictures")
-        ->capture_default_str()
-        ->check(CLI::Range(64, 8192));
-    auto* eyes = render->add_option("--eyes", options.eyes, "Eye poses for POGO")
-                     ->capture_default_str()
-                     ->check(CLI::Range(0, 100000));
-    auto* costs =
-        render->add_option("--costs", options.costs, "Pictures of each view and size that are timed")
-            ->capture_default_str()
-            ->check(CLI::Range(0, 10000));
+    const eti::NumberLimits<int> side{64, 8192, "pixels"};
+    eti::add_number(*render, "--width", options.width, "Of the pictures", side)->capture_default_str();
+    eti::add_number(*render, "--height", options.height, "Of the pictures", side)->capture_default_str();
+    auto* eyes = eti::add_number(*render, "--eyes", options.eyes, "Eye poses for POGO", {0, 100000})
+                     ->capture_default_str();
+    auto* costs = eti::add_number(*render, "--costs", options.costs,
+                                  "Pictures of each view and size that are timed", {0, 10000})
+                      ->capture_default_str();
     render->add_flag("--only-costs", options.only_costs, "Only those, of pictures of --width by --height");
     render
         ->add_option("--quality", options.quality,
@@ -55,10 +51,8 @@ int main(int argc, char** argv) {
     render->add_flag("--renew", options.renew, "Write those pictures anew instead of comparing")
         ->needs(golden);
     render->add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+        return *status;
     }
     if (quick) {
         if (scenarios->empty()) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <thread>
 
+#include "common/process/command_line.hpp"
+#include "common/process/log.hpp"
 #include "tests/bench/server/accuracy.hpp"
 #include "tests/bench/server/calibration.hpp"
 #include "tests/bench/server/shard.hpp"
@@ -16,15 +17,14 @@
 #include "tests/bench/server/sufficiency.hpp"
 
 int main(int argc, char** argv) {
-    // Standard output belongs to the result.
-    spdlog::set_default_logger(spdlog::stderr_color_mt("eti-bench-physics"));
+    eti::set_up_log("eti-bench-physics");
     CLI::App app("Benchmarks of the physics: charts and tables that decide the shipped settings.",
                  "eti-bench-physics");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     int threads = 0;
-    app.add_option("--threads", threads, "Solver threads; 0: one per core (speed: one, then two)")
-        ->check(CLI::Range(0, 256));
+    eti::add_number(app, "--threads", threads, "Solver threads; 0: one per core (speed: one, then two)",
+                    {0, 256});
 
     eti::bench::SufficiencyOptions sufficiency;
     CLI::App* shrink = app.add_subcommand(
@@ -33,9 +33,9 @@ int main(int argc, char** argv) {
     shrink->add_option("--out", sufficiency.out, "Folder for the table")->capture_default_str();
     shrink->add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path")
         ->capture_default_str();
-    shrink->add_option("--seeds", sufficiency.seeds, "Runs of the shipped model, for the tremor's scatter")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 100));
+    eti::add_number(*shrink, "--seeds", sufficiency.seeds,
+                    "Runs of the shipped model, for the tremor's scatter", {1, 100})
+        ->capture_default_str();
     shrink->add_flag("--quick", sufficiency.quick, "Two variants only");
     eti::bench::AccuracyOptions accuracy;
     CLI::App* errors =
@@ -82,10 +82,8 @@ int main(int argc, char** argv) {
     resting->add_option("--out", sleep.out, "Folder for the tables")->capture_default_str();
     resting->add_option("--scenario", sleep.scenarios, "Scenarios by name or path")->capture_default_str();
     resting->add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+        return *status;
     }
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism,

@@ -9,6 +9,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/command_line.hpp"
 #include "common/bus/convert.hpp"
+#include "common/process/command_line.hpp"
 
 namespace eti {
 namespace {
@@ -118,11 +119,13 @@ int main(int argc, char** argv) {
     app.add_option("what", what)
         ->required()
         ->check(CLI::IsMember({"pull", "end", "scene", "command", "move"}));
-    app.add_option("--seconds", seconds);
-    app.add_option("--rate", rate, "Commands a second");
+    add_number(app, "--seconds", seconds, "How long", {0.0, 3600.0, "s"});
+    add_number(app, "--rate", rate, "Of commands", {1.0, 1e6, "a second"});
     app.add_option("--name", options.name, "How it introduces itself");
     bus::add_options(app, options);
-    CLI11_PARSE(app, argc, argv);
+    if (const auto status = parse_command_line(app, argc, argv)) {
+        return *status;
+    }
     bus::Node node(options);
     const std::uint64_t sent = what == "pull"    ? pull(node, seconds)
                                : what == "end"   ? end_session(node, seconds)

@@ -139,6 +139,14 @@ TEST(OperatorFile, ContradictionsAreRefused) {
     EXPECT_TRUE(says(refusal(tube + past), {"blade_past_mm", "laryngoscope", "'tip'"}));
 }
 
+TEST(OperatorFile, AnAxisFromAPlaceToItselfIsRefused) {
+    EXPECT_TRUE(
+        says(refusal(stage + "    axis: {from: glottis, to: glottis}\n"), {"hand.yaml:3", "to", "from"}));
+    EXPECT_EQ(refusal(stage + "    axis: {from: glottis, from_offset_mm: [0, 0, 20], to: glottis}\n"), "");
+    EXPECT_EQ(refusal(stage + "    axis: {from: glottis}\n"), "")
+        << "to the tip, which lies where it is asked";
+}
+
 TEST(OperatorFile, ScriptWithoutStagesIsRefused) {
     EXPECT_TRUE(says(refusal("name: idle\n"), {"laryngoscope", "tube"}));
     EXPECT_TRUE(says(refusal("laryngoscope: {stage: x}\n"), {"laryngoscope", "list"}));

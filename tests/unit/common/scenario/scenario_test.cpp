@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <initializer_list>
 #include <string>
 
@@ -159,6 +161,43 @@ TEST(Scenario, AModelLiesBesideItsScenarioAndHoldsItsShape) {
     }
     EXPECT_TRUE(
         refused("patient: {model: a.h5}\nphysics: {spacing_mm: 3}\n", {"spacing_mm", "patient.model"}));
+}
+
+TEST(Scenario, AModelThatIsNotThereIsNamedWithItsLine) {
+    const std::string file = testing::TempDir() + "eti_scenario_without_its_model.yaml";
+    std::ofstream(file) << "name: baby\npatient:\n  model: no/such/model.h5\n";
+    std::string message;
+    try {
+        (void)load_scenario(file);
+    } catch (const InputError& error) {
+        message = error.what();
+    }
+    for (const std::string& word :
+         {file + ":3", std::string("patient.model"), testing::TempDir() + "no/such/model.h5",
+          std::string("nothing"), std::string("eti-anatomy build")}) {
+        EXPECT_NE(message.find(word), std::string::npos) << word << ": " << message;
+    }
+    std::filesystem::remove(file);
+}
+
+TEST(Scenario, TabsAreCalledTabs) {
+    EXPECT_TRUE(refused("patient:\n\tweight_kg: 3.5\n", {"baby.yaml:2", "tab", "spaces"}));
+    EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n \tjaw_opening_deg: 3\n", {"baby.yaml:3", "tab"}));
+    EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n\t# a remark\n", {"baby.yaml:3", "tab"}));
+    // Between words a tab is as good as a space.
+    EXPECT_EQ(refusal("patient:\n  weight_kg:\t3.5\n"), "");
+}
+
+TEST(Scenario, NamesHoldNothingThatATerminalObeys) {
+    for (const char* const key : {"name", "description"}) {
+        for (const char* const text : {"\"\\e[31mred\"", "\"bell \\a\"", "\"a\\rb\"", "\"\\x9b31m\""}) {
+            const std::string message = refusal(std::string(key) + ": " + text + "\n");
+            EXPECT_NE(message.find(key), std::string::npos) << text << ": " << message;
+            EXPECT_EQ(message.find_first_of("\x1b\a\r"), std::string::npos) << text;
+        }
+    }
+    EXPECT_TRUE(refused("\"\\e[31m\": 1\n", {"unknown key '\\x1b[31m'"}));
+    EXPECT_EQ(read("description: \"two\\nlines\"\n").description, "two\nlines");
 }
 
 TEST(Scenario, NumbersMustBeFiniteDecimals) {

@@ -34,7 +34,8 @@ TEST(Setting, RefusesWhatIsNoneAndSaysWhatIsExpected) {
     EXPECT_THAT(refusal([] { return live_setting("jaw=1"); }),
                 AllOf(HasSubstr("--set jaw=1"), HasSubstr("jaw_opening_deg (0 to 35)")));
     EXPECT_THAT(refusal([] { return live_setting("tongue_scale"); }), HasSubstr("KEY=VALUE"));
-    for (const char* typed : {"tongue_scale=", "tongue_scale=1.2x", "tongue_scale=on"}) {
+    for (const char* typed :
+         {"tongue_scale=", "tongue_scale=1.2x", "tongue_scale=on", "tongue_scale=nan", "tongue_scale=-inf"}) {
         EXPECT_THAT(refusal([&] { return live_setting(typed); }),
                     AllOf(HasSubstr(typed), HasSubstr("a plain number")));
     }

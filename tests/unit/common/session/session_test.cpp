@@ -421,6 +421,7 @@ TEST_F(Session, ForeignFilesAreRefusedByName) {
         return std::string("accepted");
     };
     EXPECT_NE(refusal().find("no such file"), std::string::npos) << refusal();
+    EXPECT_EQ(refusal().find("--repair"), std::string::npos) << "what is not there cannot be mended";
     std::ofstream(path) << "";
     EXPECT_NE(refusal().find("empty"), std::string::npos) << refusal();
     std::ofstream(path) << std::string(5000, 'x');

@@ -17,6 +17,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Isometry3d truth() {
     Isometry3d pose = Isometry3d::Identity();
@@ -70,6 +71,20 @@ TEST(RigidFit, NeverMirrors) {
     }
     EXPECT_NEAR(fit_rigid(mirrored).linear().determinant(), 1.0, 1e-12);
     EXPECT_THAT(refusal(mirrored), HasSubstr("mirrors"));
+}
+
+TEST(RigidFit, SaysWherePointsInAPlaneLeaveTheHandednessOpen) {
+    EXPECT_FALSE(fit_robustly(box()).handedness_open);
+    auto flat = box();
+    flat.resize(4);
+    EXPECT_TRUE(fit_robustly(flat).handedness_open);
+    // Which matters: measured by a device that mirrors, which a box tells, they fit without a rest.
+    for (PointPair& pair : flat) {
+        pair.device.x() = -pair.device.x();
+    }
+    const RigidFit mirrored = fit_robustly(flat);
+    EXPECT_LT(mirrored.fiducial_error, 1e-12);
+    EXPECT_TRUE(mirrored.handedness_open);
 }
 
 // FRE's expectation: FLE^2 (1 - 2 / N) (Sibson 1979; Fitzpatrick, West & Maurer 1998).
@@ -178,6 +193,48 @@ TEST(PivotFit, FindsTheTip) {
     // deviation per axis is 0.5 / (0.25 * 20) = 0.1 mm: four of them.
     EXPECT_LT((noisy.tip - Vector3d(0.01, -0.02, 0.1)).norm(), 0.4e-3);
     EXPECT_NEAR(noisy.error, std::sqrt(3.0) * 0.5e-3, 0.05e-3);
+}
+
+std::string pivot_refusal(const std::vector<Isometry3d>& poses) {
+    try {
+        (void)fit_pivot(poses);
+    } catch (const CalibrationError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(PivotFit, ATipThatSlippedIsRefused) {
+    auto slipped = swings(0.7, 0.2e-3);
+    for (std::size_t i = slipped.size() / 2; i < slipped.size(); ++i) {
+        slipped[i].translation().x() += 0.02;
+    }
+    // Half the poses 10 mm to either side of their mean: near 10 mm RMS, less what the fit makes up for.
+    EXPECT_THAT(pivot_refusal(slipped), AllOf(HasSubstr("did not rest"), HasSubstr("at most 3 mm"),
+                                              HasSubstr("w x y z"), Not(HasSubstr("write w first"))));
+    // The coarsest sensor, 1.4 mm RMS over the three axes, is taken.
+    EXPECT_EQ(pivot_refusal(swings(0.7, 1.4e-3 / std::sqrt(3.0))), "");
+}
+
+TEST(PivotFit, AnotherOrderOfTheTurnsNumbersIsNamed) {
+    auto last = swings(0.7, 0.2e-3), inverse = last;
+    for (Isometry3d& pose : last) {
+        const Eigen::Quaterniond q(pose.linear());
+        pose.linear() = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix();
+    }
+    for (Isometry3d& pose : inverse) {
+        pose.linear().transposeInPlace();
+    }
+    EXPECT_THAT(pivot_refusal(last), AllOf(HasSubstr("x y z w"), HasSubstr("write w first")));
+    EXPECT_THAT(pivot_refusal(inverse), HasSubstr("inverse turns"));
+}
+
+TEST(PivotFit, PlacesInMetresAreRefused) {
+    auto metres = swings(0.7, 0.2e-3);
+    for (Isometry3d& pose : metres) {
+        pose.translation() *= 1e-3;  // read as millimetres
+    }
+    EXPECT_THAT(pivot_refusal(metres), AllOf(HasSubstr("0.10"), HasSubstr("in metres?")));
 }
 
 TEST(PivotFit, TooLittleTurningAndTooFewPosesAreRefused) {

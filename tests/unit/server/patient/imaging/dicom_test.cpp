@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include <gdcmAttribute.h>
 #include <gdcmImageWriter.h>
+#include <gdcmReader.h>
+#include <gdcmWriter.h>
 
 #include "common/math/random.hpp"
 #include "sample_volume.hpp"
@@ -60,6 +62,27 @@ void write_slice(const std::filesystem::path& file, const Slice& slice) {
     gdcm::Attribute<0x0020, 0x000e> series;
     series.SetValue(slice.series);
     set.Replace(series.GetAsDataElement());
+    writer.SetFileName(file.c_str());
+    ASSERT_TRUE(writer.Write());
+}
+
+/// Replaces what a file says under a tag by a decimal text; empty: the tag goes.
+void put_text(const std::filesystem::path& file, const gdcm::Tag& tag, std::string text) {
+    gdcm::Reader reader;
+    reader.SetFileName(file.c_str());
+    ASSERT_TRUE(reader.Read());
+    gdcm::DataSet& set = reader.GetFile().GetDataSet();
+    if (text.empty()) {
+        set.Remove(tag);
+    } else {
+        text += text.size() % 2 == 0 ? "" : " ";
+        gdcm::DataElement element(tag);
+        element.SetVR(gdcm::VR::DS);
+        element.SetByteValue(text.data(), static_cast<std::uint32_t>(text.size()));
+        set.Replace(element);
+    }
+    gdcm::Writer writer;
+    writer.SetFile(reader.GetFile());
     writer.SetFileName(file.c_str());
     ASSERT_TRUE(writer.Write());
 }
@@ -135,6 +158,33 @@ TEST_F(Dicom, LargestSeriesIsTakenAndTheOtherNamed) {
     EXPECT_EQ(reading.volume.geometry.size[2], 5);
     ASSERT_EQ(reading.remarks.size(), 2u);
     EXPECT_NE(reading.remarks[0].find("9.9.9"), std::string::npos) << reading.remarks[0];
+}
+
+TEST_F(Dicom, SpacingAndDirectionsThatNobodyCanMeanAreRefused) {
+    const gdcm::Tag spacing(0x0028, 0x0030), directions(0x0020, 0x0037);
+    const auto tried = [&](const gdcm::Tag& tag, const std::string& text, const std::string& said) {
+        SCOPED_TRACE(text);
+        write_series(4);
+        for (int i = 0; i < 4; ++i) {
+            put_text(folder / (std::to_string(i) + ".dcm"), tag, text);
+        }
+        expect_refused(folder, said);
+    };
+    // GDCM reads most of these as 1 mm and as the axes.
+    for (const char* const text : {"0\\0", "0.5\\0", "-0.5\\0.5", "0.5", "nan\\nan", "wide\\wide", ""}) {
+        tried(spacing, text, "Pixel Spacing");
+    }
+    for (const char* const text : {"1\\0\\0\\1\\0\\0", "0\\0\\0\\0\\0\\0", "1\\0\\0\\0.7\\0.7\\0",
+                                   "2\\0\\0\\0\\1\\0", "1\\0\\0", "nan\\0\\0\\0\\1\\0", ""}) {
+        tried(directions, text, "Image Orientation");
+    }
+    // As scanners write them: rounded, with signs and spaces.
+    write_series(4);
+    for (int i = 0; i < 4; ++i) {
+        put_text(folder / (std::to_string(i) + ".dcm"), spacing, "+0.75 \\0.50");
+        put_text(folder / (std::to_string(i) + ".dcm"), directions, "0.8\\0.6001\\0\\0\\0\\-1");
+    }
+    EXPECT_NEAR(read(folder).volume.geometry.spacing().x(), 0.5e-3, 1e-9);
 }
 
 TEST_F(Dicom, UnequalSlicesAreRefused) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include <sys/stat.h>
+
 #include <cstring>
 #include <limits>
 
@@ -188,8 +190,29 @@ TEST_F(VolumeFiles, UnknownAndMissingFilesAreRefused) {
     expect_refused(put("a.txt", Bytes{'h', 'i'}), "no known format");
     expect_refused(put("empty.nrrd", Bytes{}), "no known format");
     expect_refused(folder / "absent.nrrd", "is not there");
-    expect_refused("/dev/null", "no plain file");
+    expect_refused("/dev/null", "is a device");
+    ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
+    expect_refused(folder / "pipe.nrrd", "is a pipe");
     expect_refused(folder, "DICOM");
+}
+
+TEST_F(VolumeFiles, OtherUnitsThanMillimetresAreRefused) {
+    // 0.6 x 0.6 x 3 mm written in metres, in micrometres, and with two of the three forgotten.
+    const Bytes data = i16(sample());
+    for (const auto& [directions, said] : std::vector<std::pair<std::string, std::string>>{
+             {"(0.0006,0,0) (0,0.0006,0) (0,0,0.003)", "in metres"},
+             {"(0.1,0,0) (0,0.1,0) (0,0,0.003)", "expected 0.05 to 20 mm"},
+             {"(600,0,0) (0,600,0) (0,0,3000)", "expected 0.05 to 20 mm"}}) {
+        expect_refused(put("unit.nrrd", nrrd_with("space directions", directions, data)), said);
+    }
+}
+
+TEST_F(VolumeFiles, NothingButAFileIsReplaced) {
+    ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
+    EXPECT_THROW(write(sample(), folder / "pipe.nrrd"), VolumeError);
+    EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe.nrrd"));
+    write(sample(), folder / "a.nrrd");
+    write(sample(), folder / "a.nrrd");
 }
 
 TEST_F(VolumeFiles, CompressedBombStopsAtTheSizeTheHeaderTells) {

@@ -40,9 +40,9 @@ void expect_agreement(const Segmentation& found, const Phantom& phantom, const s
         const Agreement a = agreement(found.labels, phantom.labels, bound.labels);
         const double farthest = bound.labels.front() == Label::spine ? 1.2 : 1.0;
         std::printf("%s: %-8s Dice %.3f (at least %.2f), mean surface distance %.2f voxels (below %.1f)\n",
-                    title.c_str(), bound.name, a.dice, bound.dice, a.mean_surface_distance, farthest);
+                    title.c_str(), bound.name, a.dice, bound.dice, a.mean_surface_distance.value(), farthest);
         EXPECT_GE(a.dice, bound.dice) << title << ": " << bound.name;
-        EXPECT_LT(a.mean_surface_distance, farthest) << title << ": " << bound.name;
+        EXPECT_LT(a.mean_surface_distance.value(), farthest) << title << ": " << bound.name;
         EXPECT_GT(a.voxels_true, 500u) << title << ": " << bound.name << ": nothing to compare";
     }
 }
