@@ -227,7 +227,7 @@ int main(int argc, char** argv) {
             study_run.further = study_command->remaining();
             return run_study(review::load_study(find_data_file(study_file, "studies")), study_run, json);
         } catch (const std::exception& error) {
-            std::cerr << "eti-review: " << error.what() << '\n';
+            std::cerr << "eti-review: " << escaped_lines(error.what()) << '\n';
             return refused;
         }
     }

@@ -12,6 +12,7 @@
 #include "client/review/ratings.hpp"
 #include "client/review/study.hpp"
 #include "common/process/progress_bar.hpp"
+#include "common/process/command_line.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/session/anonymise.hpp"
 
@@ -38,10 +39,10 @@ Command add_compare(CLI::App& app) {
         ->type_name("NAME FILE");
     command->add_flag("--paired", options->paired,
                       "Every participant has a session in each group: compare within participants");
-    command->add_option("--resamples", options->how.resamples, "Draws of the bootstrap")
-        ->check(CLI::Range(fewest_resamples, most_resamples))
+    add_number(*command, "--resamples", options->how.resamples, "Draws of the bootstrap",
+               {fewest_resamples, most_resamples})
         ->capture_default_str();
-    command->add_option("--seed", options->how.seed, "Of the bootstrap")->capture_default_str();
+    add_number(*command, "--seed", options->how.seed, "Of the bootstrap", {0})->capture_default_str();
     command->add_option("--csv", options->csv, "Also write a row for each session to this file");
     command->add_option("--html", options->html, "Also write the comparison as a page to this file");
     command->add_option("--expect", options->expect,

@@ -59,6 +59,42 @@ class Anatomy(support.Case):
         self.assertFalse(model.exists())
         self.assertTrue((self.folder / "model-surfaces" / "skin.stl").exists())
 
+    def test_how_the_patient_lay_is_found_and_said(self):
+        ct = self.phantom("ct.nrrd", spacing=1.5)
+        header, voxels = ct.read_bytes().split(b"\n\n", 1)
+        out = self.folder / "labels.nrrd"
+
+        def turned(name, *directions):
+            """The same voxels along other directions."""
+            vectors = " ".join("(" + ",".join(f"{1.5 * v:.9f}" for v in d) + ")" for d in directions)
+            file = self.folder / name
+            file.write_bytes(b"\n".join(b"space directions: " + vectors.encode() if line.startswith(b"space directions")
+                                        else line for line in header.split(b"\n")) + b"\n\n" + voxels)
+            return file
+
+        # By 30 degrees about left-right: found, and nothing to be said against it.
+        c, s = 0.8660254, 0.5
+        done = self.anatomy("segment", turned("nod.nrrd", (1, 0, 0), (0, c, s), (0, -s, c)), "--out", out, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertAlmostEqual(result["turn_deg"], 30, delta=4)
+        self.assertEqual(result["contradictions"], [])
+        # Upside down, by a file that says so wrongly: labels, doubt, and a status of its own.
+        done = self.anatomy("segment", turned("down.nrrd", (1, 0, 0), (0, -1, 0), (0, 0, -1)), "--out", out, "--json")
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("doubtful: the head is turned by 1", done.stderr)
+        self.assertIn("Remedy", done.stderr)
+        self.assertTrue(out.exists())
+        self.assertEqual(len(json.loads(done.stdout)["contradictions"]), 1)
+        # Noise is no head.
+        random = numpy.random.default_rng(1)
+        sizes = [int(n) for n in header.split(b"sizes: ", 1)[1].split(b"\n", 1)[0].split()]
+        noise = random.normal(0, 500, sizes).astype("<i2")
+        (self.folder / "noise.nrrd").write_bytes(header + b"\n\n" + gzip.compress(noise.tobytes()))
+        self.assert_refused(self.anatomy("segment", self.folder / "noise.nrrd", "--out", self.folder / "none.nrrd"),
+                            "noise.nrrd", "no head", "expected", "Remedy")
+        self.assertFalse((self.folder / "none.nrrd").exists())
+
     @staticmethod
     def relabel(file, old, new):
         """In a volume of labels as eti-anatomy writes it: a header, an empty line, zipped bytes."""

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/parallel/loops.hpp"
 
@@ -13,15 +14,21 @@ namespace {
 
 constexpr float air = -1000.0f;
 
+/// Whether the volume's voxels cover a place given in their numbers.
+bool covers(const Geometry& g, const Vec3d& at) {
+    return (at.array() >= -0.5).all() && at.x() <= g.size[0] - 0.5 && at.y() <= g.size[1] - 0.5 &&
+           at.z() <= g.size[2] - 0.5;
+}
+
 float interpolated(const Volume& volume, const Vec3d& at) {
     const Geometry& g = volume.geometry;
+    if (!covers(g, at)) {
+        return air;
+    }
     std::array<int, 3> low{};
     std::array<float, 3> t{};
     for (std::size_t k = 0; k < 3; ++k) {
         const double p = at[static_cast<int>(k)];
-        if (p < -0.5 || p > g.size[k] - 0.5) {
-            return air;
-        }
         const double inside = std::clamp(p, 0.0, static_cast<double>(g.size[k] - 1));
         low[k] = std::min(static_cast<int>(inside), g.size[k] - 2);
         t[k] = static_cast<float>(inside - low[k]);
@@ -38,10 +45,8 @@ float interpolated(const Volume& volume, const Vec3d& at) {
     return sum;
 }
 
-}  // namespace
-
-Volume upright(const Volume& volume, std::size_t most) {
-    const Geometry& from = volume.geometry;
+/// Corners of the box along LPS that holds all voxels' centres.
+std::array<Vec3d, 2> box_of(const Geometry& from) {
     Vec3d low = Vec3d::Constant(1e9);
     Vec3d high = -low;
     for (int corner = 0; corner < 8; ++corner) {
@@ -50,18 +55,86 @@ Volume upright(const Volume& volume, std::size_t most) {
         low = low.cwiseMin(p);
         high = high.cwiseMax(p);
     }
+    return {low, high};
+}
+
+/// A grid of equal spacing along LPS from `low` to `high`.
+Geometry grid_over(const Vec3d& low, const Vec3d& high, double spacing) {
+    Geometry grid;
+    grid.origin = low;
+    grid.step = spacing * Eigen::Matrix3d::Identity();
+    for (int k = 0; k < 3; ++k) {
+        grid.size[static_cast<std::size_t>(k)] =
+            static_cast<int>(std::floor((high[k] - low[k]) / spacing + 0.5)) + 1;
+    }
+    return grid;
+}
+
+}  // namespace
+
+Volume blocks(const Volume& volume, double spacing) {
+    const Geometry& from = volume.geometry;
+    const auto [low, high] = box_of(from);
+    Volume to{grid_over(low, high, spacing), {}};
+    to.value.resize(to.geometry.count());
+    const Eigen::Matrix3d back = from.step.inverse();
+    // At most four samples along an axis: 64 halve the noise three times.
+    const int samples = std::clamp(static_cast<int>(std::lround(spacing / from.spacing().minCoeff())), 1, 4);
+    parallel::for_each(to.geometry.size[2], 1, [&](int z) {
+        for (int y = 0; y < to.geometry.size[1]; ++y) {
+            for (int x = 0; x < to.geometry.size[0]; ++x) {
+                float sum = 0.0f;
+                int seen = 0;
+                for (int s = 0; s < samples * samples * samples; ++s) {
+                    const Vec3d part(s % samples, s / samples % samples, s / samples / samples);
+                    const Vec3d off = (part.array() + 0.5) / samples - 0.5;
+                    const Vec3d at =
+                        back * (to.geometry.point(x + off.x(), y + off.y(), z + off.z()) - from.origin);
+                    if (covers(from, at)) {
+                        sum += interpolated(volume, at);
+                        ++seen;
+                    }
+                }
+                to.value[to.geometry.index(x, y, z)] = 2 * seen < samples * samples * samples
+                                                           ? std::numeric_limits<float>::quiet_NaN()
+                                                           : sum / static_cast<float>(seen);
+            }
+        }
+    });
+    return to;
+}
+
+Geometry seen_along(const Geometry& geometry, const Eigen::Matrix3d& axes) {
+    return {geometry.size, axes.transpose() * geometry.origin, axes.transpose() * geometry.step};
+}
+
+Geometry upright_grid(const Geometry& geometry) {
+    const auto [low, high] = box_of(geometry);
+    return grid_over(low, high, geometry.spacing().minCoeff());
+}
+
+std::vector<std::uint8_t> covered(const Geometry& grid, const Geometry& volume) {
+    std::vector<std::uint8_t> result(grid.count());
+    const Eigen::Matrix3d back = volume.step.inverse();
+    parallel::for_each(grid.size[2], 1, [&](int z) {
+        for (int y = 0; y < grid.size[1]; ++y) {
+            for (int x = 0; x < grid.size[0]; ++x) {
+                const Vec3d at = back * (grid.point(x, y, z) - volume.origin);
+                result[grid.index(x, y, z)] = covers(volume, at) ? 1 : 0;
+            }
+        }
+    });
+    return result;
+}
+
+Volume upright(const Volume& volume, const Geometry& from, std::size_t most) {
+    const auto [low, high] = box_of(from);
     const Vec3d spacings = from.spacing();
     double spacing = spacings.minCoeff();
     const double room = (high - low).cwiseMax(Vec3d::Constant(spacing)).prod();
     spacing = std::max(spacing, std::cbrt(room / static_cast<double>(most)));
 
-    Volume to;
-    to.geometry.origin = low;
-    to.geometry.step = spacing * Eigen::Matrix3d::Identity();
-    for (int k = 0; k < 3; ++k) {
-        to.geometry.size[static_cast<std::size_t>(k)] =
-            static_cast<int>(std::floor((high[k] - low[k]) / spacing + 0.5)) + 1;
-    }
+    Volume to{grid_over(low, high, spacing), {}};
     if (to.geometry.size == from.size && (to.geometry.step - from.step).norm() < 1e-3 * spacing &&
         (to.geometry.origin - from.origin).norm() < 1e-3 * spacing) {
         return {from, volume.value};

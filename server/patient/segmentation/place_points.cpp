@@ -15,10 +15,12 @@ using imaging::Geometry;
 
 constexpr double midline = 4e-3;         // [m] to either side
 constexpr double jaw_thickness = 12e-3;  // [m] from front to back, with room
+constexpr double lowest_mouth = 2.9;     // of the cranium's radius, below its centre: newborns' lies at 1.6
 constexpr double above_joints = 0.6;     // of the jaw's depth, above the mouth
 
 /// Centre of the lowest patch in which the airway opens; patches much smaller than the largest are cracks.
-std::optional<Vec3d> find_mouth(const Geometry& g, const TissueMap& map) {
+/// Where the volume ends, or below the face, it is the windpipe that opens.
+std::optional<Vec3d> find_mouth(const Geometry& g, const TissueMap& map, const HeadPlace& head) {
     Bits opening(map.airway.size(), 0);
     for (std::size_t i = 0; i < opening.size(); ++i) {
         if (map.airway[i] == 0) {
@@ -26,7 +28,8 @@ std::optional<Vec3d> find_mouth(const Geometry& g, const TissueMap& map) {
         }
         const auto [x, y, z] = g.coordinates(i);
         const auto out = [&](int a, int b, int c) {
-            return g.contains(a, b, c) && map.outside[g.index(a, b, c)] != 0;
+            return g.contains(a, b, c) && map.outside[g.index(a, b, c)] != 0 &&
+                   (head.shown == nullptr || (*head.shown)[g.index(a, b, c)] != 0);
         };
         opening[i] = out(x - 1, y, z) || out(x + 1, y, z) || out(x, y - 1, z) || out(x, y + 1, z) ||
                              out(x, y, z - 1) || out(x, y, z + 1)
@@ -42,10 +45,16 @@ std::optional<Vec3d> find_mouth(const Geometry& g, const TissueMap& map) {
                 g.point(x, y, z) / static_cast<double>(patches.voxels[patches.part[i]]);
         }
     }
-    const std::size_t largest = patches.voxels[patches.largest()];
+    std::size_t largest = 0;
+    for (std::size_t p = 1; p < centre.size(); ++p) {
+        if (centre[p].z() >= head.in_plane.z() - lowest_mouth * head.size) {
+            largest = std::max(largest, patches.voxels[p]);
+        }
+    }
     std::optional<Vec3d> mouth;
     for (std::size_t p = 1; p < centre.size(); ++p) {
-        if (patches.voxels[p] * 5 >= largest && (!mouth || centre[p].z() < mouth->z())) {
+        const bool face = centre[p].z() >= head.in_plane.z() - lowest_mouth * head.size;
+        if (face && patches.voxels[p] * 5 >= largest && (!mouth || centre[p].z() < mouth->z())) {
             mouth = centre[p];
         }
     }
@@ -98,6 +107,34 @@ std::vector<Vec3d> thickest_of_pieces(const Geometry& g, const Bits& bone, const
     return places;
 }
 
+/// The lowest place of the bone at `start`, as far as it hangs together in a box.
+Vec3d lowest_of_piece(const Geometry& g, const Bits& bone, const Vec3d& start, const Vec3d& low,
+                      const Vec3d& high) {
+    Bits cut(bone.size(), 0);
+    for_each_in(g, bone, low, high, [&](std::size_t i, const Vec3d&) { cut[i] = 1; });
+    const imaging::Components pieces = imaging::components(g.size, cut);
+    const Vec3d at = g.to_index(start);
+    const std::uint32_t own =
+        pieces.part[g.index(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())),
+                            static_cast<int>(std::lround(at.z())))];
+    for (std::size_t i = 0; i < cut.size(); ++i) {  // indices run upwards
+        if (pieces.part[i] == own) {
+            const auto [x, y, z] = g.coordinates(i);
+            return g.point(x, y, z);
+        }
+    }
+    return start;
+}
+
+/// Whether the volume shows a place.
+bool shows(const Geometry& g, const HeadPlace& head, const Vec3d& place) {
+    const Vec3d at = g.to_index(place);
+    const auto x = static_cast<int>(std::lround(at.x()));
+    const auto y = static_cast<int>(std::lround(at.y()));
+    const auto z = static_cast<int>(std::lround(at.z()));
+    return g.contains(x, y, z) && (head.shown == nullptr || (*head.shown)[g.index(x, y, z)] != 0);
+}
+
 /// The lowest of the jaw's points.
 Vec3d chin_of(const std::vector<Vec3d>& jaw) {
     return *std::min_element(jaw.begin(), jaw.end(),
@@ -107,7 +144,7 @@ Vec3d chin_of(const std::vector<Vec3d>& jaw) {
 }  // namespace
 
 Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<float>& bone_depth,
-                    const Points& given) {
+                    const HeadPlace& head, const Points& given) {
     Placed placed;
     placed.points = given;
     const auto has = [&](const char* name) { return placed.points.contains(name); };
@@ -115,26 +152,20 @@ Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<f
     const Vec3d high = g.point(g.size[0] - 1, g.size[1] - 1, g.size[2] - 1);
 
     if (!has("mouth")) {
-        if (const auto mouth = find_mouth(g, map)) {
+        if (const auto mouth = find_mouth(g, map, head)) {
             placed.points["mouth"] = {*mouth};
         }
     }
-    double middle = 0.0;
-    double bones = 0.0;
-    for_each_in(g, map.bone, low, high, [&](std::size_t, const Vec3d& p) {
-        middle += p.x();
-        bones += 1.0;
-    });
-    if (bones == 0.0) {
+    if (std::find(map.bone.begin(), map.bone.end(), 1) == map.bone.end()) {
         placed.no_mandible = "there is no bone in the volume";
         return placed;
     }
-    middle /= bones;
     if (!has("mouth")) {
         placed.no_mandible = "the airway opens nowhere, so the mouth was not found";
         return placed;
     }
     const Vec3d mouth = placed.points["mouth"].front();
+    const double middle = head.middle(mouth.y(), mouth.z());
 
     constexpr double reach = 60e-3;  // an adult's lips lie about 40 mm above the chin's lower edge
     if (!has("mandible")) {
@@ -153,10 +184,8 @@ Placed place_points(const Geometry& g, const TissueMap& map, const std::vector<f
                 thickest_of_pieces(g, map.bone, bone_depth, {middle - midline, front.y(), mouth.z() - reach},
                                    {middle + midline, front.y() + jaw_thickness, mouth.z()});
             const Vec3d box(midline, jaw_thickness, reach);
-            double lowest = 1e9;
-            for_each_in(g, map.bone, front - box, front + box,
-                        [&](std::size_t, const Vec3d& p) { lowest = std::min(lowest, p.z()); });
-            if (lowest < low.z() + 2e-3) {
+            const Vec3d lowest = lowest_of_piece(g, map.bone, front, front - box, front + box);
+            if (!shows(g, head, lowest - Vec3d(0.0, 0.0, 2e-3))) {
                 placed.no_mandible = "the volume ends in the jaw, above the chin's lower edge";
             } else {
                 placed.points["mandible"] = pieces;

@@ -10,7 +10,9 @@
 
 #include "server/patient/imaging/level_set.hpp"
 #include "server/patient/imaging/resample.hpp"
+#include "server/patient/segmentation/organ_check.hpp"
 #include "server/patient/segmentation/place_points.hpp"
+#include "server/patient/segmentation/stand.hpp"
 #include "server/patient/segmentation/tissue_map.hpp"
 
 namespace eti::segmentation {
@@ -325,12 +327,11 @@ double volume_of(const Geometry& g, const Bits& bits) {
 }
 
 /// Whether the airway goes on below the chin far enough to hold larynx and trachea.
-Structure look_for_larynx(const Work& work, const Placed& placed) {
+Structure look_for_larynx(const Geometry& g, const Bits& airway, const Placed& placed) {
     Structure larynx{"larynx and trachea", false, 0.0, ""};
-    const Geometry& g = work.ct.geometry;
     double lowest = 1e9;
-    for (std::size_t i = 0; i < work.map.airway.size() && lowest > 1e8; ++i) {
-        if (work.map.airway[i] != 0) {
+    for (std::size_t i = 0; i < airway.size() && lowest > 1e8; ++i) {
+        if (airway[i] != 0) {
             const auto [x, y, z] = g.coordinates(i);
             lowest = g.point(x, y, z).z();  // indices run upwards
         }
@@ -357,9 +358,44 @@ Structure look_for_larynx(const Work& work, const Placed& placed) {
     return larynx;
 }
 
+/// Distances between voxels are coarse steps; blurred, they tell narrow from wide.
+std::vector<float> depth_in(const imaging::Size& size, const Bits& bone) {
+    Bits no_bone(bone.size());
+    for (std::size_t i = 0; i < no_bone.size(); ++i) {
+        no_bone[i] = 1 - bone[i];
+    }
+    return imaging::smooth_within(size, imaging::distance_to(size, no_bone), bone, 0.7f);
+}
+
+/// Places seeds in the head's directions and looks for the larynx there. Points are the grid's.
+std::pair<Placed, Structure> place_in_head(const Work& work, const Bits& shown, const Stand& stand,
+                                           const Points& given) {
+    const Geometry& g = work.ct.geometry;
+    HeadPlace head = stand.place;
+    head.shown = &shown;
+    if (stand.lean.isIdentity(0.0)) {
+        const Placed placed = place_points(g, work.map, work.bone_depth, head, given);
+        return {placed, look_for_larynx(g, work.map.airway, placed)};
+    }
+    // Masks turned by the nearest voxel will do: a seed need not be exact.
+    const Geometry own = imaging::upright_grid(imaging::seen_along(g, stand.lean));
+    const Geometry turned_grid = imaging::seen_along(own, stand.lean.transpose());
+    const auto turned_bits = [&](const Bits& bits) { return imaging::onto(turned_grid, {g, bits}).value; };
+    const TissueMap map{turned_bits(work.map.outside),      turned_bits(work.map.airway),
+                        turned_bits(work.map.enclosed_air), turned_bits(work.map.bone),
+                        turned_bits(work.map.soft),         work.map.airway_opens};
+    const Bits turned_shown = turned_bits(shown);
+    head.shown = &turned_shown;
+    Placed placed =
+        place_points(own, map, depth_in(own.size, map.bone), head, turned(given, stand.lean.transpose()));
+    Structure larynx = look_for_larynx(own, map.airway, placed);
+    placed.points = turned(placed.points, stand.lean);
+    return {placed, larynx};
+}
+
 /// Vertebral arches are too thin for the level set, and in a newborn hang by cartilage, which CT does not
 /// show: pieces of bone on their own that begin within reach of a vertebra's body belong to the spine.
-void add_arches(const Work& work, const Bits& mandible, Bits& spine) {
+void add_arches(const Work& work, const Vec3d& up, const Bits& mandible, Bits& spine) {
     const Geometry& g = work.ct.geometry;
     Bits rest(spine.size());
     double top = -1e9;  // [m], of the spine
@@ -368,7 +404,7 @@ void add_arches(const Work& work, const Bits& mandible, Bits& spine) {
         rest[i] = work.map.bone[i] != 0 && spine[i] == 0 && !jaw ? 1 : 0;
         if (spine[i] != 0) {
             const auto [x, y, z] = g.coordinates(i);
-            top = std::max(top, g.point(x, y, z).z());
+            top = std::max(top, up.dot(g.point(x, y, z)));
         }
     }
     constexpr double reach = 4e-3;    // [m], from the body to where the arch begins
@@ -379,7 +415,7 @@ void add_arches(const Work& work, const Bits& mandible, Bits& spine) {
     for (std::size_t i = 0; i < rest.size(); ++i) {
         const auto [x, y, z] = g.coordinates(i);
         if (rest[i] != 0 && static_cast<double>(to_spine[i]) * g.spacing()[0] < reach &&
-            g.point(x, y, z).z() < top) {
+            up.dot(g.point(x, y, z)) < top) {
             near[pieces.part[i]] = 1;
         }
     }
@@ -392,6 +428,8 @@ void add_arches(const Work& work, const Bits& mandible, Bits& spine) {
     }
 }
 
+constexpr std::size_t most_voxels = std::size_t{1} << 26;
+
 }  // namespace
 
 Segmentation segment(const imaging::Volume& volume, const Points& given, const SegmentSettings& settings,
@@ -399,23 +437,22 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     if (!progress(0.0f, "turning the volume upright")) {
         throw Stopped();
     }
-    const imaging::Volume ct = imaging::upright(volume);
+    require_ct(volume, settings);
+    Segmentation result;
+    const Stand stand = stand_up(volume, given, settings, result.contradictions);
+    result.turn = stand.turn;
+    const imaging::Geometry own = imaging::seen_along(volume.geometry, stand.axes);
+    const imaging::Volume ct = imaging::upright(volume, own, most_voxels);
     const Geometry& g = ct.geometry;
+    const Bits shown = imaging::covered(g, own);
     Work work{ct, settings, progress, {}, {}, {}};
     work.tell(0.05f, "air, bone, soft tissue");
     work.map = map_tissues(ct, settings);
     work.tell(0.3f, "landmarks");
-    Bits no_bone(work.map.bone.size());
-    for (std::size_t i = 0; i < no_bone.size(); ++i) {
-        no_bone[i] = 1 - work.map.bone[i];
-    }
-    // Distances between voxels are coarse steps; blurred, they tell narrow from wide.
-    work.bone_depth =
-        imaging::smooth_within(g.size, imaging::distance_to(g.size, no_bone), work.map.bone, 0.7f);
-    const Placed placed = place_points(g, work.map, work.bone_depth, given);
+    work.bone_depth = depth_in(g.size, work.map.bone);
+    const auto [placed, larynx] = place_in_head(work, shown, stand, turned(given, stand.axes.transpose()));
     work.points = placed.points;
 
-    Segmentation result;
     std::vector<Structure>& structures = result.structures;
     Bits inside(g.count());
     for (std::size_t i = 0; i < inside.size(); ++i) {
@@ -429,11 +466,20 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     if (structures.back().found && !work.map.airway_opens) {
         structures.back().note = "it opens neither at the nose nor at the mouth; the largest space was taken";
     }
-    structures.push_back(look_for_larynx(work, placed));
+    structures.push_back(larynx);
 
     const std::vector<std::size_t> chin = work.voxels_of("mandible");
     const std::vector<std::size_t> skull = work.voxels_of("skull");
     const std::vector<std::size_t> spine_seeds = work.voxels_of("spine");
+    // In coarser voxels a newborn's mandible runs into the skull, and the tongue into its neighbours.
+    constexpr double coarsest = 0.053;  // of the cranium's radius: 1.9 mm at term, 3.3 mm in adults
+    const double widest = volume.geometry.spacing().maxCoeff();
+    const std::string too_coarse =
+        stand.place.size > 0.0 && widest > coarsest * stand.place.size
+            ? fmt::format(
+                  "voxels of {:.1f} mm do not show it; expected at most {:.1f} mm in a head of this size",
+                  1e3 * widest, 1e3 * coarsest * stand.place.size)
+            : "";
     Bits mandible;
     Bits spine;
     Bits tongue;
@@ -442,15 +488,20 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
         work.tell(share, name);
         Structure found{name, false, 0.0, why_not};
         Bits bits;
-        if (!seeds.empty()) {
+        if (!seeds.empty() && !too_coarse.empty()) {
+            found.note = too_coarse;
+        } else if (!seeds.empty()) {
             if (const auto owner = part_bones(work, seeds, others)) {
                 bits = grow_bone(work, *owner, share, name);
                 found.volume = volume_of(g, bits);
                 found.found = found.volume > 0.0;
                 found.note.clear();
             } else {
-                found.note =
-                    fmt::format("it could not be told from the skull; give landmarks '{}' and 'skull'", name);
+                const bool by_hand = given.contains(name) && given.contains("skull");
+                found.note = fmt::format(
+                    "it could not be told from the skull; {}",
+                    by_hand ? "no neck of bone parts the given points: move them apart, or label it by hand"
+                            : fmt::format("give landmarks '{}' and 'skull'", name));
             }
         }
         structures.push_back(found);
@@ -464,14 +515,27 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     spine = search_bone("spine", spine_seeds, rest, 0.6f,
                         "not in the volume: no bone behind the airway below the mouth");
     if (!spine.empty()) {
-        add_arches(work, mandible, spine);
+        add_arches(work, stand.lean.col(2), mandible, spine);
         structures.back().volume = volume_of(g, spine);
     }
+
+    const OrganCheck check(imaging::seen_along(g, stand.lean), stand.place, work.map.airway);
+    const auto withdraw = [&](Structure& organ, Bits& bits, const OrganLimits& limits) {
+        if (const std::string why = check.implausible(bits, limits); !why.empty()) {
+            organ.found = false;
+            organ.volume = 0.0;
+            organ.note = why;
+            result.contradictions.push_back(fmt::format("{}: {}", organ.name, why));
+            bits.clear();
+        }
+    };
 
     Structure found_tongue{"tongue", false, 0.0, ""};
     work.tell(0.8f, "tongue");
     if (!work.points.contains("tongue")) {
         found_tongue.note = "not in the volume, or not to be found without the mandible";
+    } else if (!too_coarse.empty()) {
+        found_tongue.note = too_coarse;
     } else {
         tongue = grow_tongue(work, placed.jaw_depth.value_or(45e-3), found_tongue.note);
         if (!tongue.empty()) {
@@ -480,6 +544,18 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
         }
     }
     structures.push_back(found_tongue);
+    for (Structure& organ : structures) {
+        if (organ.name == "mandible") {
+            withdraw(organ, mandible, mandible_limits);
+        } else if (organ.name == "spine") {
+            withdraw(organ, spine, spine_limits);
+        } else if (organ.name == "tongue") {
+            withdraw(organ, tongue, tongue_limits);
+        }
+    }
+    if (const std::string why = check.out_of_order(mandible, tongue, spine); !why.empty()) {
+        result.contradictions.push_back(why);
+    }
 
     imaging::Mask labels{g, std::vector<std::uint8_t>(g.count(), value_of(Label::outside))};
     const auto paint = [&](const Bits& bits, Label label) {
@@ -494,8 +570,10 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     paint(mandible, Label::mandible);
     paint(work.map.airway, Label::airway);
     paint(work.map.enclosed_air, Label::enclosed_air);
-    result.labels = imaging::onto(volume.geometry, labels);
-    result.points = work.points;
+    find_stray_seeds(labels, work.points, given, result.contradictions);
+    result.labels = imaging::onto(own, labels);
+    result.labels.geometry = volume.geometry;
+    result.points = turned(work.points, stand.axes);
     return result;
 }
 

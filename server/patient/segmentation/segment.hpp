@@ -33,14 +33,20 @@ struct Segmentation {
     imaging::Mask labels;               ///< values of Label, on the input's grid
     Points points;                      ///< the seeds that were used, given or placed
     std::vector<Structure> structures;  ///< skin, bone, airway, larynx, mandible, spine, tongue
+    double turn = 0.0;                  ///< [rad], of the head against the file's directions
+    /// What cannot be true of a patient, for the person: what file and picture say otherwise, organs of the
+    /// wrong size or place (which get no label), seeds outside of their organ.
+    std::vector<std::string> contradictions;
 };
 
 /// Cuts a CT of head and neck into labels. Air, bone and soft tissue by threshold; the patient is the
 /// largest body, closed by a ball, and the airway is the largest space inside it that opens at nose or
 /// mouth (Xiao et al. 2020, section 4.1, by hand in ITK-SNAP). Mandible, spine and tongue by narrow-band
-/// level sets from seeds: `given` ones, else placed by anatomy. What the volume does not show is
-/// reported as not found and not labelled. Throws VolumeError where the volume is no CT of a patient, Stopped
-/// where `progress` asked for it.
+/// level sets from seeds: `given` ones, else placed by anatomy. Seeds are placed in the
+/// head's own frame (head_frame.hpp), however the patient lay or the axes run; labels and points are the
+/// volume's. What the
+/// volume does not show is reported as not found and not labelled. Throws VolumeError where the volume is no
+/// CT of a head, Stopped where `progress` asked for it.
 [[nodiscard]] Segmentation segment(const imaging::Volume& volume, const Points& given,
                                    const SegmentSettings& settings, const Progress& progress);
 

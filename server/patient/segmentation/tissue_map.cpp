@@ -14,35 +14,6 @@ using imaging::Geometry;
 using imaging::Size;
 using imaging::VolumeError;
 
-/// A CT has air, soft tissue and no wild values. Scrambled bytes and images of other kinds fail here.
-void require_ct(const imaging::Volume& ct, const SegmentSettings& settings) {
-    constexpr float lowest = -3100.0f;  // some scanners mark what they did not see by -3024
-    constexpr float highest = 4100.0f;  // metal
-    std::size_t wild = 0;
-    std::size_t air = 0;
-    std::size_t tissue = 0;
-    for (const float v : ct.value) {
-        wild += v < lowest || v > highest ? 1 : 0;
-        air += v < settings.air_below ? 1 : 0;
-        tissue += v > -150.0f && v < settings.bone_above ? 1 : 0;
-    }
-    const auto percent = [&](std::size_t part) {
-        return 100.0 * static_cast<double>(part) / static_cast<double>(ct.value.size());
-    };
-    if (percent(wild) > 5.0) {
-        throw VolumeError(fmt::format(
-            "the volume has {:.0f} % of its values outside {:.0f} to {:.0f}; expected Hounsfield units. "
-            "Remedy: check byte order (endian), slope and intercept.",
-            percent(wild), lowest, highest));
-    }
-    if (percent(air) < 0.5 || percent(tissue) < 0.5) {
-        throw VolumeError(
-            fmt::format("the volume is {:.1f} % air and {:.1f} % soft tissue; expected a CT of head and neck "
-                        "in Hounsfield units with some of both. Remedy: check slope, intercept and region.",
-                        percent(air), percent(tissue)));
-    }
-}
-
 /// All of `open` that hangs together with the left, right, front and back faces of the volume. Above and
 /// below the scan may cut through the patient.
 Bits reached_from_sides(const Size& size, const Bits& open) {
@@ -75,8 +46,35 @@ bool touches(const Geometry& g, const Bits& bits, std::size_t i) {
 
 }  // namespace
 
+void require_ct(const imaging::Volume& ct, const SegmentSettings& settings) {
+    constexpr float lowest = -3100.0f;  // some scanners mark what they did not see by -3024
+    constexpr float highest = 4100.0f;  // metal
+    std::size_t wild = 0;
+    std::size_t air = 0;
+    std::size_t tissue = 0;
+    for (const float v : ct.value) {
+        wild += v < lowest || v > highest ? 1 : 0;
+        air += v < settings.air_below ? 1 : 0;
+        tissue += v > -150.0f && v < settings.bone_above ? 1 : 0;
+    }
+    const auto percent = [&](std::size_t part) {
+        return 100.0 * static_cast<double>(part) / static_cast<double>(ct.value.size());
+    };
+    if (percent(wild) > 5.0) {
+        throw VolumeError(fmt::format(
+            "the volume has {:.0f} % of its values outside {:.0f} to {:.0f}; expected Hounsfield units. "
+            "Remedy: check byte order (endian), slope and intercept.",
+            percent(wild), lowest, highest));
+    }
+    if (percent(air) < 0.5 || percent(tissue) < 0.5) {
+        throw VolumeError(
+            fmt::format("the volume is {:.1f} % air and {:.1f} % soft tissue; expected a CT of head and neck "
+                        "in Hounsfield units with some of both. Remedy: check slope, intercept and region.",
+                        percent(air), percent(tissue)));
+    }
+}
+
 TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings) {
-    require_ct(ct, settings);
     const Geometry& g = ct.geometry;
     const auto h = static_cast<float>(g.spacing().x());
     const std::size_t n = ct.value.size();

@@ -17,7 +17,10 @@ struct TissueMap {
     bool airway_opens = false;  ///< at nose or mouth
 };
 
-/// Throws VolumeError, beginning with "the volume", where there is no patient with air around.
+/// A CT has air, soft tissue and no wild values: throws VolumeError, beginning with "the volume", of
+/// scrambled bytes and images of other kinds.
+void require_ct(const imaging::Volume& ct, const SegmentSettings& settings);
+
 [[nodiscard]] TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings);
 
 }  // namespace eti::segmentation

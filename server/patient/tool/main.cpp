@@ -118,6 +118,16 @@ Result run_segment(SegmentRequest request) {
         result.json["structures"].push_back(
             {{"name", s.name}, {"found", s.found}, {"volume_ml", 1e6 * s.volume}, {"note", s.note}});
     }
+    result.json["turn_deg"] = found.turn / static_cast<double>(degree);
+    if (found.turn > 5.0 * static_cast<double>(degree)) {
+        result.text += fmt::format("\nthe head lies turned by {:.0f} degrees from the file's directions\n",
+                                   found.turn / static_cast<double>(degree));
+    }
+    result.json["contradictions"] = found.contradictions;
+    for (const std::string& what : found.contradictions) {
+        remark("doubtful: " + what);
+        result.status = status_doubtful;
+    }
     if (truth) {
         result.text += "\nagainst the truth     Dice  mean surface distance [voxels]\n";
         const std::array<std::pair<const char*, std::vector<Label>>, 5> compared = {

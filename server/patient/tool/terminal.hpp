@@ -23,6 +23,7 @@ struct Result {
 
 inline constexpr int status_refused = 1;
 inline constexpr int status_no_model = 3;  ///< surfaces were written, but what is left makes no model
+inline constexpr int status_doubtful = 4;  ///< labels were written, but something in them cannot be true
 inline constexpr int status_interrupted = 130;
 
 /// Draws a bar on a terminal, at most ten times a second; several threads may call it. False asks to stop.

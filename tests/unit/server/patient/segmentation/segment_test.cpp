@@ -91,6 +91,77 @@ TEST(Segment, TurnedVolumeGivesTheSameLabels) {
     EXPECT_LT(other, truth.value.size() / 10000);
 }
 
+/// What is compared of two segmentations.
+const std::vector<std::pair<const char*, std::vector<Label>>> organs = {
+    {"airway", {Label::airway}},
+    {"bone", {Label::bone, Label::mandible, Label::spine}},
+    {"mandible", {Label::mandible}},
+    {"spine", {Label::spine}},
+    {"tongue", {Label::tongue}}};
+
+TEST(Segment, TurnedPatientsKeepTheirLabels) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    EXPECT_TRUE(usual.contradictions.empty()) << usual.contradictions.front();
+    for (const auto& [axis, degrees] :
+         {std::pair(Vec3d(1, 0, 0), 30.0), std::pair(Vec3d(1, 0, 0), -30.0), std::pair(Vec3d(0, 1, 0), 30.0),
+          std::pair(Vec3d(0, 0, 1), -30.0), std::pair(Vec3d(1, 1, 1), 45.0)}) {
+        const Eigen::Matrix3d turn =
+            Eigen::AngleAxisd(degrees * M_PI / 180.0, axis.normalized()).toRotationMatrix();
+        Phantom turned = phantom;
+        turned.ct.geometry.origin = turn * phantom.ct.geometry.origin;
+        turned.ct.geometry.step = turn * phantom.ct.geometry.step;
+        turned.labels.geometry = turned.ct.geometry;
+        const Segmentation found = segment(turned.ct, {}, {}, silent);
+        EXPECT_NEAR(found.turn * 180.0 / M_PI, degrees < 0.0 ? -degrees : degrees, 3.0);
+        EXPECT_TRUE(found.contradictions.empty()) << found.contradictions.front();
+        for (const auto& [name, labels] : organs) {
+            const double before = agreement(usual.labels, phantom.labels, labels).dice;
+            const double after = agreement(found.labels, turned.labels, labels).dice;
+            std::printf("turned by %.0f degrees about (%.0f, %.0f, %.0f): %-8s Dice %.3f of %.3f\n", degrees,
+                        axis.x(), axis.y(), axis.z(), name, after, before);
+            EXPECT_GE(after, 0.9 * before) << name << " at " << degrees << " about " << axis.transpose();
+        }
+    }
+}
+
+TEST(Segment, VolumesWhoseFilesMistakeUpForDownAreTurnedAndSaid) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    imaging::Volume upset = phantom.ct;
+    std::reverse(upset.value.begin(), upset.value.end());  // all three axes, which is up, front and left
+    imaging::Mask truth = usual.labels;
+    std::reverse(truth.value.begin(), truth.value.end());
+    const Segmentation found = segment(upset, {}, {}, silent);
+    ASSERT_EQ(found.contradictions.size(), 1u);
+    EXPECT_NE(found.contradictions.front().find("turned by 1"), std::string::npos)
+        << found.contradictions.front();
+    EXPECT_NE(found.contradictions.front().find("Remedy"), std::string::npos) << found.contradictions.front();
+    for (const auto& [name, labels] : organs) {
+        EXPECT_GT(agreement(found.labels, truth, labels).dice, 0.95) << name;
+    }
+}
+
+TEST(Segment, CoarseVoxelsAreNotTrusted) {
+    const Segmentation found = segment(coarse_phantom(2.2e-3f).ct, {}, {}, silent);
+    for (const char* name : {"mandible", "spine", "tongue"}) {
+        EXPECT_FALSE(structure(found, name).found) << name;
+        EXPECT_NE(structure(found, name).note.find("voxels of 2.2 mm"), std::string::npos)
+            << name << ": " << structure(found, name).note;
+    }
+    EXPECT_TRUE(structure(found, "airway").found);
+    EXPECT_TRUE(found.contradictions.empty());
+}
+
+TEST(Segment, PointsInAnotherOrganAreAContradiction) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const Points placed = segment(phantom.ct, {}, {}, silent).points;
+    Points given = placed;
+    given["spine"].push_back(placed.at("mandible").back());
+    const Segmentation found = segment(phantom.ct, given, {}, silent);
+    EXPECT_FALSE(found.contradictions.empty());
+}
+
 TEST(Segment, HeadWithoutNeckHasNoLarynx) {
     const Phantom whole = coarse_phantom(1.5e-3f);
     const imaging::Geometry& g = whole.ct.geometry;
