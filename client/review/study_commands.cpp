@@ -11,8 +11,8 @@
 #include "client/review/output.hpp"
 #include "client/review/ratings.hpp"
 #include "client/review/study.hpp"
-#include "common/process/progress_bar.hpp"
 #include "common/process/command_line.hpp"
+#include "common/process/progress_bar.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/session/anonymise.hpp"
 
