@@ -24,7 +24,7 @@ LAB = [str(support.ROOT / "deploy/lab.sh"), "--no-build"]
 JOINS = 7
 DELAY = 20              # [ms]
 QUIET_TRIES = 3
-DURATION = 4            # [s] of a session
+DURATION = 8            # [s] of a session
 PATIENCE = 240          # [s] for a lab on a busy machine
 # Everything of a lab runs inside; afterwards all must be as it was before: processes, interfaces, shared memory, and
 # where namespaces with names would be.
