@@ -2,7 +2,7 @@
 # Copyright the NeoETI authors
 #
 # Asks a GoogleTest program for its suites and writes a file of ctest cases, one a suite. Run by eti_test() after the
-# program is built, with -D: PROGRAM (path), NAME, LABEL, LAUNCHER (before the program), OUT (path of the file).
+# program is built, with -D: PROGRAM (path), NAME, LABEL, OUT (path of the file).
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status TIMEOUT 60)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: exit status ${status}\n${listed}")
@@ -17,7 +17,7 @@ set(cases "")
 foreach(suite ${suites})
   string(REGEX REPLACE "^\n|\\.$" "" suite "${suite}")
   string(APPEND cases
-    "add_test([==[${NAME}.${suite}]==] [==[${LAUNCHER}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==] --gtest_brief=1)\n"
+    "add_test([==[${NAME}.${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==] --gtest_brief=1)\n"
     "set_tests_properties([==[${NAME}.${suite}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 900)\n")
 endforeach()
 file(WRITE ${OUT} "${cases}")

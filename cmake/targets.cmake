@@ -56,9 +56,6 @@ function(eti_test_label result)
   set(${result} ${label} PARENT_SCOPE)
 endfunction()
 
-# Most tests run beside one that shares the clock among its programs, and give way to it.
-set(ETI_GIVE_WAY ${PROJECT_SOURCE_DIR}/tests/give_way.sh)
-
 # A test program; every suite becomes a ctest case PROGRAM.SUITE. What the tests of a suite share, such as a newborn that
 # takes seconds to build, is then made once. Under a sanitizer, where it takes a minute, the whole program is one case.
 function(eti_test name)
@@ -75,10 +72,9 @@ function(eti_test name)
     set_tests_properties(${name} PROPERTIES TIMEOUT 10800 LABELS ${label})
   else()
     set(found ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
-    set_property(TARGET ${name} APPEND PROPERTY LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
     add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${found}
       COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DNAME=${name} -DLABEL=${label} -DOUT=${found}
-              -DLAUNCHER=${ETI_GIVE_WAY} -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
+              -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
     # A program that was not built shows as a case that cannot be run.
     file(WRITE ${found}.include "if(EXISTS \"${found}\")\n  include(\"${found}\")\nelse()\n  add_test(${name} ${name}_NOT_BUILT)\n  set_tests_properties(${name} PROPERTIES LABELS ${label})\nendif()\n")
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${found}.include)
@@ -87,13 +83,12 @@ endfunction()
 
 # A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. PROPERTIES are passed
 # to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it. Those under
-# tests/unit are labelled scripts: they test no compiled code, so sanitizers have nothing to find. CLOCK: it starts
-# programs that share the clock with each other; one such test runs at a time, and the others give way to it.
+# tests/unit are labelled scripts: they test no compiled code, so sanitizers have nothing to find.
 if(ETI_TESTS)
   find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
 endif()
 function(eti_python_test prefix script)
-  cmake_parse_arguments(ARG "CLOCK" "TIMEOUT" "ENVIRONMENT;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "ENVIRONMENT;PROPERTIES" ${ARGN})
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${script})
   file(STRINGS ${script} methods REGEX "^    def test_[a-z0-9_]+\\(")
   if(NOT methods)
@@ -101,18 +96,11 @@ function(eti_python_test prefix script)
   endif()
   eti_test_label(label)
   string(REPLACE unit scripts label ${label})
-  if(ARG_CLOCK)
-    set(launcher "")
-    # A cost that has them begin first: from then on there is one at any time, and others beside it.
-    list(APPEND ARG_PROPERTIES RESOURCE_LOCK clock COST 1000)
-  else()
-    set(launcher ${ETI_GIVE_WAY})
-  endif()
   foreach(line ${methods})
     string(REGEX REPLACE "^    def (test_[a-z0-9_]+).*" "\\1" method "${line}")
     string(REGEX REPLACE "^test_" "" short "${method}")
     add_test(NAME ${prefix}.${short}
-             COMMAND ${launcher} ${ETI_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/${script} -v -k *.${method})
+             COMMAND ${ETI_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/${script} -v -k *.${method})
     set_tests_properties(${prefix}.${short} PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT}
                          SKIP_REGULAR_EXPRESSION "OK \\(skipped=" ENVIRONMENT "${ARG_ENVIRONMENT}" ${ARG_PROPERTIES})
   endforeach()
