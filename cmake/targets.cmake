@@ -72,6 +72,7 @@ function(eti_test name)
     set_tests_properties(${name} PROPERTIES TIMEOUT 10800 LABELS ${label})
   else()
     set(found ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+    set_property(TARGET ${name} APPEND PROPERTY LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
     add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${found}
       COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DNAME=${name} -DLABEL=${label} -DOUT=${found}
               -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
