@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/convert.hpp"
+#include "common/process/priority.hpp"
 #include "common/process/service_notify.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
@@ -107,6 +108,12 @@ class TubeTracker {
 };
 
 int run(const ProgramOptions& options) {
+    // This loop and the bus's threads are between the hand and what it meets: behind the server's steps, on a
+    // core that something else keeps busy, they would be silent for half a second.
+    const RealTimeThreads real_time(priority::bus);
+    if (!real_time.refusal().empty()) {
+        spdlog::warn("{}", real_time.refusal());
+    }
     Program program(options, Tool::tube);
     const std::unique_ptr<Sensor> sensor = program.open_sensor();
     nlohmann::ordered_json result = {{"device", options.device},

@@ -77,6 +77,20 @@ class Priority(support.Case):
         server.kill()
         server.communicate()
 
+    def test_the_tubes_tracker_goes_before_the_simulation(self):
+        if not may_have_priority():
+            self.skipTest("no right to real-time priorities here")
+        tracker = subprocess.Popen([support.BIN / "eti-tracker", "--device", "simulated", "--session", support.SESSION,
+                                    "--domain", str(support.DOMAIN)],
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(tracker.wait)
+        self.addCleanup(tracker.kill)
+        deadline = time.monotonic() + SECONDS_TO_START
+        while os.sched_getscheduler(tracker.pid) != os.SCHED_FIFO or os.sched_getparam(tracker.pid).sched_priority != 70:
+            self.assertIsNone(tracker.poll(), "it ended")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+
 
 if __name__ == "__main__":
     unittest.main()
