@@ -22,6 +22,7 @@ DISCOVERY_PORT = 11811
 IDENTITY = {"server": "server", "haptics": "laryngoscope", "tracker": "tube", "controller": "instructor",
             "trainee": "trainee", "observer": "observer", "observer-2": "observer"}
 ROLES = (*IDENTITY, "discovery", "discovery-2")
+CLIENTS = ("trainee", "observer", "observer-2")
 # The controller belongs to the assistant, who stands beside the trainee.
 HOST_OF = {"controller": "trainee"}
 MEETINGS = ("discovery", "multicast", "peers")
@@ -58,9 +59,7 @@ class Lab(session_run.Session):
         self.options = options
         command = [self.bin / "eti-client", *observer, "--session", self.name, "--domain", options.domain]
         self.programs["observer-2"] = session_run.Program("observer-2", command, folder)
-        if options.duration:
-            at = self.server.command.index("--duration") + 1
-            self.server.command[at] = str(options.duration)
+        self.complete_at = None     # [s] of simulation time, when all clients had the scene
         self.hosts, self.medium, self.discovery, self.passed = {}, None, [], {}
 
     # -- hosts
@@ -146,6 +145,17 @@ class Lab(session_run.Session):
     def assist(self, time_s):
         if "controller" in self.programs:
             super().assist(time_s)
+        if self.options.duration:
+            self.end_in_time(time_s)
+
+    def end_in_time(self, time_s):
+        """Ends the session once it has lasted as long as asked for with all clients in it: to join may take seconds."""
+        if self.complete_at is None:
+            if all("scene is complete" in program.log.read_text(errors="replace")
+                   for role, program in self.programs.items() if role in CLIENTS):
+                self.complete_at = time_s
+        elif time_s >= self.complete_at + self.options.duration:
+            self.server.send(signal.SIGINT)
 
     def abandon(self):
         """Ends a lab that did not come to its start."""
@@ -212,7 +222,7 @@ def parse():
     parser.add_argument("--hosts", type=Path, metavar="FILE", help="on real machines over ssh; lines 'ROLE MACHINE', "
                         f"roles: {', '.join(ROLES)}")
     parser.add_argument("--bin-there", type=Path, metavar="DIR", help="folder of the programs on those machines")
-    parser.add_argument("--duration", type=float, metavar="S", help="of simulation time at most")
+    parser.add_argument("--duration", type=float, metavar="S", help="of simulation time at most, from when all clients have the scene")
     parser.add_argument("--scenario", default="term")
     parser.add_argument("--operator", default="expert")
     parser.add_argument("--pictures", action="store_true", help="clients also draw pictures and video all along")

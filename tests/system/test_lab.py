@@ -24,7 +24,7 @@ LAB = [str(support.ROOT / "deploy/lab.sh"), "--no-build"]
 JOINS = 7
 DELAY = 20              # [ms]
 QUIET_TRIES = 3
-DURATION = 8            # [s] of a session
+DURATION = 3            # [s] of a session with all clients in it
 PATIENCE = 240          # [s] for a lab on a busy machine
 # Everything of a lab runs inside; afterwards all must be as it was before: processes, interfaces, shared memory, and
 # where namespaces with names would be.
@@ -147,7 +147,7 @@ class Lab(support.Case):
 
     def assert_saw_the_session(self, said):
         """States came, the last one too. How many of them were drawn is a matter of the machine's speed."""
-        self.assertEqual(said["simulation_time_s"], DURATION, said)
+        self.assertGreaterEqual(said["simulation_time_s"], DURATION, said)
         self.assertGreater(said["state_age_ms"]["max"], 0.0, said)
 
     def test_everybody_sees_the_session(self):
