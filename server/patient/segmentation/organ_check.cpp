@@ -134,15 +134,17 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
             continue;
         }
         std::size_t stray = 0;
+        bool in_another = false;  // in one that is told apart, not just in bone at its own border
         std::string where;
         for (const Vec3d& p : it->second) {
             if (const Label at = organ_at(p); at != label) {
                 ++stray;
+                in_another = in_another || (at != Label::bone && at != Label::soft);
                 where = fmt::format("{}", label_names[value_of(at)]);
             }
         }
         const bool by_hand = given.contains(name);
-        if (by_hand ? stray > 0 : 5 * stray > it->second.size()) {
+        if ((by_hand && in_another) || 5 * stray > it->second.size()) {
             contradictions.push_back(
                 fmt::format("{} of {} points '{}' {} lie outside of its label, in {}; expected in it. "
                             "Remedy: look at the "

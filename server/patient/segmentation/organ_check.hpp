@@ -52,8 +52,9 @@ class OrganCheck {
     Extent airway_;
 };
 
-/// Says which of the `given` names have points in another organ than their own, and whether more than a fifth
-/// of those placed for another name do. A point belongs to the nearest organ within 8 mm.
+/// Says which names have more than a fifth of their points outside of their own organ, and which of the
+/// `given` ones have any in another that is told apart. A point belongs to the nearest organ within 8 mm; one
+/// in bone may lie at its own organ's border, as some of those do that are placed.
 void find_stray_seeds(const imaging::Mask& labels, const Points& points, const Points& given,
                       std::vector<std::string>& contradictions);
 

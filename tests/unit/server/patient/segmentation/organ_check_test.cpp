@@ -94,6 +94,21 @@ TEST_F(Organs, HoldTheirSeeds) {
     ASSERT_EQ(said.size(), 1u);
     EXPECT_EQ(said.front().rfind("1 of 3 points 'spine' that were given", 0), 0u) << said.front();
     EXPECT_NE(said.front().find("in mandible"), std::string::npos) << said.front();
+
+    // Of ten points in the jaw's own bone one may lie where the skull was found.
+    const Vec3d joint(0, -30e-3, 60e-3);
+    const imaging::Bits skull = ball(0, -30, 60, 5);
+    for (std::size_t i = 0; i < skull.size(); ++i) {
+        labels.value[i] = skull[i] != 0 ? value_of(Label::bone) : labels.value[i];
+    }
+    said.clear();
+    Points jaw = {{"mandible", std::vector<Vec3d>(9, chin)}};
+    jaw["mandible"].push_back(joint);
+    find_stray_seeds(labels, jaw, jaw, said);
+    EXPECT_TRUE(said.empty()) << said.front();
+    jaw["mandible"].insert(jaw["mandible"].end(), 2, joint);
+    find_stray_seeds(labels, jaw, jaw, said);
+    EXPECT_EQ(said.size(), 1u);
 }
 
 }  // namespace
