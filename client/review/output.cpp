@@ -18,6 +18,10 @@ void refuse_existing(const std::filesystem::path& path, std::string_view option)
 
 void write_new_file(const std::filesystem::path& path, std::string_view text, std::string_view option) {
     refuse_existing(path, option);
+    write_file(path, text, option);
+}
+
+void write_file(const std::filesystem::path& path, std::string_view text, std::string_view option) {
     std::error_code error;
     if (path.has_parent_path()) {
         std::filesystem::create_directories(path.parent_path(), error);
@@ -30,12 +34,14 @@ void write_new_file(const std::filesystem::path& path, std::string_view text, st
     std::ofstream out(unfinished, std::ios::binary);
     out << text;
     out.close();
-    if (!out) {
+    if (out) {
+        std::filesystem::rename(unfinished, path, error);
+    }
+    if (!out || error) {
         std::filesystem::remove(unfinished, error);
         throw ExportError(
             fmt::format("{}: cannot be written; make room or choose another with {}", path.string(), option));
     }
-    std::filesystem::rename(unfinished, path);
 }
 
 std::string html_text(std::string_view text) {

@@ -18,8 +18,11 @@ class ExportError : public std::runtime_error {
 /// Throws ExportError where there is such a file: nothing is replaced. `option` names it otherwise.
 void refuse_existing(const std::filesystem::path& path, std::string_view option);
 
-/// Writes a file that shows under its name only when it is complete; makes its folder. Throws ExportError,
-/// also for a file that is there already.
+/// Writes a file that shows under its name only when it is complete, in place of one that is there; makes its
+/// folder. Throws ExportError.
+void write_file(const std::filesystem::path& path, std::string_view text, std::string_view option);
+
+/// The same, but throws also for a file that is there already.
 void write_new_file(const std::filesystem::path& path, std::string_view text, std::string_view option);
 
 /// As an element's text or an attribute's value in HTML.

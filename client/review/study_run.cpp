@@ -2,10 +2,7 @@
 // Copyright the NeoETI authors
 #include <fmt/format.h>
 #include <algorithm>
-#include <fstream>
 #include <iostream>
-#include <map>
-#include <optional>
 
 #include "client/review/output.hpp"
 #include "client/review/prompt.hpp"
@@ -71,18 +68,7 @@ class Progress {
                             csv_text(one.participant->operator_), one.participant->seed,
                             state_words[static_cast<std::size_t>(states_[i])], csv_text(one.file.string()));
         }
-        const std::filesystem::path path = folder_ / "plan.csv", unfinished = folder_ / "plan.csv.unfinished";
-        std::ofstream file(unfinished, std::ios::binary);
-        file << out;
-        file.close();
-        std::error_code error;
-        if (file) {
-            std::filesystem::rename(unfinished, path, error);
-        }
-        if (!file || error) {
-            throw ExportError(
-                fmt::format("{}: cannot be written; make room or choose another with --out", path.string()));
-        }
+        write_file(folder_ / "plan.csv", out, "--out");
     }
 
   private:
