@@ -102,10 +102,14 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
         present[v] = true;
     }
     const auto reach = static_cast<int>(std::ceil(8e-3 / g.spacing().x()));
-    /// The organ nearest to a point.
-    const auto organ_at = [&](const Vec3d& point) {
+    /// The organ nearest to a point, and whether its own organ is within reach too.
+    struct Place {
+        Label nearest = Label::soft;
+        bool near_own = false;
+    };
+    const auto place_of = [&](const Vec3d& point, Label own_label) {
         const Vec3d at = g.to_index(point);
-        Label found = Label::soft;
+        Place place;
         int nearest = reach * reach + 1;
         for (int dz = -reach; dz <= reach; ++dz) {
             for (int dy = -reach; dy <= reach; ++dy) {
@@ -114,37 +118,45 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
                     const int x = static_cast<int>(std::lround(at.x())) + dx;
                     const int y = static_cast<int>(std::lround(at.y())) + dy;
                     const int z = static_cast<int>(std::lround(at.z())) + dz;
-                    if (squared < nearest && g.contains(x, y, z)) {
-                        const auto label = static_cast<Label>(labels.at(x, y, z));
-                        if (label == Label::mandible || label == Label::spine || label == Label::tongue ||
-                            label == Label::bone) {
-                            found = label;
-                            nearest = squared;
-                        }
+                    if (squared > reach * reach || !g.contains(x, y, z)) {
+                        continue;
+                    }
+                    const auto label = static_cast<Label>(labels.at(x, y, z));
+                    place.near_own = place.near_own || label == own_label;
+                    if (squared < nearest && (label == Label::mandible || label == Label::spine ||
+                                              label == Label::tongue || label == Label::bone)) {
+                        place.nearest = label;
+                        nearest = squared;
                     }
                 }
             }
         }
-        return found;
+        return place;
     };
     for (const auto& [name, label] : own) {
         const auto it = points.find(name);
-        // What was not found, or withdrawn, has no label to lie in.
-        if (it == points.end() || !present[value_of(label)]) {
+        const bool by_hand = given.contains(name);
+        if (it == points.end() || (!by_hand && !present[value_of(label)])) {
+            continue;  // what was not found, or withdrawn, has no label to lie in
+        }
+        if (!present[value_of(label)]) {
+            contradictions.push_back(fmt::format(
+                "points '{}' were given, {} in number, and no label came of them. Remedy: see why in "
+                "the line of '{}', and move them in 3D Slicer (--landmarks), or leave them out.",
+                name, it->second.size(), name));
             continue;
         }
         std::size_t stray = 0;
-        bool in_another = false;  // in one that is told apart, not just in bone at its own border
+        bool far = false;  // in another that is told apart, or not even at the border of its own
         std::string where;
         for (const Vec3d& p : it->second) {
-            if (const Label at = organ_at(p); at != label) {
+            if (const Place at = place_of(p, label); at.nearest != label) {
                 ++stray;
-                in_another = in_another || (at != Label::bone && at != Label::soft);
-                where = fmt::format("{}", label_names[value_of(at)]);
+                far = far || !at.near_own || (at.nearest != Label::bone && at.nearest != Label::soft);
+                where = fmt::format("{}", label_names[value_of(at.nearest)]);
             }
         }
-        const bool by_hand = given.contains(name);
-        if ((by_hand && in_another) || 5 * stray > it->second.size()) {
+        if ((by_hand && far) || 5 * stray > it->second.size()) {
             contradictions.push_back(
                 fmt::format("{} of {} points '{}' {} lie outside of its label, in {}; expected in it. "
                             "Remedy: look at the "

@@ -53,8 +53,9 @@ class OrganCheck {
 };
 
 /// Says which names have more than a fifth of their points outside of their own organ, and which of the
-/// `given` ones have any in another that is told apart. A point belongs to the nearest organ within 8 mm; one
-/// in bone may lie at its own organ's border, as some of those do that are placed.
+/// `given` ones have any in another that is told apart, or farther than 8 mm from their own, or no label at
+/// all. A point belongs to the nearest organ within 8 mm. One in bone may lie at its own organ's border, as
+/// some of those do that are placed.
 void find_stray_seeds(const imaging::Mask& labels, const Points& points, const Points& given,
                       std::vector<std::string>& contradictions);
 

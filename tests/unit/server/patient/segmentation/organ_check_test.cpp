@@ -89,26 +89,42 @@ TEST_F(Organs, HoldTheirSeeds) {
     std::vector<std::string> said;
     find_stray_seeds(labels, {{"mandible", {chin}}, {"spine", {vertebra}}, {"tongue", {chin}}}, {}, said);
     EXPECT_TRUE(said.empty()) << said.front() << ": a tongue that is not there has no label";
+    find_stray_seeds(labels, {{"tongue", {chin}}}, {{"tongue", {chin}}}, said);
+    ASSERT_EQ(said.size(), 1u) << "points given for nothing are not passed over";
+    EXPECT_NE(said.front().find("no label came of them"), std::string::npos) << said.front();
+    said.clear();
     const Points wrong = {{"mandible", {chin}}, {"spine", {vertebra, vertebra, chin}}};
     find_stray_seeds(labels, wrong, wrong, said);
     ASSERT_EQ(said.size(), 1u);
     EXPECT_EQ(said.front().rfind("1 of 3 points 'spine' that were given", 0), 0u) << said.front();
     EXPECT_NE(said.front().find("in mandible"), std::string::npos) << said.front();
 
-    // Of ten points in the jaw's own bone one may lie where the skull was found.
-    const Vec3d joint(0, -30e-3, 60e-3);
-    const imaging::Bits skull = ball(0, -30, 60, 5);
-    for (std::size_t i = 0; i < skull.size(); ++i) {
-        labels.value[i] = skull[i] != 0 ? value_of(Label::bone) : labels.value[i];
+    // Of ten points of the jaw one may lie in the skull, at the jaw's border; not in the skull far from it.
+    const imaging::Bits joint = ball(0, -30, 36, 5);
+    const imaging::Bits crown = ball(0, -30, 60, 5);
+    for (std::size_t i = 0; i < joint.size(); ++i) {
+        const bool bone = labels.value[i] == value_of(Label::soft) && (joint[i] != 0 || crown[i] != 0);
+        labels.value[i] = bone ? value_of(Label::bone) : labels.value[i];
     }
-    said.clear();
+    const Vec3d border(0, -30e-3, 34e-3);
     Points jaw = {{"mandible", std::vector<Vec3d>(9, chin)}};
-    jaw["mandible"].push_back(joint);
+    jaw["mandible"].push_back(border);
+    said.clear();
     find_stray_seeds(labels, jaw, jaw, said);
     EXPECT_TRUE(said.empty()) << said.front();
-    jaw["mandible"].insert(jaw["mandible"].end(), 2, joint);
+
+    jaw["mandible"].back() = Vec3d(0, -30e-3, 60e-3);
+    find_stray_seeds(labels, jaw, {}, said);
+    EXPECT_TRUE(said.empty()) << said.front() << ": placed, and one of ten";
     find_stray_seeds(labels, jaw, jaw, said);
-    EXPECT_EQ(said.size(), 1u);
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said.front().rfind("1 of 10 points 'mandible' that were given", 0), 0u) << said.front();
+
+    jaw["mandible"].back() = border;
+    jaw["mandible"].insert(jaw["mandible"].end(), 2, border);
+    said.clear();
+    find_stray_seeds(labels, jaw, jaw, said);
+    EXPECT_EQ(said.size(), 1u) << "three of twelve are more than a fifth";
 }
 
 }  // namespace

@@ -159,7 +159,16 @@ TEST(Segment, PointsInAnotherOrganAreAContradiction) {
     Points given = placed;
     given["spine"].push_back(placed.at("mandible").back());
     const Segmentation found = segment(phantom.ct, given, {}, silent);
-    EXPECT_FALSE(found.contradictions.empty());
+    ASSERT_FALSE(found.contradictions.empty());
+    EXPECT_NE(found.contradictions.front().find("'spine'"), std::string::npos)
+        << found.contradictions.front();
+}
+
+TEST(Segment, PointsThatItPlacedMayBeGivenBack) {
+    const Phantom phantom = coarse_phantom(1.5e-3f);
+    const Points placed = segment(phantom.ct, {}, {}, silent).points;
+    const Segmentation found = segment(phantom.ct, placed, {}, silent);
+    EXPECT_TRUE(found.contradictions.empty()) << found.contradictions.front();
 }
 
 TEST(Segment, HeadWithoutNeckHasNoLarynx) {
