@@ -5,10 +5,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "common/process/unfinished_file.hpp"
 
 namespace eti::render {
 
@@ -22,14 +23,12 @@ void write_png(const Image& image, const std::filesystem::path& file) {
     if (!cv::imencode(".png", bgr, encoded, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
         throw std::runtime_error(fmt::format("{}: the picture could not be encoded as PNG", file.string()));
     }
-    std::ofstream out(file, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(encoded.data()), static_cast<std::streamsize>(encoded.size()));
-    out.close();
-    if (!out) {
+    if (const std::string why = write_whole(file, bytes_of(std::span<const std::uint8_t>(encoded)));
+        !why.empty()) {
         throw std::runtime_error(
-            fmt::format("{}: the picture could not be written. Check that the folder exists, "
+            fmt::format("{}: the picture could not be written: {}. Check that the folder exists, "
                         "is writable and that the disk is not full.",
-                        file.string()));
+                        file.string(), why));
     }
 }
 

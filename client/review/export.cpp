@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "common/process/unfinished_file.hpp"
 #include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 
@@ -23,23 +24,13 @@ using session::Series;
 /// A CSV file that shows under its name only when it is complete.
 class CsvFile {
   public:
-    explicit CsvFile(const std::filesystem::path& path)
-        : path_(path), unfinished_(path.string() + ".unfinished") {
+    explicit CsvFile(const std::filesystem::path& path) : path_(path), unfinished_(path) {
         refuse_existing(path, "--out");
-        file_.reset(std::fopen(unfinished_.c_str(), "wb"));
+        file_.reset(std::fopen(unfinished_.path().c_str(), "wb"));
         if (!file_) {
             fail();
         }
     }
-    ~CsvFile() {
-        if (file_) {
-            file_.reset();
-            std::error_code ignored;
-            std::filesystem::remove(unfinished_, ignored);
-        }
-    }
-    CsvFile(const CsvFile&) = delete;
-    CsvFile& operator=(const CsvFile&) = delete;
 
     fmt::memory_buffer& line() { return line_; }
 
@@ -56,28 +47,25 @@ class CsvFile {
         if (std::fclose(file_.release()) != 0) {
             fail();
         }
-        std::error_code error;
-        std::filesystem::rename(unfinished_, path_, error);
-        if (error) {
-            throw ExportError(fmt::format("{}: {}", path_.string(), error.message()));
+        try {
+            unfinished_.finish();
+        } catch (const std::filesystem::filesystem_error& error) {
+            throw ExportError(fmt::format("{}: {}", path_.string(), error.code().message()));
         }
     }
 
   private:
     [[noreturn]] void fail() {
-        const std::string reason = std::strerror(errno);
-        std::error_code ignored;
-        std::filesystem::remove(unfinished_, ignored);
         throw ExportError(
             fmt::format("{}: cannot be written: {}; make room or choose another folder with --out",
-                        path_.string(), reason));
+                        path_.string(), std::strerror(errno)));
     }
 
     struct Close {
         void operator()(std::FILE* file) const { std::fclose(file); }
     };
     std::filesystem::path path_;
-    std::filesystem::path unfinished_;
+    UnfinishedFile unfinished_;
     std::unique_ptr<std::FILE, Close> file_;
     fmt::memory_buffer line_;
 };

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include "common/process/unfinished_file.hpp"
 
 namespace eti::review {
 
@@ -30,17 +30,9 @@ void write_file(const std::filesystem::path& path, std::string_view text, std::s
         throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with {}",
                                       path.parent_path().string(), error.message(), option));
     }
-    const std::filesystem::path unfinished = path.string() + ".unfinished";
-    std::ofstream out(unfinished, std::ios::binary);
-    out << text;
-    out.close();
-    if (out) {
-        std::filesystem::rename(unfinished, path, error);
-    }
-    if (!out || error) {
-        std::filesystem::remove(unfinished, error);
-        throw ExportError(
-            fmt::format("{}: cannot be written; make room or choose another with {}", path.string(), option));
+    if (const std::string why = write_whole(path, text); !why.empty()) {
+        throw ExportError(fmt::format("{}: cannot be written: {}; make room or choose another with {}",
+                                      path.string(), why, option));
     }
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/hdf5/copy.hpp"
+#include "common/process/unfinished_file.hpp"
 #include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 
@@ -133,21 +134,15 @@ std::vector<std::string> anonymise(const std::filesystem::path& from, const std:
         }
         return std::nullopt;
     };
-    const std::filesystem::path unfinished = to.string() + ".unfinished";
-    try {
-        hdf5::File file = hdf5::File::create(unfinished);
-        hdf5::copy_members(reader.root(), file.root(), rules);
-        if (!participant.empty()) {
-            file.root().open("meta").open("more").set_text(participant_text, participant);
-        }
-        file.close();
-        (void)SessionReader(unfinished).scene();
-        std::filesystem::rename(unfinished, to);
-    } catch (...) {
-        std::error_code ignored;
-        std::filesystem::remove(unfinished, ignored);
-        throw;
+    UnfinishedFile unfinished(to);
+    hdf5::File file = hdf5::File::create(unfinished.path());
+    hdf5::copy_members(reader.root(), file.root(), rules);
+    if (!participant.empty()) {
+        file.root().open("meta").open("more").set_text(participant_text, participant);
     }
+    file.close();
+    (void)SessionReader(unfinished.path()).scene();
+    unfinished.finish();
     std::vector<std::string> gone{"the session's name, its start and the file's own times"};
     for (const auto& [key, value] : info.more) {
         if (std::ranges::find(kept_more, key) == kept_more.end()) {

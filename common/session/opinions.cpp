@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #include "common/session/opinions.hpp"
 
-#include <unistd.h>
-
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <functional>
 
 #include "common/hdf5/file.hpp"
+#include "common/process/unfinished_file.hpp"
 #include "common/session/liveness.hpp"
 #include "common/session/reader.hpp"
 #include "common/session/superblock.hpp"
@@ -92,24 +91,18 @@ void require_amendable(const std::filesystem::path& file) {
 /// Changes a copy, which takes the file's place when it is whole.
 void amend(const std::filesystem::path& file, const std::function<void(const Group& root)>& change) {
     require_amendable(file);
-    const std::filesystem::path copy = fmt::format("{}.unfinished.{}", file.string(), ::getpid());
+    UnfinishedFile copy(file);
     try {
-        std::filesystem::copy_file(file, copy);
-        hdf5::File open = hdf5::File::open(copy, hdf5::Access::modify, file);
+        std::filesystem::copy_file(file, copy.path());
+        hdf5::File open = hdf5::File::open(copy.path(), hdf5::Access::modify, file);
         change(open.root());
         open.close();
-        std::filesystem::rename(copy, file);
+        copy.finish();
     } catch (const std::filesystem::filesystem_error& error) {
-        std::error_code ignored;
-        std::filesystem::remove(copy, ignored);
         throw hdf5::Error(
             fmt::format("{}: cannot be changed: {}; the folder needs room for a copy and must be "
                         "writable",
                         file.string(), error.code().message()));
-    } catch (...) {
-        std::error_code ignored;
-        std::filesystem::remove(copy, ignored);
-        throw;
     }
 }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
@@ -11,6 +9,7 @@
 
 #include "common/hdf5/copy.hpp"
 #include "common/hdf5/file.hpp"
+#include "common/process/unfinished_file.hpp"
 #include "common/session/check.hpp"
 #include "common/session/damage.hpp"
 #include "common/session/layout.hpp"
@@ -395,15 +394,6 @@ Rewritten rewrite(const SessionReader& from, const std::vector<TableState>& stat
     return result;
 }
 
-/// Whatever ends the repair, no unfinished file stays.
-struct Unfinished {
-    std::filesystem::path path;
-    ~Unfinished() {
-        std::error_code ignored;
-        std::filesystem::remove(path, ignored);
-    }
-};
-
 bool scene_is_whole(const SessionReader& reader) {
     try {
         (void)reader.scene();
@@ -435,9 +425,9 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
         throw hdf5::Error(
             fmt::format("{}: not a session file, or its first bytes are destroyed", path.string()));
     }
-    const Unfinished copy{fmt::format("{}.unfinished.{}", path.string(), ::getpid())};
-    const Unfinished rewritten{fmt::format("{}.rewritten.{}", path.string(), ::getpid())};
-    std::filesystem::copy_file(path, copy.path);
+    UnfinishedFile copy(path);
+    UnfinishedFile rewritten(path.string() + ".rewritten");
+    std::filesystem::copy_file(path, copy.path());
     std::vector<std::string> done;
     const bool marked = superblock->marked_open || superblock->stated_size != superblock->actual_size;
     const auto clear_mark = [&](const std::filesystem::path& of) {
@@ -446,34 +436,34 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
         }
     };
     if (marked) {
-        clear_mark(copy.path);
+        clear_mark(copy.path());
         done.push_back("cleared the mark of the killed writer and stated the file's size");
     }
     std::size_t from_tail = 0;
     try {
-        from_tail = take_in_tail(copy.path);
+        from_tail = take_in_tail(copy.path());
     } catch (const hdf5::Error&) {  // damaged: what is there without it
-        std::filesystem::copy_file(path, copy.path, std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::copy_file(path, copy.path(), std::filesystem::copy_options::overwrite_existing);
         if (marked) {
-            clear_mark(copy.path);
+            clear_mark(copy.path());
         }
     }
     if (from_tail > 0) {
         done.push_back(fmt::format("moved the newest {} rows from the tail into their series", from_tail));
     }
     {
-        const SessionReader reader(copy.path);  // refuses what is no session
+        const SessionReader reader(copy.path());  // refuses what is no session
         const auto states = survey(reader.root());
         if (std::ranges::all_of(states, &TableState::whole) && scene_is_whole(reader) &&
             is_whole(reader.root(), ratings_group) && is_whole(reader.root(), answers_group)) {
             if (from_tail > 0) {
-                std::filesystem::rename(copy.path, path);
+                copy.finish();
             } else if (marked) {
                 clear_mark(path);
             }
             return done;
         }
-        const Rewritten result = rewrite(reader, states, rewritten.path);
+        const Rewritten result = rewrite(reader, states, rewritten.path());
         done.insert(done.end(), result.left_out.begin(), result.left_out.end());
         for (const Damage& lost : result.damage) {
             done.push_back(words_of(lost));
@@ -481,7 +471,7 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     }
     const std::filesystem::path kept = kept_as(path);
     std::filesystem::rename(path, kept);
-    std::filesystem::rename(rewritten.path, path);
+    std::filesystem::rename(rewritten.path(), path);
     done.push_back(fmt::format("wrote what can be read into a new file; the old one is {}", kept.string()));
     return done;
 }

@@ -11,6 +11,7 @@
 
 #include "common/math/units.hpp"
 #include "common/process/file_kind.hpp"
+#include "common/process/unfinished_file.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
@@ -61,25 +62,15 @@ void save_calibration(const Calibration& c, const std::filesystem::path& file) {
             fmt::format("{}: is {}, expected a file or a new name; choose another place with --out",
                         file.string(), kind));
     }
-    const std::filesystem::path half = file.string() + ".part";
-    {
-        std::ofstream stream(half);
-        stream << "# Written by eti-calibrate; read with --calibration.\n"
-               << fmt::format(
-                      "kind: {}\ndevice: {}\ndate: {}\npoints: {}\nerror_mm: {:.3f}\n"
-                      "left_out_error_mm: {:.3f}\n",
-                      kinds[c.registered ? 1 : 0], c.device, c.date, c.points, 1e3 * c.error,
-                      1e3 * c.left_out_error)
-               << "to_patient:" << written(c.to_patient) << "tool:" << written(c.tool);
-        stream.flush();
-        if (!stream) {
-            throw InputError(file.string() + ": cannot be written; choose another place with --out");
-        }
-    }
-    std::error_code error;
-    std::filesystem::rename(half, file, error);
-    if (error) {
-        throw InputError(file.string() + ": cannot be written: " + error.message());
+    const std::string text = fmt::format(
+        "# Written by eti-calibrate; read with --calibration.\n"
+        "kind: {}\ndevice: {}\ndate: {}\npoints: {}\nerror_mm: {:.3f}\nleft_out_error_mm: {:.3f}\n"
+        "to_patient:{}tool:{}",
+        kinds[c.registered ? 1 : 0], c.device, c.date, c.points, 1e3 * c.error, 1e3 * c.left_out_error,
+        written(c.to_patient), written(c.tool));
+    if (const std::string why = write_whole(file, text); !why.empty()) {
+        throw InputError(
+            fmt::format("{}: cannot be written: {}; choose another place with --out", file.string(), why));
     }
 }
 

@@ -2,16 +2,18 @@
 // Copyright the NeoETI authors
 #include "devices/parts/parts.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <stdexcept>
+#include <string>
 
 #include "common/mesh/distance_grid.hpp"
 #include "common/mesh/isosurface.hpp"
 #include "common/mesh/simplify.hpp"
+#include "common/process/unfinished_file.hpp"
 
 namespace eti::devices {
 
@@ -155,12 +157,10 @@ TriangleMesh board_part(std::span<const Eigen::Vector3d> points, const PartSetti
 
 void write_stl(const TriangleMesh& mesh, const std::filesystem::path& file) {
     static_assert(std::endian::native == std::endian::little, "STL is little-endian");
-    std::ofstream stream(file, std::ios::binary);
-    std::array<char, 80> header{};
-    std::string_view("NeoETI, millimetres").copy(header.data(), header.size());
-    stream.write(header.data(), header.size());
+    std::string bytes("NeoETI, millimetres");
+    bytes.resize(80);  // the header
     const auto put = [&](const auto& value) {
-        stream.write(reinterpret_cast<const char*>(&value), sizeof value);
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
     };
     put(static_cast<std::uint32_t>(mesh.triangles.size()));
     for (const Triangle& triangle : mesh.triangles) {
@@ -174,9 +174,9 @@ void write_stl(const TriangleMesh& mesh, const std::filesystem::path& file) {
         }
         put(std::uint16_t{0});
     }
-    stream.flush();
-    if (!stream) {
-        throw std::runtime_error(file.string() + ": cannot be written; choose another folder with --out");
+    if (const std::string why = write_whole(file, bytes); !why.empty()) {
+        throw std::runtime_error(
+            fmt::format("{}: cannot be written: {}; choose another folder with --out", file.string(), why));
     }
 }
 

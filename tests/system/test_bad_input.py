@@ -187,6 +187,15 @@ class NoFiles(support.Case):
                     self.assert_refused(done, given)
                     self.assertNotIn("--repair", done.stderr, "no repair helps what is no file")
 
+    def test_a_pipe_under_a_files_name_is_left_alone(self):
+        if not (support.BIN / "eti-parts").exists():
+            self.skipTest("built without devices")
+        part = self.folder / "laryngoscope_miller_0.stl"  # the first that it makes
+        os.mkfifo(part)
+        done = support.run("eti-parts", "--out", self.folder, timeout=SECONDS_TO_REFUSE)
+        self.assert_refused(done, f"{part}: cannot be written: is a pipe")
+        self.assertTrue(part.is_fifo())
+
 
 class CommandLine(support.Case):
     # Each program with what it cannot do without.

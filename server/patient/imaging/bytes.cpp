@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include "server/patient/imaging/bytes.hpp"
 
-#include <unistd.h>
 #include <zlib.h>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include <fstream>
 
 #include "common/process/file_kind.hpp"
+#include "common/process/unfinished_file.hpp"
 #include "server/patient/imaging/volume.hpp"
 
 namespace eti::imaging {
@@ -162,22 +162,11 @@ void write_bytes(const std::filesystem::path& file, std::span<const std::uint8_t
         throw VolumeError(fmt::format(
             "{}: is {}; expected a file or a new name. Remedy: choose another name.", file.string(), kind));
     }
-    std::filesystem::path partial = file;
-    partial += fmt::format(".{}.part", ::getpid());
-    std::ofstream out(partial, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
-    out.close();
-    std::error_code error;
-    if (out) {
-        std::filesystem::rename(partial, file, error);
-    }
-    if (!out || error) {
-        std::error_code ignored;
-        std::filesystem::remove(partial, ignored);
+    if (const std::string why = write_whole(file, bytes_of(data)); !why.empty()) {
         throw VolumeError(
-            fmt::format("{}: could not be written. Remedy: check that the folder exists and is "
+            fmt::format("{}: could not be written: {}. Remedy: check that the folder exists and is "
                         "writable and that the disk is not full.",
-                        file.string()));
+                        file.string(), why));
     }
 }
 

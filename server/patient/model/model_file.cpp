@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #include "server/patient/model/model_file.hpp"
 
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "common/hdf5/file.hpp"
 #include "common/hdf5/packing.hpp"
 #include "common/process/file_kind.hpp"
+#include "common/process/unfinished_file.hpp"
 
 namespace eti::anatomy {
 
@@ -289,26 +288,19 @@ void save_patient(const Patient& patient, const std::filesystem::path& path, con
         throw hdf5::Error(fmt::format("{}: is {}, expected a file or a new name; choose another name",
                                       path.string(), kind));
     }
-    // Two servers may build the same model at once: each writes its own file, the last one stays.
-    const std::filesystem::path unfinished = path.string() + ".unfinished." + std::to_string(::getpid());
-    std::error_code ignored;
-    std::filesystem::remove(unfinished, ignored);
-    try {
-        hdf5::File file = hdf5::File::create(unfinished);
-        file.root().set_text("kind", file_kind);
-        file.root().set_integer("schema", schema);
-        const Group origin = file.root().create("provenance");
-        for (const auto& [key, value] : provenance) {
-            origin.set_text(key, value);
-        }
-        write(file.root(), patient);
-        file.close();
-        (void)load_patient(unfinished);
-        std::filesystem::rename(unfinished, path);
-    } catch (...) {
-        std::filesystem::remove(unfinished, ignored);
-        throw;
+    // Two servers may build the same model at once.
+    UnfinishedFile unfinished(path);
+    hdf5::File file = hdf5::File::create(unfinished.path());
+    file.root().set_text("kind", file_kind);
+    file.root().set_integer("schema", schema);
+    const Group origin = file.root().create("provenance");
+    for (const auto& [key, value] : provenance) {
+        origin.set_text(key, value);
     }
+    write(file.root(), patient);
+    file.close();
+    (void)load_patient(unfinished.path());
+    unfinished.finish();
 }
 
 Patient load_patient(const std::filesystem::path& path) {

@@ -10,6 +10,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "common/process/unfinished_file.hpp"
 #include "tests/bench/bus/percentiles.hpp"
 
 namespace eti::bench {
@@ -56,8 +57,8 @@ std::map<std::uint32_t, std::size_t> by_state(const Chunks& chunks, std::uint32_
 }  // namespace
 
 void keep(const std::filesystem::path& file, const Chunks& chunks) {
-    const std::filesystem::path unfinished = file.string() + ".part";
-    std::ofstream out(unfinished, std::ios::binary);
+    UnfinishedFile unfinished(file);
+    std::ofstream out(unfinished.path(), std::ios::binary);
     for (const msg::DeformationState& chunk : chunks) {
         eprosima::fastcdr::FastBuffer buffer;
         eprosima::fastcdr::Cdr cdr(buffer);
@@ -68,9 +69,9 @@ void keep(const std::filesystem::path& file, const Chunks& chunks) {
     }
     out.close();
     if (!out) {
-        throw std::runtime_error(unfinished.string() + ": could not be written; is the disk full?");
+        throw std::runtime_error(file.string() + ": could not be written; is the disk full?");
     }
-    std::filesystem::rename(unfinished, file);
+    unfinished.finish();
 }
 
 Chunks kept(const std::filesystem::path& file) {

@@ -14,6 +14,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/process/unfinished_file.hpp"
+
 namespace eti::bench {
 
 namespace {
@@ -133,9 +135,11 @@ void Shard::finish(const fs::path& folder, const std::string& command, const Set
     }
     json["tables"] = tables;
     // It appears whole or not at all.
-    const fs::path unfinished = folder / (std::string(manifest_name) + ".part");
-    std::ofstream(unfinished) << json.dump(2) << "\n";
-    fs::rename(unfinished, folder / manifest_name);
+    const fs::path manifest = folder / manifest_name;
+    if (const std::string why = write_whole(manifest, json.dump(2) + "\n"); !why.empty()) {
+        throw std::runtime_error(fmt::format(
+            "{}: could not be written: {}; make room and run this shard again", manifest.string(), why));
+    }
     spdlog::info("shard {} of {} is whole; when all are: eti-bench merge OUT {}", index_, count_,
                  (folder.parent_path() / fmt::format("shard-*-of-{}", count_)).string());
 }
