@@ -52,7 +52,8 @@ void main() {
             touched += share.x * share.y * share.z * texelFetch(marks, pixel_of(at), 0).r;
         }
     }
-    wetted = max(film * stays, smoothstep(0.02, 0.15, touched));
+    // Where one cell alone is marked, this share's border is round: a lower one's has corners.
+    wetted = max(film * stays, smoothstep(0.08, 0.3, touched));
 }
 )";
 
