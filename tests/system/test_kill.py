@@ -102,6 +102,8 @@ class Kill(support.Case):
                 self.assertLess(time.monotonic(), deadline, f"{role} says nothing of the server\n{self.explain()}")
                 self.assertIn(program.exit_code(), (None, 0), self.explain())
                 time.sleep(0.1)
+        for program in self.others.values():  # else the session gives them time to end by themselves
+            program.send(signal.SIGTERM)
         self.assert_ended_cleanly()
         self.assert_readable()
 

@@ -2,19 +2,27 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <map>
+#include <tuple>
+
 #include "server/patient/segmentation/phantom.hpp"
 
 namespace eti::segmentation::test {
 
 inline const Progress silent = [](float, std::string_view) { return true; };
 
-/// A noisy term newborn, coarse enough for tests.
-inline Phantom coarse_phantom(float spacing = 1.0e-3f, float weight = 3.5f, std::uint64_t seed = 1) {
-    PhantomSettings settings;
-    settings.newborn.weight = weight;
-    settings.spacing = spacing;
-    settings.seed = seed;
-    return make_phantom(settings, silent);
+/// A noisy term newborn, coarse enough for tests; made once a program.
+inline const Phantom& coarse_phantom(float spacing = 1.0e-3f, float weight = 3.5f, std::uint64_t seed = 1) {
+    static std::map<std::tuple<float, float, std::uint64_t>, Phantom> made;
+    const auto [it, is_new] = made.try_emplace({spacing, weight, seed});
+    if (is_new) {
+        PhantomSettings settings;
+        settings.newborn.weight = weight;
+        settings.spacing = spacing;
+        settings.seed = seed;
+        it->second = make_phantom(settings, silent);
+    }
+    return it->second;
 }
 
 }  // namespace eti::segmentation::test

@@ -34,7 +34,7 @@ double off(const HeadFrame& found, const Eigen::Matrix3d& truth) {
 }
 
 TEST(HeadFrame, IsFoundHoweverTheHeadLies) {
-    const imaging::Volume ct = coarse_phantom(2.0e-3f).ct;
+    const imaging::Volume& ct = coarse_phantom(2.0e-3f).ct;
     const Vec3d x = Vec3d::UnitX();
     const Vec3d y = Vec3d::UnitY();
     const Vec3d z = Vec3d::UnitZ();
@@ -156,7 +156,7 @@ TEST(HeadFrame, IsNotFoundWhereThereIsNone) {
     refused(drawn(ball), "a hollow ball of bone");
 
     // One half of a head has no mirror image.
-    const imaging::Volume whole = coarse_phantom(2.0e-3f).ct;
+    const imaging::Volume& whole = coarse_phantom(2.0e-3f).ct;
     imaging::Volume half;
     half.geometry = whole.geometry;
     half.geometry.size[0] /= 2;

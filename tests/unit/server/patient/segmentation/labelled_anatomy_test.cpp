@@ -45,7 +45,7 @@ TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
 }
 
 TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
-    const Phantom phantom = coarse_phantom(0.8e-3f);
+    const Phantom& phantom = coarse_phantom(0.8e-3f);
     const LabelledAnatomy anatomy(phantom.labels, phantom.landmarks, silent);
     const anatomy::Newborn truth(PhantomSettings().newborn);
     // Compared in the volume's frame, which is the phantom's.
@@ -79,7 +79,7 @@ TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
 }
 
 TEST(LabelledAnatomy, MakesASoundModel) {
-    const Phantom phantom = coarse_phantom(1.0e-3f);
+    const Phantom& phantom = coarse_phantom(1.0e-3f);
     const LabelledAnatomy anatomy(phantom.labels, {}, silent);
     const anatomy::Patient patient = anatomy::build_patient(
         anatomy, {.spacing = 3.0e-3f, .fine_spacing = 1.5e-3f, .surface_spacing = 2.0e-3f});

@@ -24,6 +24,12 @@ const Structure& structure(const Segmentation& found, const std::string& name) {
     throw std::out_of_range(name);
 }
 
+/// What is found in the phantom of 1.5 mm as it lies, found once.
+const Segmentation& usual_segmentation() {
+    static const Segmentation found = segment(coarse_phantom(1.5e-3f).ct, {}, {}, silent);
+    return found;
+}
+
 /// Compares with the truth, prints it, and holds it to what a segmentation must reach.
 void expect_agreement(const Segmentation& found, const Phantom& phantom, const std::string& title) {
     struct Bound {
@@ -53,7 +59,7 @@ TEST(Segment, NoisyPhantomsAgreeWithTheirTruth) {
         std::uint64_t seed;
     };
     for (const Case& c : {Case{3.5f, 1.0e-3f, 1}, Case{2.0f, 0.9e-3f, 2}}) {
-        const Phantom phantom = coarse_phantom(c.spacing, c.weight, c.seed);
+        const Phantom& phantom = coarse_phantom(c.spacing, c.weight, c.seed);
         const Segmentation found = segment(phantom.ct, {}, {}, silent);
         char title[64];
         std::snprintf(title, sizeof(title), "%.1f kg, %.1f mm", static_cast<double>(c.weight),
@@ -64,8 +70,8 @@ TEST(Segment, NoisyPhantomsAgreeWithTheirTruth) {
 }
 
 TEST(Segment, TurnedVolumeGivesTheSameLabels) {
-    const Phantom phantom = coarse_phantom(1.5e-3f);
-    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Segmentation& usual = usual_segmentation();
     // The same patient, stored with axes in another order and direction.
     imaging::Volume turned;
     imaging::Mask truth;
@@ -100,8 +106,8 @@ const std::vector<std::pair<const char*, std::vector<Label>>> organs = {
     {"tongue", {Label::tongue}}};
 
 TEST(Segment, TurnedPatientsKeepTheirLabels) {
-    const Phantom phantom = coarse_phantom(1.5e-3f);
-    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Segmentation& usual = usual_segmentation();
     EXPECT_TRUE(usual.contradictions.empty()) << usual.contradictions.front();
     for (const auto& [axis, degrees] :
          {std::pair(Vec3d(1, 0, 0), 30.0), std::pair(Vec3d(1, 0, 0), -30.0), std::pair(Vec3d(0, 1, 0), 30.0),
@@ -126,8 +132,8 @@ TEST(Segment, TurnedPatientsKeepTheirLabels) {
 }
 
 TEST(Segment, VolumesWhoseFilesMistakeUpForDownAreTurnedAndSaid) {
-    const Phantom phantom = coarse_phantom(1.5e-3f);
-    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Segmentation& usual = usual_segmentation();
     imaging::Volume upset = phantom.ct;
     std::reverse(upset.value.begin(), upset.value.end());  // all three axes, which is up, front and left
     imaging::Mask truth = usual.labels;
@@ -154,8 +160,8 @@ TEST(Segment, CoarseVoxelsAreNotTrusted) {
 }
 
 TEST(Segment, PointsInAnotherOrganAreAContradiction) {
-    const Phantom phantom = coarse_phantom(1.5e-3f);
-    const Points placed = segment(phantom.ct, {}, {}, silent).points;
+    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Points& placed = usual_segmentation().points;
     Points given = placed;
     given["spine"].push_back(placed.at("mandible").back());
     const Segmentation found = segment(phantom.ct, given, {}, silent);
@@ -165,14 +171,14 @@ TEST(Segment, PointsInAnotherOrganAreAContradiction) {
 }
 
 TEST(Segment, PointsThatItPlacedMayBeGivenBack) {
-    const Phantom phantom = coarse_phantom(1.5e-3f);
-    const Points placed = segment(phantom.ct, {}, {}, silent).points;
+    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Points& placed = usual_segmentation().points;
     const Segmentation found = segment(phantom.ct, placed, {}, silent);
     EXPECT_TRUE(found.contradictions.empty()) << found.contradictions.front();
 }
 
 TEST(Segment, HeadWithoutNeckHasNoLarynx) {
-    const Phantom whole = coarse_phantom(1.5e-3f);
+    const Phantom& whole = coarse_phantom(1.5e-3f);
     const imaging::Geometry& g = whole.ct.geometry;
     // Cut between chin and upper lip: 5 mm below the gum.
     const int cut = static_cast<int>(std::lround(g.to_index(Vec3d(0, 0, -5e-3)).z()));
@@ -193,8 +199,8 @@ TEST(Segment, HeadWithoutNeckHasNoLarynx) {
 }
 
 TEST(Segment, GivenLandmarksAreUsed) {
-    const Phantom phantom = coarse_phantom(1.5e-3f);
-    const Segmentation usual = segment(phantom.ct, {}, {}, silent);
+    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Segmentation& usual = usual_segmentation();
     // The level set finds the tongue from any place within it.
     const Points given = {{"tongue", {usual.points.at("tongue").front() + Vec3d(3e-3, 4e-3, -2e-3)}}};
     const Segmentation found = segment(phantom.ct, given, {}, silent);
@@ -223,7 +229,7 @@ TEST(Segment, VolumesThatAreNoCtAreRefused) {
 }
 
 TEST(Segment, AskedToStopItStops) {
-    const Phantom phantom = coarse_phantom(2.0e-3f);
+    const Phantom& phantom = coarse_phantom(2.0e-3f);
     for (int after = 0; after < 6; ++after) {
         int heard = 0;
         EXPECT_THROW(
