@@ -28,6 +28,7 @@
 #include "server/app/clock.hpp"
 #include "server/app/command_desk.hpp"
 #include "server/app/felt_output.hpp"
+#include "server/app/hand_watch.hpp"
 #include "server/app/judge.hpp"
 #include "server/app/lab_output.hpp"
 #include "server/app/local_operator.hpp"
@@ -339,6 +340,11 @@ class Session {
     }
 
     void say(const StepClock& clock) {
+        if (const std::string found = hand_watch_.look(
+                simulation_->snapshot(), operator_ ? std::string_view(operator_->blade_stage()) : "");
+            !found.empty()) {
+            spdlog::warn("{}", found);
+        }
         const double behind = clock.behind();
         if (behind > warned_behind_ + 2.0) {
             warned_behind_ = behind;
@@ -432,6 +438,7 @@ class Session {
     std::function<void(const scene::ProxySnapshot&)> proxy_moved_;
     std::string priority_refusal_;  // empty: none was refused
     CommandDesk desk_;
+    HandWatch hand_watch_;
     ServiceNotify service_;
     FollowedState laryngoscope_{"laryngoscope"}, tube_{"tube"};
     std::uint64_t stood_still_ = 0;   // steps

@@ -38,6 +38,8 @@ RigidLayer::World::World(const Laryngoscope& scope, const TriangleMesh& mesh,
     info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS;
     info.m_warmstartingFactor = 0.0f;
     info.m_numIterations = settings.solver_iterations;
+    info.m_leastSquaresResidualThreshold =
+        to_cm * settings.solver_residual * to_cm * settings.solver_residual;
     info.m_splitImpulse = true;  // depth is corrected without adding to the reported force
     info.m_splitImpulsePenetrationThreshold = 0.0f;
     info.m_erp2 = 0.4f;  // share of the depth corrected per substep

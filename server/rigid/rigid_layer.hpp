@@ -28,10 +28,14 @@ struct Settings {
     /// [m/s] at any point of the tool; a device faster than this has jumped, and the proxy follows
     /// at the pace that the limits above allow. Hands reach about 1 m/s.
     float device_speed_limit = 3.0f;
-    float friction = 0.1f;       ///< Coulomb coefficient; wet mucosa on steel
-    int substeps = 6;            ///< per step at rest; fast motion takes more
-    int max_substeps = 24;       ///< beyond it the proxy lags instead of moving farther per substep
-    int solver_iterations = 40;  ///< per substep; error of the force split among contacts
+    float friction = 0.1f;  ///< Coulomb coefficient; wet mucosa on steel
+    int substeps = 6;       ///< per step at rest; fast motion takes more
+    int max_substeps = 24;  ///< beyond it the proxy lags instead of moving farther per substep
+    /// Per substep, at most. Where the blade is a lever its contacts answer to each other: with arms of 56
+    /// and 84 mm an iteration leaves 97 % of the error, and 40 left a tenth of the force.
+    int solver_iterations = 400;
+    /// [m/s]; iterations end once they change no contact's speed by more.
+    float solver_residual = 1e-5f;
     float penetration_tolerance = 0.1e-3f;  ///< [m], a pose deeper than this counts as penetrating
     int max_contacts = 128;                 ///< kept per substep, the nearest; the others are counted
 };

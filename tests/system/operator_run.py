@@ -42,6 +42,11 @@ def result(name):
     return json.loads((FOLDER / f"{name}.json").read_text())
 
 
+def said_by(name):
+    """What the server logged in the run `name`."""
+    return (FOLDER / f"{name}.log").read_text()
+
+
 def recording(name):
     """The session file of the run `name`."""
     return FOLDER / f"{name}.eti.h5"
@@ -56,6 +61,7 @@ def main(name):
     done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--threads", threads, "--fast",
                        "--no-dds", "--json", "--record", file, timeout=900)
     (FOLDER / f"{name}.json").write_text(done.stdout)
+    (FOLDER / f"{name}.log").write_text(done.stderr)
     print(done.stdout, done.stderr, sep="\n")
     return 0 if "state_hash" in json.loads(done.stdout) else 1
 

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 import support
-from operator_run import RUNS, result
+from operator_run import RUNS, result, said_by
 
 TIMING = ("step_ms", "step_budget_ms", "behind_s")  # what may differ between equal runs
 # By build (see eti-server --json), processor and run: the state at the end. Bits are promised for the same build on the
@@ -98,6 +98,42 @@ class Operators(support.Case):
 
     def test_with_the_jaw_closed_the_glottis_stays_hidden(self):
         self.assert_sees_nothing("jaw_closed")
+
+    def run_script(self, text):
+        script = self.folder / "script.yaml"
+        script.write_text(text)
+        done = support.run("eti-server", "--scenario", "term", "--operator", script, "--threads", 1, "--fast",
+                           "--no-dds", "--json", timeout=300)
+        return json.loads(done.stdout)["parameters"], done.stderr
+
+    def test_the_worked_example_sees_the_glottis_and_spares_the_gum(self):
+        page = (support.ROOT / "docs/operators/README.md").read_text()
+        example, = re.findall(r"^```yaml\n(.*?)^```$", page, re.M | re.S)
+        parameters, said = self.run_script(example)
+        self.assertGreaterEqual(parameters["glottic_opening_percent"]["max"], 50)
+        self.assertLess(parameters["gum_force_n"]["max"], 5.3)  # as test_expert_stays_within_what_people_do
+        self.assertLess(parameters["time_s"], 30)
+        self.assertNotIn("expected at most", said)
+
+    def test_a_hand_that_goes_through_bone_is_told(self):
+        # Out of the mouth in one stage, turning on the way: the gums hold the blade, and bear it as a lever.
+        parameters, said = self.run_script("""
+name: straight out
+laryngoscope:
+  - stage: into the vallecula
+    tip: {at: vallecula, offset_mm: [0, -2, 2]}
+    axis: {from: upper_gum, from_offset_mm: [0, -6, -9]}
+  - stage: withdraw
+    tip: {at: mouth_opening, offset_mm: [0, -40, 20]}
+""")
+        self.assertGreater(parameters["gum_force_n"]["max"], 50)
+        for finding in ("mm from where the laryngoscope is stopped", "the upper gum bears"):
+            line, = [line for line in said.splitlines() if finding in line]
+            self.assertIn("in stage 'withdraw' of the laryngoscope", line)
+
+    def test_careful_hands_are_not_told_so(self):
+        for name in ("expert", "premature", "no_lift"):
+            self.assertNotIn("expected at most", said_by(name), name)
 
 
 if __name__ == "__main__":

@@ -122,6 +122,58 @@ TEST(RigidLayer, TippedBladeBalancesForceAndTorque) {
     EXPECT_LT((torque - result.torque).norm(), 1e-3f * result.torque.norm());
 }
 
+// The blade lies between two gums, as in a mouth, and the hand turns it: each gum bears the hand's torque
+// over the way between them, however little the sum of all contacts is. So 130 N on a gum may go with 34 N in
+// all.
+TEST(RigidLayer, ABladeBetweenTwoGumsIsALever) {
+    constexpr float near = 0.056f, far = 0.084f;  // [m], along the blade, to the ridge of each gum
+    constexpr float half_width = 0.1e-3f;         // [m], of the ridges
+    TriangleMesh shell = box_mesh({-0.02f, -blade_radius - 0.01f, near - half_width},
+                                  {0.02f, -blade_radius, near + half_width}, 2);
+    std::vector<Tissue> tissue = tissue_of(shell, Tissue::upper_gum);
+    const TriangleMesh lower = box_mesh({-0.02f, blade_radius, far - half_width},
+                                        {0.02f, blade_radius + 0.01f, far + half_width}, 2);
+    const std::uint32_t first = static_cast<std::uint32_t>(shell.vertices.size());
+    for (const Triangle& t : lower.triangles) {
+        shell.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+    shell.vertices.insert(shell.vertices.end(), lower.vertices.begin(), lower.vertices.end());
+    tissue.resize(shell.triangles.size(), Tissue::lower_gum);
+    Settings settings;
+    settings.friction = 0.0f;
+    RigidLayer layer(rod_scope(), shell, tissue, settings);
+    layer.reset({});
+    // The hand turns the tip up, towards the lower gum, and pushes down by a millimetre.
+    const RigidTransform device{Quatf(Eigen::AngleAxisf(-6 * degree, Vec3f::UnitX())), {0, -1e-3f, 0}};
+    for (int i = 0; i < 400; ++i) {
+        layer.step(device, dt);
+    }
+    const ProxyResult& result = layer.result();
+    const Vec3f force = settings.stiffness * (device.translation - result.pose.translation);
+    const Vec3f torque =
+        settings.rotational_stiffness * rotation_vector(device.rotation * result.pose.rotation.conjugate());
+    ASSERT_LT(force.norm(), settings.force_limit);
+    ASSERT_LT(torque.norm(), settings.torque_limit);
+    // Balance of forces along y, and of torques about x, where a force along y at z has the torque -z times
+    // it.
+    const float lower_bears = -(torque.x() + force.y() * near) / (far - near);
+    const float upper_bears = lower_bears - force.y();
+    EXPECT_GT(upper_bears, 5.0f * force.norm()) << "a lever, or the test says nothing";
+    float on_upper = 0.0f;
+    float on_lower = 0.0f;
+    for (const Contact& contact : result.contacts) {
+        (contact.tissue == Tissue::upper_gum ? on_upper : on_lower) += contact.force;
+    }
+    // What is left of the speed, which the longest arm turns into force on a gum; and both ridges' width.
+    const float tolerance = steady_tolerance(settings, result) * rod_scope().blade_length / (far - near) +
+                            2.0f * half_width / (far - near) * upper_bears;
+    EXPECT_LT(tolerance, 0.02f * upper_bears);
+    EXPECT_NEAR(on_upper, upper_bears, tolerance);
+    EXPECT_NEAR(on_lower, lower_bears, tolerance);
+    EXPECT_LT((result.force + force).norm(), steady_tolerance(settings, result) + 1e-3f);
+    EXPECT_NEAR(on_upper - on_lower, result.force.y(), 0.01f) << "each contact is counted once";
+}
+
 TEST(RigidLayer, SlidesAlongAPlaneWithoutCatchingOnInnerEdges) {
     const TriangleMesh shell = floor_mesh(0.4f, 60);
     const Settings settings;
