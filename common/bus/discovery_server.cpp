@@ -30,10 +30,8 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     set_up_library_log();
     std::vector<std::string> warnings;
     dds::DomainParticipantQos quality = discovery_server_quality(number, address, port, warnings);
-    const auto anybody = std::make_shared<Admission>(false);
-    for (auto& transport : quality.transport().user_transports) {
-        transport = filtered(transport, largest_datagram, anybody);
-    }
+    put_filter_before(quality.transport().user_transports, largest_datagram,
+                      std::make_shared<Admission>(false));
     quality.name(options.name);
     for (const std::string& warning : warnings) {
         bus_log().warn("{}", warning);

@@ -123,10 +123,8 @@ Participant::Participant(const Options& wanted)
     set_up_library();
     auto quality = participant_quality(options, warnings_);
     apply_identity(options, quality, warnings_);
-    for (auto& transport : quality.transport().user_transports) {
-        transport = filtered(
-            transport, options.identity.empty() ? largest_datagram : largest_secured_datagram, admission_);
-    }
+    put_filter_before(quality.transport().user_transports,
+                      options.identity.empty() ? largest_datagram : largest_secured_datagram, admission_);
     auto& discovery = quality.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {

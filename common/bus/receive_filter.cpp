@@ -11,12 +11,16 @@
 #include <fastdds/rtps/transport/UDPv6TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 #include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/library_log.hpp"
+#include "common/bus/reached_numbers.hpp"
 #include "common/bus/rtps_message.hpp"
 #include "common/process/line_limit.hpp"
+#include "common/process/stuck_watch.hpp"
 
 namespace eti::bus {
 
@@ -33,11 +37,33 @@ struct Chain final : transport::ChainingTransportDescriptor {
     }
 };
 
+/// Whoever waits for the library then waits for ever: no loop of the program can end it in order.
+void end_stuck() {
+    bus_log().critical(
+        "the DDS library has not come back from a datagram for {} s: this program ends; forces "
+        "faded when it fell silent, and a session file keeps what was written. Start it again; if "
+        "this goes on, somebody sends hostile datagrams (docs/network.md)",
+        stuck_after.count());
+    bus_log().flush();
+    std::_Exit(stuck_status);
+}
+
+StuckWatch& watch() {
+    static StuckWatch one(std::chrono::seconds(1), static_cast<int>(stuck_after.count()), end_stuck);
+    return one;
+}
+
+/// What the filters of one participant ask.
+struct Questions {
+    std::shared_ptr<const Admission> admission;
+    std::shared_ptr<ReachedNumbers> reached = std::make_shared<ReachedNumbers>();
+    StuckWatch* watch = &eti::bus::watch();
+};
+
 class ReceiveFilter final : public transport::ChainingTransport {
   public:
-    ReceiveFilter(const std::shared_ptr<transport::TransportDescriptorInterface>& below,
-                  std::shared_ptr<const Admission> admission)
-        : ChainingTransport(Chain(below)), below_(below), admission_(std::move(admission)) {}
+    ReceiveFilter(const std::shared_ptr<transport::TransportDescriptorInterface>& below, Questions ask)
+        : ChainingTransport(Chain(below)), below_(below), ask_(std::move(ask)) {}
 
     transport::TransportDescriptorInterface* get_configuration() override { return below_.get(); }
 
@@ -49,64 +75,64 @@ class ReceiveFilter final : public transport::ChainingTransport {
 
     void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
                  const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
-        bool by_admission = false;
-        const auto refused = [&](const WriterId& writer) {
-            return by_admission = admission_->refuses(writer);
+        bool by_admission = false, leaps = false;
+        const auto refused = [&](const Written& written) {
+            by_admission = ask_.admission->refuses(written.writer);
+            leaps =
+                !by_admission && written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to);
+            return by_admission || leaps;
         };
         if (bearable({buffer, size}, refused)) {
+            const StuckWatch::Call call(*ask_.watch);
             next->OnDataReceived(buffer, size, local, remote);
         } else if (!by_admission) {
-            say_unbearable(size);
+            say_dropped(size, leaps ? "says of its writer more samples than it can have written"
+                                    : "is not sound RTPS");
         }
     }
 
   private:
-    static void say_unbearable(std::uint32_t size) {
+    static void say_dropped(std::uint32_t size, std::string_view why) {
         static LineLimit limit;
-        if (const auto kept_back = limit.allow("unbearable")) {
-            bus_log().warn("a datagram of {} bytes that is not sound RTPS was dropped{}", size,
-                           and_more(*kept_back));
+        if (const auto kept_back = limit.allow(why)) {
+            bus_log().warn("a datagram of {} bytes that {} was dropped{}", size, why, and_more(*kept_back));
         }
     }
 
     std::shared_ptr<transport::TransportDescriptorInterface> below_;
-    std::shared_ptr<const Admission> admission_;
+    Questions ask_;
 };
 
 /// A descriptor of its own type, because the library asks for it.
 template <class Descriptor>
 struct Filtered final : Descriptor {
-    Filtered(const Descriptor& below, std::shared_ptr<const Admission> who)
-        : Descriptor(below), admission(std::move(who)) {}
+    Filtered(const Descriptor& below, Questions questions) : Descriptor(below), ask(std::move(questions)) {}
 
     transport::TransportInterface* create_transport() const override {
-        return new ReceiveFilter(std::make_shared<Descriptor>(*this), admission);
+        return new ReceiveFilter(std::make_shared<Descriptor>(*this), ask);
     }
 
-    std::shared_ptr<const Admission> admission;
+    Questions ask;
 };
 
 template <class Descriptor>
 std::shared_ptr<transport::TransportDescriptorInterface> filtered_as(
-    const transport::TransportDescriptorInterface& given, std::uint32_t largest,
-    std::shared_ptr<const Admission> admission) {
+    const transport::TransportDescriptorInterface& given, std::uint32_t largest, const Questions& ask) {
     const auto* const known = dynamic_cast<const Descriptor*>(&given);
     if (known == nullptr) {
         return nullptr;
     }
     Descriptor below = *known;
     below.maxMessageSize = std::min(below.maxMessageSize, largest);
-    return std::make_shared<Filtered<Descriptor>>(below, std::move(admission));
+    return std::make_shared<Filtered<Descriptor>>(below, ask);
 }
 
-}  // namespace
-
 std::shared_ptr<transport::TransportDescriptorInterface> filtered(
-    const std::shared_ptr<transport::TransportDescriptorInterface>& given, std::uint32_t largest_datagram,
-    std::shared_ptr<const Admission> admission) {
+    const std::shared_ptr<transport::TransportDescriptorInterface>& given, std::uint32_t largest,
+    const Questions& ask) {
     const auto as = [&]<class... Kinds>() {
         std::shared_ptr<transport::TransportDescriptorInterface> out;
-        (void)((out = filtered_as<Kinds>(*given, largest_datagram, admission)) || ...);
+        (void)((out = filtered_as<Kinds>(*given, largest, ask)) || ...);
         return out;
     };
     auto out =
@@ -118,6 +144,16 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
             "the profile names a transport that is neither UDP nor TCP nor shared memory; use one of these");
     }
     return out;
+}
+
+}  // namespace
+
+void put_filter_before(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
+                       std::uint32_t largest_datagram, const std::shared_ptr<const Admission>& admission) {
+    const Questions ask{admission};
+    for (auto& one : transports) {
+        one = filtered(one, largest_datagram, ask);
+    }
 }
 
 }  // namespace eti::bus

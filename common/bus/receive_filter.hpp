@@ -4,17 +4,26 @@
 
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "common/bus/admission.hpp"
 
 namespace eti::bus {
 
-/// The same transport with a filter before its receivers: what is not bearable(), or comes from a writer that
-/// `admission` refuses, never reaches the library. Datagrams of `largest_datagram` bytes at most are sent.
-/// UDP, TCP and shared memory are known; throws BusError on another kind.
-[[nodiscard]] std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> filtered(
-    const std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>& transport,
-    std::uint32_t largest_datagram, std::shared_ptr<const Admission> admission);
+/// A participant's transports with a filter before their receivers: what is not bearable(), comes from a
+/// writer that `admission` refuses, or says that its writer is further than it can be, never reaches the
+/// library. Datagrams of `largest_datagram` bytes at most are sent. UDP, TCP and shared memory are known;
+/// throws BusError on another kind. When the library does not come back from a datagram for `stuck_after`,
+/// the program says so and ends at once with the status `stuck_status`.
+void put_filter_before(
+    std::vector<std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>>& transports,
+    std::uint32_t largest_datagram, const std::shared_ptr<const Admission>& admission);
+
+/// Longer than any that a sound session has; forces are gone after 0.3 s.
+inline constexpr std::chrono::seconds stuck_after{30};
+inline constexpr int stuck_status = 70;  // EX_SOFTWARE of sysexits.h
 
 }  // namespace eti::bus

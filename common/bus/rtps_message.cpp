@@ -126,12 +126,12 @@ bool is_discovery(const std::array<std::uint8_t, 4>& reader, const std::array<st
     return announces(writer, 0xc2) || announces(reader, 0xc7);
 }
 
-bool sound_data(Reader& in, std::uint8_t flags, std::array<std::uint8_t, 4>& writer) {
+bool sound_data(Reader& in, std::uint8_t flags, Written& written) {
     constexpr std::uint8_t with_data = 0x04, with_key = 0x08;
     in.skip(2);
     const std::uint16_t to_inline = in.u16();
     const auto reader = in.octets<4>();
-    writer = in.octets<4>();
+    written.writer.entity = in.octets<4>();
     if (!plausible(in.sequence_number()) || !steps_to_payload(in, flags, to_inline, 16)) {
         return false;
     }
@@ -142,7 +142,7 @@ bool sound_data(Reader& in, std::uint8_t flags, std::array<std::uint8_t, 4>& wri
     if (in.left() < 4) {
         return false;
     }
-    if (!is_discovery(reader, writer) || (flags & with_data) == 0) {
+    if (!is_discovery(reader, written.writer.entity) || (flags & with_data) == 0) {
         return true;
     }
     const auto encapsulation = in.octets<4>();
@@ -154,11 +154,11 @@ bool sound_data(Reader& in, std::uint8_t flags, std::array<std::uint8_t, 4>& wri
     return steps_over_parameters(parameters);
 }
 
-bool sound_fragments(Reader& in, std::uint8_t flags, std::array<std::uint8_t, 4>& writer) {
+bool sound_fragments(Reader& in, std::uint8_t flags, Written& written) {
     in.skip(2);
     const std::uint16_t to_inline = in.u16();
     in.skip(4);  // reader
-    writer = in.octets<4>();
+    written.writer.entity = in.octets<4>();
     const std::int64_t number = in.sequence_number();
     const std::uint64_t first = in.u32(), count = in.u16(), size = in.u16(), whole = in.u32();
     if (!plausible(number) || first == 0 || count == 0 || size == 0 || whole == 0 || whole > largest_sample ||
@@ -170,18 +170,20 @@ bool sound_fragments(Reader& in, std::uint8_t flags, std::array<std::uint8_t, 4>
     return in.left() >= to - from;
 }
 
-bool sound_heartbeat(Reader& in, std::array<std::uint8_t, 4>& writer) {
+bool sound_heartbeat(Reader& in, Written& written) {
     in.skip(4);  // reader
-    writer = in.octets<4>();
+    written.writer.entity = in.octets<4>();
     const std::int64_t first = in.sequence_number(), last = in.sequence_number();
     (void)in.u32();
+    written.up_to = last;
     return in.whole() && plausible(first) && last >= first - 1 && last - first < longest_range;
 }
 
-bool sound_gap(Reader& in, std::array<std::uint8_t, 4>& writer) {
+bool sound_gap(Reader& in, Written& written) {
     in.skip(4);  // reader
-    writer = in.octets<4>();
+    written.writer.entity = in.octets<4>();
     const std::int64_t start = in.sequence_number(), base = in.sequence_number();
+    written.up_to = base;
     return plausible(start) && plausible(base) && base >= start && base - start <= longest_range &&
            steps_over_bits(in);
 }
@@ -207,22 +209,23 @@ bool sound_nack_fragments(Reader& in) {
     return in.whole();
 }
 
-bool sound_heartbeat_fragment(Reader& in, std::array<std::uint8_t, 4>& writer) {
+bool sound_heartbeat_fragment(Reader& in, Written& written) {
     in.skip(4);  // reader
-    writer = in.octets<4>();
+    written.writer.entity = in.octets<4>();
     const std::int64_t number = in.sequence_number();
     const std::uint32_t last = in.u32();
     (void)in.u32();
     return in.whole() && plausible(number) && last >= 1 && last <= largest_sample;
 }
 
-/// Whether a submessage's content is what its kind needs. `writer`: of those that a writer sends.
+/// Whether a submessage's content is what its kind needs. `written`: of those that a writer of `participant`
+/// sends.
 bool sound(std::uint8_t kind, std::uint8_t flags, Bytes content,
-           std::optional<std::array<std::uint8_t, 4>>& writer) {
+           const std::array<std::uint8_t, 12>& participant, std::optional<Written>& written) {
     Reader in(content, (flags & little_endian) != 0);
-    std::array<std::uint8_t, 4> from{};
+    Written from{{participant, {}}, 0};
     const auto of_writer = [&](bool is_sound) {
-        writer = from;
+        written = from;
         return is_sound;
     };
     switch (kind) {
@@ -254,13 +257,13 @@ bool sound(std::uint8_t kind, std::uint8_t flags, Bytes content,
 
 }  // namespace
 
-bool bearable(Bytes datagram, const std::function<bool(const WriterId&)>& refused) {
+bool bearable(Bytes datagram, const std::function<bool(const Written&)>& refused) {
     constexpr std::array<std::uint8_t, 4> magic = {'R', 'T', 'P', 'S'};
     if (datagram.size() < header_size || !std::ranges::equal(datagram.first(4), magic) || datagram[4] != 2) {
         return false;
     }
-    WriterId from{};
-    std::ranges::copy(datagram.subspan(8, 12), from.participant.begin());
+    std::array<std::uint8_t, 12> participant{};
+    std::ranges::copy(datagram.subspan(8, 12), participant.begin());
     std::size_t at = header_size;
     while (at < datagram.size()) {
         if (datagram.size() - at < submessage_header_size) {
@@ -282,15 +285,11 @@ bool bearable(Bytes datagram, const std::function<bool(const WriterId&)>& refuse
         if (length > left || (length % 4 != 0 && length != left)) {
             return false;
         }
-        std::optional<std::array<std::uint8_t, 4>> writer;
-        if (!sound(kind, flags, datagram.subspan(at + submessage_header_size, length), writer)) {
+        std::optional<Written> written;
+        if (!sound(kind, flags, datagram.subspan(at + submessage_header_size, length), participant,
+                   written) ||
+            (written && refused && refused(*written))) {
             return false;
-        }
-        if (writer && refused) {
-            from.entity = *writer;
-            if (refused(from)) {
-                return false;
-            }
         }
         at += submessage_header_size + length;
     }

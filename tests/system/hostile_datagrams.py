@@ -111,6 +111,19 @@ def mutant(chance, payload, others):
     return bytes(data[:65000])
 
 
+def far_heartbeats(traffic, by=1_000_000_000):
+    """(address, port, datagram) of the traffic's heartbeats, each alone, that say of their writers so many samples more."""
+    found = []
+    for address, port, payload in traffic:
+        for at in starts(payload):
+            if payload[at] == 0x07 and payload[at + 1] & 1 and len(payload) >= at + 32:
+                heartbeat = bytearray(payload[at:at + 32])
+                first, count = struct.unpack_from("<I", heartbeat, 16)[0] + by, struct.unpack_from("<I", heartbeat, 28)[0]
+                struct.pack_into("<IIIII", heartbeat, 12, 0, first, 0, first, count + 1000)
+                found.append((address, port, payload[:20] + heartbeat))
+    return found
+
+
 class Session:
     """Server, haptics, tracker and an observer over loopback; nobody moves."""
 

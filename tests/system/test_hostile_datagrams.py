@@ -20,6 +20,8 @@ class HostileDatagrams(support.Case):
             self.skipTest("reading the loopback interface wants root or CAP_NET_RAW")
         self.session = hostile.Session(self.folder, support.DOMAIN, support.SESSION)
         self.addCleanup(self.session.end)
+        # A program that has hardly begun does not take Ctrl-C for a wish to end in order.
+        self.session.wait_for("observer", "scene is complete", 60)
 
     def assert_lives(self):
         self.assertEqual(self.session.dead(), {}, {role: self.session.log(role)[-800:] for role in self.session.dead()})
@@ -40,6 +42,18 @@ class HostileDatagrams(support.Case):
                     except OSError:
                         pass  # nobody listens there
         self.session.wait_for("server", "is not sound RTPS was dropped", 5)
+        self.assert_lives()
+
+    def test_heartbeats_that_the_library_would_count_to(self):
+        self.session.wait_for("haptics", "device 'simulated'", 30)
+        heartbeats = hostile.far_heartbeats(self.tap.capture(3000, 3))
+        self.assertGreater(len(heartbeats), 10)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for address, port, heartbeat in heartbeats:
+                if not address.startswith("239."):
+                    sender.sendto(heartbeat, (address, port))
+        for role in ("haptics", "tracker", "observer"):
+            self.session.wait_for(role, "more samples than it can have written was dropped", 5)
         self.assert_lives()
 
     def test_mutants_of_the_sessions_traffic(self):

@@ -158,10 +158,20 @@ TEST(RtpsMessage, DiscoveryIsAListOfParametersThatEnds) {
 TEST(RtpsMessage, ARefusedWriterMakesTheDatagramUnbearable) {
     const auto message = Message().acknack(1).data().bytes();
     const WriterId writer{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, {0, 0, 1, 3}};
-    EXPECT_FALSE(bearable(message, [&](const WriterId& asked) { return asked == writer; }));
-    EXPECT_TRUE(bearable(message, [&](const WriterId& asked) { return asked != writer; }));
-    EXPECT_TRUE(bearable(Message().acknack(1).bytes(), [](const WriterId&) { return true; }))
+    EXPECT_FALSE(bearable(message, [&](const Written& asked) { return asked.writer == writer; }));
+    EXPECT_TRUE(bearable(message, [&](const Written& asked) { return asked.writer != writer; }));
+    EXPECT_TRUE(bearable(Message().acknack(1).bytes(), [](const Written&) { return true; }))
         << "readers are not writers";
+}
+
+TEST(RtpsMessage, HeartbeatsAndGapsSayHowFarTheyMoveAReader) {
+    std::vector<std::int64_t> told;
+    const auto note = [&](const Written& written) {
+        told.push_back(written.up_to);
+        return false;
+    };
+    EXPECT_TRUE(bearable(Message().data(9).heartbeat(3, 1000).gap(7, 70, 40).acknack(5).bytes(), note));
+    EXPECT_EQ(told, (std::vector<std::int64_t>{0, 1000, 70}));
 }
 
 // Under the address sanitizer this tells whether anything is read beyond the datagram.
