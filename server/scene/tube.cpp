@@ -42,6 +42,20 @@ pbd::RodContact new_contact() {
     return contact;
 }
 
+/// The unit direction away from the solid, by differences over one spacing to each side. It changes steadily
+/// from place to place. The interpolant's own jumps at every face of a cell, and where several walls held a
+/// tube it was thrown from one such face to the next for ever.
+Vec3f steady_normal(const DistanceGrid& shell, const Vec3f& p) {
+    Vec3f gradient;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const Vec3f way = shell.spacing * Vec3f::Unit(axis);
+        gradient[axis] = shell.distance(p + way) - shell.distance(p - way);
+    }
+    const float length = gradient.norm();
+    // In the middle between walls it vanishes; any direction is then as good as another.
+    return length > 1e-6f * shell.spacing ? Vec3f(gradient / length) : Vec3f(Vec3f::UnitZ());
+}
+
 Vec3f across(const Vec3f& way, const Vec3f& normal) {
     return way - way.dot(normal) * normal;
 }
@@ -247,11 +261,13 @@ void TubeContact::meet_shell(const DistanceGrid& shell) {
     for (std::size_t k = 0; k < sites(); ++k) {
         pbd::RodContact& c = contacts_[k];
         const Vec3f p = rod_.point(c.segment, c.along);
-        const DistanceSample wall = shell.sample(p);
-        c.gap = wall.distance - rod_.radius();
-        c.normal = wall.normal;
-        c.offset = -rod_.radius() * wall.normal;
-        c.slip = across(p - rod_.previous_point(c.segment, c.along), wall.normal);
+        c.gap = shell.distance(p) - rod_.radius();
+        if (c.gap >= 0.0f && c.force.isZero(0.0f)) {
+            continue;  // does not act
+        }
+        c.normal = steady_normal(shell, p);
+        c.offset = -rod_.radius() * c.normal;
+        c.slip = across(p - rod_.previous_point(c.segment, c.along), c.normal);
     }
 }
 

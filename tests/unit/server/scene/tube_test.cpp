@@ -9,7 +9,9 @@
 #include <functional>
 #include <numbers>
 
+#include "server/scene/posed_shell.hpp"
 #include "server/scene/scene.hpp"
+#include "tests/support/coarse_newborn.hpp"
 
 namespace eti::scene {
 namespace {
@@ -243,6 +245,83 @@ TEST_F(TubeContactTest, TheHandFeelsWhatTheTubeMeets) {
     EXPECT_GT(push(-2e-3f), free + 0.01f);
     EXPECT_NEAR(push(2e-3f), free, 1e-3f);
 }
+
+/// A place in the newborn where a tube lies straight, from one landmark to its tip at another.
+struct Lying {
+    const char* name;
+    Landmark from, to;
+    float farthest;  ///< [m], that it is pushed on
+};
+
+/// A hand that holds a tracked tube feels nothing and pushes on where there is no way.
+class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Lying> {
+  protected:
+    PushedOn() {
+        tube_ = Tube{};
+        tube_.grip_from_tip = 60e-3f;
+        scene::PosedShell shell(test::coarse_newborn());
+        shell_ = shell.distance();
+    }
+    /// The greatest speed [m/s] of the tip in the third second after the grip has gone to `to` at 0.2 m/s.
+    float rests_at(TubeContact& contact, const RigidTransform& to) {
+        const RigidTransform from = grip_;
+        const int count = std::max(
+            1, static_cast<int>((to.translation - from.translation).norm() / (0.2f * step_duration)));
+        for (int k = 1; k <= count; ++k) {
+            step(contact, interpolate(from, to, static_cast<float>(k) / static_cast<float>(count)));
+        }
+        float fastest = 0.0f;
+        for (int k = 0; k < 5 * steps_per_second / 2; ++k) {
+            const Vec3f before = nodes_.back();
+            step(contact, grip_);
+            if (k >= 2 * steps_per_second) {
+                fastest = std::max(fastest, (nodes_.back() - before).norm() / step_duration);
+            }
+        }
+        return fastest;
+    }
+};
+
+// By normals that jumped from cell to cell, the same pushes left the tip shaking at up to 207 mm/s for ever.
+TEST_P(PushedOn, ItRests) {
+    const anatomy::Patient& newborn = test::coarse_newborn();
+    const Vec3f from = newborn.landmarks[static_cast<std::size_t>(GetParam().from)].rest;
+    const Vec3f to = newborn.landmarks[static_cast<std::size_t>(GetParam().to)].rest;
+    Eigen::Matrix3f axes;
+    axes.col(2) = (to - from).normalized();
+    axes.col(0) = Vec3f(0, -1, 0).cross(axes.col(2)).normalized();
+    axes.col(1) = axes.col(2).cross(axes.col(0));
+    const RigidTransform held{Quatf(axes), to - tube_.grip_from_tip * axes.col(2)};
+    Tube straight = tube_;
+    straight.curve_radius = 1e3f;
+    // [N]; where it takes more, the grip, which nothing stops, lies in bone.
+    constexpr float most_of_a_hand = 50.0f;
+    int judged = 0;
+    for (const Vec3f& direction :
+         {Vec3f(0, 0, 1), Vec3f(1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, -1, 0), Vec3f(0, -1, 1)}) {
+        grip_ = held;
+        TubeContact contact(straight, scope_, grip_);
+        contact.set_material(tube_);
+        for (const float push : {0.0f, 10e-3f, 20e-3f, 40e-3f}) {
+            if (push > GetParam().farthest) {
+                continue;
+            }
+            RigidTransform pushed = held;
+            pushed.translation += held.rotation * (push * direction.normalized());
+            const float fastest = rests_at(contact, pushed);
+            if (contact.grip_wrench().force.norm() < most_of_a_hand) {
+                EXPECT_LT(fastest, 1e-3f) << "pushed by " << push << " m along " << direction.transpose();
+                ++judged;
+            }
+        }
+    }
+    EXPECT_GE(judged, 10) << "of those that a hand can push";
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, PushedOn,
+                         ::testing::Values(Lying{"trachea", Landmark::glottis, Landmark::trachea_mid, 40e-3f},
+                                           Lying{"carina", Landmark::glottis, Landmark::carina, 10e-3f}),
+                         [](const auto& lying) { return lying.param.name; });
 
 }  // namespace
 }  // namespace eti::scene
