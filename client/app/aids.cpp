@@ -98,7 +98,10 @@ void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const
                            fmt::format("{}, {:.0f} deg", axes.axes[1].name, degrees(axes.mouth_to_throat)),
                            fmt::format("{}, {:.0f} deg", axes.axes[2].name, degrees(axes.throat_to_larynx))};
     for (std::size_t i = 0; i < texts.size(); ++i) {
-        add(marks, projection, axes.axes[i].from, axes.axes[i].to, hud::Level::neutral, texts[i]);
+        // A worn eye may have come nearer than an axis reaches.
+        if (const auto line = projection.line(axes.axes[i].from, axes.axes[i].to)) {
+            marks.push_back({line->first, line->second, hud::Level::neutral, texts[i]});
+        }
     }
 }
 

@@ -6,7 +6,9 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,8 +19,11 @@
 namespace eti::panel {
 namespace {
 
-constexpr int least_text = 13;        // pixels
-constexpr int across = 27;            // letters' heights
+constexpr int least_text = 13;  // pixels
+constexpr int across = 27;      // letters' heights
+// Keys to point at, for names of values: a laser has no others. As every telephone has them.
+constexpr std::array<std::string_view, 3> key_rows = {"qwertyuiop", "asdfghjkl", "zxcvbnm"};
+constexpr float key_height = 2.0f;    // letters' heights; at 0.9 m, 2.5 deg
 constexpr float old_opacity = 0.45f;  // of numbers that are not of now
 
 ImVec4 colour(ImU32 packed) {
@@ -252,8 +257,10 @@ void Drawing::draw_page(Model& model) {
             continue;
         }
         shown = page;
+        types_ = types_ && page == Page::patient;
         // Arrows go through the tabs and what lies below them alike.
-        ImGui::BeginChild("page", ImVec2(0.0f, 0.0f), false, ImGuiWindowFlags_NavFlattened);
+        ImGui::BeginChild("page", ImVec2(0.0f, types_ ? -keyboard_height() : 0.0f), false,
+                          ImGuiWindowFlags_NavFlattened);
         ImGui::PushItemWidth(-1.0f);
         switch (page) {
             case Page::patient:
@@ -274,6 +281,9 @@ void Drawing::draw_page(Model& model) {
         }
         ImGui::PopItemWidth();
         ImGui::EndChild();
+        if (types_) {
+            draw_keyboard(model.search);
+        }
         ImGui::EndTabItem();
     }
     ImGui::EndTabBar();
@@ -289,6 +299,7 @@ void Drawing::draw_patient(Model& model) {
     }
     ImGui::InputTextWithHint("##search", "search", &model.search);
     note_place("search");
+    types_ = types_ || (shows_pointer_ && ImGui::IsItemActivated());
     if (model.search.empty()) {
         draw_presets(model);
         draw_group(model, Group::paper, "As in the paper");
@@ -300,6 +311,45 @@ void Drawing::draw_patient(Model& model) {
             draw_slider(model, i);
         }
     }
+}
+
+float Drawing::keyboard_height() const {
+    const auto rows = static_cast<float>(key_rows.size() + 1);
+    return rows * (key_height * ImGui::GetFontSize() + ImGui::GetStyle().ItemSpacing.y);
+}
+
+void Drawing::draw_keyboard(std::string& typed) {
+    const float gap = ImGui::GetStyle().ItemSpacing.x, high = key_height * ImGui::GetFontSize();
+    const float left = ImGui::GetCursorPosX(), room = ImGui::GetContentRegionAvail().x + gap;
+    const float wide = room / static_cast<float>(key_rows.front().size());
+    const auto key = [&](const std::string& words, float keys) {
+        const bool pressed = ImGui::Button((words + "##key").c_str(), ImVec2(keys * wide - gap, high));
+        note_place("key " + words);
+        return pressed;
+    };
+    for (std::size_t row = 0; row < key_rows.size(); ++row) {
+        ImGui::SetCursorPosX(left + 0.5f * static_cast<float>(row) * wide);
+        for (const char letter : key_rows[row]) {
+            if (key(std::string(1, letter), 1.0f)) {
+                typed += letter;
+            }
+            ImGui::SameLine();
+        }
+        ImGui::NewLine();
+    }
+    if (key("clear", 2.0f)) {
+        typed.clear();
+    }
+    ImGui::SameLine();
+    if (key("space", 4.0f)) {
+        typed += ' ';
+    }
+    ImGui::SameLine();
+    if (key("back", 2.0f) && !typed.empty()) {
+        typed.pop_back();
+    }
+    ImGui::SameLine();
+    types_ = !key("done", 2.0f);
 }
 
 void Drawing::draw_presets(Model& model) {

@@ -40,8 +40,8 @@ class Drawing {
 
     /// Into a picture of `width` x `height` pixels, where panel_area() says.
     void draw(Model& model, int width, int height, Model::Time now);
-    /// The same, where the picture has nothing but the panel; what points at it is shown. Letters are as high
-    /// as the panel's width allows.
+    /// The same, where the picture has nothing but the panel; what points at it is shown, and keys to point
+    /// at while a text is typed. Letters are as high as the panel's width allows.
     void draw_alone(Model& model, int width, int height, Model::Time now);
     /// From now on, without a window.
     void point(const Pointer& pointer);
@@ -75,6 +75,8 @@ class Drawing {
     void draw_session(Model& model);
     void draw_plots(const Model& model);
     void draw_health(const Model& model);
+    [[nodiscard]] float keyboard_height() const;
+    void draw_keyboard(std::string& typed);
     bool button(const std::string& text);
     void note_place(std::string_view control);
 
@@ -85,6 +87,7 @@ class Drawing {
     std::optional<Page> drawn_page_;
     std::optional<Model::Time> last_;
     bool asks_to_stop_ = false;
+    bool types_ = false;  // by keys that are drawn
     bool shows_pointer_ = false;
     bool take_keyboard_ = false;
     bool has_mouse_ = false, has_keyboard_ = false, has_text_ = false;

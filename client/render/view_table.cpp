@@ -120,6 +120,7 @@ const View& headset_view() {
                            .lighting = worn_lighting,
                            .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools,
                                       Pass::liquid, Pass::glottis, Pass::annotations},
+                           .overlays = {Overlay::gum_force, Overlay::sight_dot, Overlay::axes},
                            .background = Vec3f(0.035f, 0.065f, 0.075f),
                            .automatic = Automatic::alone,
                            .moves = Moves::eye,

@@ -22,6 +22,7 @@
 #include "client/app/headset_panel.hpp"
 #include "client/render/headless_context.hpp"
 #include "client/render/image.hpp"
+#include "client/view/airway_axes.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
 #include "tests/support/virtual_display.hpp"
@@ -99,7 +100,7 @@ class HeadsetTest : public ::testing::Test {
         EXPECT_EQ(said.str(), "");
     }
 
-    static constexpr int side = 240;  // pixels
+    int side = 240;  // pixels
     std::filesystem::path folder_;
     std::optional<test::VirtualDisplay> display_;
     client::Options options_;
@@ -221,7 +222,7 @@ TEST_F(HeadsetTest, BothEyesSeeThePatientWhereCameraMathematicsHasIt) {
         expect_close(drawn[eye], expected[eye], 1.5f);
     }
     // 64 mm between eyes 0.4 m away.
-    EXPECT_GT(expected[0].left - expected[1].left, 0.08f * side);
+    EXPECT_GT(expected[0].left - expected[1].left, 0.08f * static_cast<float>(side));
     EXPECT_NEAR(drawn[0].left - drawn[1].left, expected[0].left - expected[1].left, 1.5f);
 }
 
@@ -304,6 +305,63 @@ TEST_F(HeadsetTest, MarksLieInBothEyesOnWhatTheyMark) {
         const Eigen::Vector2f there =
             pixel_by_mathematics(last["eyes"][eye], options_.gum_in_room, gum, side);
         EXPECT_LT((green_dot_near(folder_ / file, there) - there).norm(), 2.0f) << file;
+    }
+}
+
+// White, as wide as it is drawn: whether there is some within two pixels of a place.
+bool white_near(const render::Image& image, const Eigen::Vector2f& place) {
+    for (int y = static_cast<int>(place.y()) - 2; y <= static_cast<int>(place.y()) + 2; ++y) {
+        for (int x = static_cast<int>(place.x()) - 2; x <= static_cast<int>(place.x()) + 2; ++x) {
+            if (x >= 0 && y >= 0 && x < image.width && y < image.height) {
+                const std::uint8_t* const p = image.pixel(x, y);
+                if (p[0] > 215 && p[1] > 215 && p[2] > 215) {
+                    return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+// Lines in space: each eye sees every point of them where camera mathematics has it.
+TEST_F(HeadsetTest, AxesOfTheAirwayLieInSpaceInBothEyes) {
+    LiveValues shown;
+    shown.view_axes = 1.0f;
+    SyntheticServer server(1e9, 0, shown);
+    options_.frames = 20;
+    side = 480;  // names leave more of the lines to be seen
+    ASSERT_EQ(
+        wear({{"pictures", pictures_of_frames()}, {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
+        0);
+    expect_no_fault();
+    ASSERT_FALSE(report_["pictures"].empty());
+    const json& last = report_["pictures"].back();
+    const synthetic::Scene source = synthetic::make_scene();
+    const view::AirwayAxes axes = view::airway_axes(source.landmarks, shown.head_elevation);
+    std::array<std::vector<Eigen::Vector2f>, 2> ends;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
+        const render::Image image = render::read_png(folder_ / file);
+        int looked_at = 0;
+        for (const view::AirwayAxis& axis : axes.axes) {
+            for (const float along : {0.1f, 0.3f, 0.5f, 0.7f, 0.9f}) {
+                const Vec3f point = axis.from + along * (axis.to - axis.from);
+                const Eigen::Vector2f there =
+                    pixel_by_mathematics(last["eyes"][eye], options_.gum_in_room, point, side);
+                if ((there.array() < 2.0f).any() || (there.array() > static_cast<float>(side) - 2.0f).any()) {
+                    continue;
+                }
+                ++looked_at;
+                EXPECT_TRUE(white_near(image, there))
+                    << file << ": " << axis.name << " at " << along << ", " << there.transpose();
+            }
+            ends[eye].push_back(pixel_by_mathematics(last["eyes"][eye], options_.gum_in_room, axis.to, side));
+        }
+        EXPECT_GE(looked_at, 10) << file;
+    }
+    for (std::size_t i = 0; i < axes.axes.size(); ++i) {
+        EXPECT_GT(ends[0][i].x() - ends[1][i].x(), 0.05f * static_cast<float>(side))
+            << "two eyes, two places";
     }
 }
 

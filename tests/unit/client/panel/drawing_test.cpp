@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "client/render/headless_context.hpp"
 #include "client/render/image.hpp"
@@ -128,6 +129,59 @@ TEST_F(PanelDrawing, EverySliderOfThePaperIsInReachAndEveryOtherFoundBySearching
         draw_settled();
         EXPECT_TRUE(drawing_.place(row.name)) << row.name;
     }
+}
+
+// In a headset, at the size that it has there.
+TEST_F(PanelDrawing, WhatIsSearchedForIsTypedByPointing) {
+    const auto draw_alone = [&] {
+        render::RenderTarget target(540, 640, 1);
+        target.bind_picture();
+        glClear(GL_COLOR_BUFFER_BIT);
+        drawing_.draw_alone(one_.model, 540, 640, one_.now += 16ms);
+        picture_ = target.read();
+    };
+    const auto point_at = [&](std::string_view control) {
+        const auto place = drawing_.place(control);
+        ASSERT_TRUE(place) << control << " is nowhere";
+        for (const bool down : {false, true, false}) {
+            drawing_.point({static_cast<float>(place->x) + 0.5f * static_cast<float>(place->width),
+                            static_cast<float>(place->y) + 0.5f * static_cast<float>(place->height), down});
+            draw_alone();
+        }
+    };
+    one_.say();
+    draw_alone();
+    draw_alone();
+    EXPECT_FALSE(drawing_.place("key a")) << "keys that nobody wants are in the way";
+    point_at("search");
+    draw_alone();
+    for (const char* const key :
+         {"key t", "key u", "key b", "key x", "key back", "key e", "key space", "key s"}) {
+        point_at(key);
+    }
+    EXPECT_EQ(one_.model.search, "tube s");
+    draw_alone();
+    render::write_png(picture_, std::filesystem::temp_directory_path() / "eti_panel_keyboard.png");
+    EXPECT_TRUE(drawing_.place("tube_youngs_modulus"));
+    EXPECT_FALSE(drawing_.place("jaw_opening"));
+    // Keys are far enough apart for a hand that trembles: 36 mm in the room are 2.3 deg.
+    EXPECT_GE(drawing_.place("key a")->width, 36);
+    EXPECT_GE(drawing_.place("key a")->height, 36);
+    EXPECT_LE(drawing_.place("key done")->y + drawing_.place("key done")->height, 640);
+    point_at("key clear");
+    EXPECT_EQ(one_.model.search, "");
+    point_at("key done");
+    draw_alone();
+    EXPECT_FALSE(drawing_.place("key a"));
+    EXPECT_TRUE(drawing_.place("jaw_opening"));
+}
+
+TEST_F(PanelDrawing, InAWindowNoKeysAreDrawn) {
+    one_.say();
+    draw_settled();
+    click("search");
+    draw();
+    EXPECT_FALSE(drawing_.place("key a"));
 }
 
 TEST_F(PanelDrawing, ATabTurnsThePageAndASwitchAsksForAnAid) {

@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""How hard each difficulty preset is for the scripted operators.
+
+Usage: presets.py BIN [--scenario NAME] [--preset NAME]... [--operator NAME]... [--seeds N]
+
+Each preset's values are put into the scenario, so that they hold from the start, and expert and novice intubate, as
+fast as the machine can, with seeds 1 to N. Prints a table: share of the glottis at the best view, greatest force on the
+upper gum, time of the attempt, each the mean over the seeds, and how many tubes lay in the trachea. Of `secretion`,
+which no scenario sets, only the presence is taken: the scenario has `saliva: on`.
+"""
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+OPERATORS = ("expert", "novice")
+
+
+def with_preset(scenario, values, keys):
+    """The scenario as text, with a preset's values at its own keys."""
+    out = yaml.safe_load((ROOT / f"deploy/scenarios/{scenario}.yaml").read_text())
+    for name, value in values.items():
+        if name == "secretion":
+            out["saliva"] = True
+            continue
+        section, key = next(key for key in keys if key.replace(".", "_") == name or key == f"patient.{name}").split(".")
+        out.setdefault(section, {})[key] = value
+    text = yaml.safe_dump(out, sort_keys=False)
+    return text.replace("saliva: true", "saliva: on").replace("saliva: false", "saliva: off")
+
+
+def run(server, scenario, operator, seed):
+    """What the server printed of one attempt."""
+    done = subprocess.run([server, "--scenario", scenario, "--operator", operator, "--seed", str(seed), "--fast",
+                           "--no-dds", "--json", "--threads", "1", "--finish-after-attempt"], capture_output=True,
+                          text=True)
+    if not done.stdout:
+        sys.exit(f"{server} gave no result:\n{done.stderr}")
+    return json.loads(done.stdout)
+
+
+def row(name, operator, results):
+    def mean(key, part=None):
+        values = [result["parameters"][key] for result in results]
+        return statistics.fmean(value[part] if part else value for value in values)
+    return (f"| `{name}` | {operator} | {mean('glottic_opening_percent', 'max'):.0f} | "
+            f"{mean('gum_force_n', 'max'):.1f} | {mean('time_s'):.1f} | "
+            f"{sum(result['success'] for result in results)} of {len(results)} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin", type=Path, help="folder with eti-server")
+    parser.add_argument("--scenario", default="term", help="shipped scenario [term]")
+    parser.add_argument("--preset", action="append", help="default: all that are shipped")
+    parser.add_argument("--operator", action="append", choices=OPERATORS, help="default: both")
+    parser.add_argument("--seeds", type=int, default=3, help="runs of each [3]")
+    wanted = parser.parse_args()
+    server = wanted.bin.resolve() / "eti-server"
+    described = json.loads(subprocess.run([server, "--describe"], capture_output=True, text=True, check=True).stdout)
+    keys = [entry["key"] for entry in described["scenario"]]
+    files = sorted((ROOT / "deploy/presets").glob("*.yaml"))
+    known = [file.stem for file in files]
+    for name in wanted.preset or []:
+        if name not in known:
+            parser.error(f"--preset {name}: expected one of {', '.join(known)}")
+    print("| preset | operator | glottis at best [%] | gum force [N] | time [s] | success |\n|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        for file in files:
+            if wanted.preset and file.stem not in wanted.preset:
+                continue
+            scenario = Path(folder) / f"{file.stem}.yaml"
+            scenario.write_text(with_preset(wanted.scenario, yaml.safe_load(file.read_text())["set"], keys))
+            for operator in wanted.operator or OPERATORS:
+                results = [run(server, scenario, operator, seed) for seed in range(1, wanted.seeds + 1)]
+                print(row(file.stem, operator, results), flush=True)
+
+
+if __name__ == "__main__":
+    main()
