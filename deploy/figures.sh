@@ -6,11 +6,11 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics bus anatomy pictures render readers panel first_session report)
+PARTS=(accuracy calibration stability sufficiency sleep haptics bus soak anatomy pictures render readers panel first_session report)
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
-                  [bus]="an hour and three quarters" [anatomy]="a minute" [pictures]="a minute"
+                  [bus]="an hour and three quarters" [soak]="three hours and more" [anatomy]="a minute" [pictures]="a minute"
                   [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes"
                   [report]="two minutes")
 PICTURES=(laryngoscope section overview)
@@ -21,7 +21,7 @@ OUT=$ETI_ROOT/out/figures
 usage() {
     cat <<USAGE
 Usage: deploy/figures.sh [--quick] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
-Measures anew what docs/ shows and draws it. Without options that takes more than four hours. A part's tables replace
+Measures anew what docs/ shows and draws it. Without options that takes more than seven hours. A part's tables replace
 those of docs/charts once its measurement has ended well; until then they lie in out/figures.
   --quick       measure nothing: draw all charts again from the tables of docs/charts (ten seconds)
   --only NAME   this part; may be given several times:
@@ -66,7 +66,7 @@ done
 python=/usr/bin/python3
 [ -x $python ] || python=python3
 plot() { "$python" -B "$ETI_ROOT/tests/bench/plot.py" "$CHARTS" "$@"; }
-draws() { case $1 in accuracy | calibration | stability | sleep | haptics | bus) true ;; *) false ;; esac; }
+draws() { case $1 in accuracy | calibration | stability | sleep | haptics | bus | soak) true ;; *) false ;; esac; }
 
 # bench PART ARGUMENT...: a command of eti-bench into a folder of its own, and its tables to docs/charts.
 bench() {
@@ -165,12 +165,19 @@ report() {
             --screenshot="$ETI_ROOT/docs/report.png" "file://$folder/report.html" >&2
 }
 
+# A server whose operator begins again and again: an hour by the clock, then eight simulated hours.
+soak() {
+    local run=("$python" -B "$ETI_ROOT/tests/bench/server/soak.py" --out "$OUT/soak")
+    "${run[@]}" --hours 1 >&2 && "${run[@]}" --fast --hours 8 >&2 && cp "$OUT"/soak/soak-{real,fast}.csv "$CHARTS"
+}
+
 measure() {
     case $1 in
         accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;
+        soak) soak ;;
         anatomy | pictures | render | readers | panel | first_session | report) "$1" ;;
     esac
 }

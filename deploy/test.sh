@@ -5,24 +5,24 @@
 # Installs what is missing, builds, runs the tests, and ends with the line "N passed, N failed".
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/counted.sh"
 
 usage() {
     cat <<USAGE
-Usage: deploy/test.sh [--quick | --sanitize] [--no-install]
-Builds into build/release and runs every test. The last line reads "N passed, N failed"; exit 0 only if
-none failed.
+Usage: deploy/test.sh [--quick] [--fuzz] [--no-install]
+Builds into build/release and runs every test. The last line reads "N passed, N failed"; exit 0 only if none
+failed. deploy/sanitize.sh runs the tests under the sanitizers.
   --quick        only the unit tests
-  --sanitize     instead build the unit tests with the address, undefined-behaviour and thread sanitizers
-                 (build/asan, build/tsan) and run those
+  --fuzz         then also what deploy/sanitize.sh --short runs: fuzz targets, built with clang in build/fuzz
   --no-install   do not look for missing packages
 USAGE
 }
 
-optimised=yes sanitized=no install=yes only=()
+fuzz=no install=yes only=()
 while [ $# -gt 0 ]; do
     case $1 in
         --quick) only=(--label-regex '^(unit|scripts)$') ;;
-        --sanitize) optimised=no sanitized=yes ;;
+        --fuzz) fuzz=yes ;;
         --no-install) install=no ;;
         --help) usage; exit 0 ;;
         *) usage >&2; exit 2 ;;
@@ -30,85 +30,12 @@ while [ $# -gt 0 ]; do
     shift
 done
 
-passed=0 failed=0
-
-# Adds one ctest run's results to the count and names what failed or was skipped.
-count() {
-    local counted
-    counted=$(python3 - "$1" <<'PYTHON'
-import re
-import sys
-import xml.etree.ElementTree as ET
-
-passed = failed = 0
-
-
-def named(verdict, said):
-    """GoogleTest's tests of a verdict: it names each where it ends, and some again at the end."""
-    return sorted(set(re.findall(rf"^\[ +{verdict} +\] ([^\s.,]+\.[^\s,]+)", said, re.MULTILINE)))
-
-
-def tell(verdict, name, said=""):
-    print(f"{verdict}: {name}{said}", file=sys.stderr)
-
-
-for case in ET.parse(sys.argv[1]).getroot().iter("testcase"):
-    name, said, not_run = case.get("name"), case.findtext("system-out") or "", case.find("skipped")
-    # A suite of GoogleTest is one case, but each of its tests counts.
-    suite = re.search(r"^\[=+\] (\d+) tests? from .* ran\.", said, re.MULTILINE)
-    if suite:
-        wrong, skipped = named("FAILED", said), named("SKIPPED", said)
-        if case.get("status") == "fail" and not wrong:      # such as a crash after its last test
-            wrong = [name]
-        passed += max(0, int(suite[1]) - len(wrong) - len(skipped))
-        failed += len(wrong)
-        for test in wrong:
-            tell("Failed", test)
-        for test in skipped:
-            tell("Skipped", test)
-    elif case.get("status") == "run":
-        passed += 1
-    elif not_run is not None and not_run.get("message", "").startswith("SKIP_"):
-        reason = [line for line in said.splitlines() if "skipped" in line.lower()]
-        tell("Skipped", name, f": {reason[0].strip() if reason else 'no reason given'}")
-    else:  # also what could not be started: a missing program, a fixture that failed
-        failed += 1
-        tell("Failed", name)
-print(passed, failed)
-PYTHON
-    ) || counted="0 1"
-    passed=$((passed + ${counted% *}))
-    failed=$((failed + ${counted#* }))
-}
-
-# run PRESET [CTEST OPTION...]: runs a built preset's tests. A run that leaves no results counts as one failure.
-# One test more than there are cores: some wait for each other's clocks.
-run() {
-    local preset=$1 results="$ETI_ROOT/build/$1/test-results.xml"
-    shift
-    rm -f "$results"
-    eti_say "== Tests of build/$preset"
-    (cd "$ETI_ROOT" && ctest --preset "$preset" --parallel "${ETI_TEST_JOBS:-$(($(eti_jobs) + 1))}" --no-tests=error \
-        --test-output-size-passed 100000 --output-junit "$results" "$@" >&2)
-    count "$results"
-}
-
-[ $install = yes ] && eti_install build client test figures lab security
+lists=(build client test figures lab security)
+[ $fuzz = yes ] && lists+=(fuzz)
+[ $install = yes ] && eti_install "${lists[@]}"
 started=$SECONDS
-if [ $optimised = yes ]; then
-    eti_say "== Building build/release"
-    if eti_build release; then run release "${only[@]}"; else failed=$((failed + 1)); fi
-fi
-if [ $sanitized = yes ]; then
-    for preset in asan tsan; do
-        eti_say "== Building the unit tests in build/$preset"
-        if eti_build $preset unit_tests; then
-            run $preset --label-regex '^unit$'
-        else
-            failed=$((failed + 1))
-        fi
-    done
-fi
+eti_say "== Building build/release"
+if eti_build release; then run release "${only[@]}"; else failed=$((failed + 1)); fi
+[ $fuzz = yes ] && fuzz_smoke
 eti_say "Took $((SECONDS - started)) s."
-echo "$passed passed, $failed failed"
-[ $failed -eq 0 ] && [ $passed -gt 0 ]
+ends

@@ -68,10 +68,12 @@ class StepClock {
     [[nodiscard]] std::uint32_t late() const { return late_; }
     /// Step time over step budget, mean of about the last second.
     [[nodiscard]] double load() const { return load_; }
-    /// Share `p` of the last steps took no longer than this [s].
-    [[nodiscard]] double percentile(double p) const {
-        std::vector<float> sorted(
-            costs_.begin(), costs_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, costs_.size())));
+    /// Share `p` of the last steps, of `most` at most, took no longer than this [s].
+    [[nodiscard]] double percentile(double p, std::size_t most = SIZE_MAX) const {
+        std::vector<float> sorted;
+        for (std::size_t back = 1; back <= std::min({most, count_, costs_.size()}); ++back) {
+            sorted.push_back(costs_[(count_ - back) % costs_.size()]);
+        }
         if (sorted.empty()) {
             return 0.0;
         }

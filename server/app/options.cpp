@@ -46,6 +46,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_flag("--json", options.json, "Print the result as one JSON object");
     app.add_flag("--finish-after-attempt", options.finish_after_attempt,
                  "End the session two seconds after an attempt has ended");
+    app.add_flag("--loop", options.loop,
+                 "With --replay or --operator: begin again at the end, with the patient put back to rest")
+        ->excludes("--finish-after-attempt");
     add_number(app, "--steps", options.steps, "End after this many steps of 1/180 s",
                {1, most_steps, "steps"});
     add_number(app, "--duration", options.duration, "End after this simulation time; 0: no limit",
@@ -76,9 +79,12 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         ->needs(replay);
     add_number(app, "--to", options.replay.to, "Where the replay ends", {0.0, longest_time, "s"})
         ->needs(replay);
-    app.add_flag("--loop", options.replay.loop, "Begin the replay again when it is at its end")
-        ->needs(replay);
     app.add_flag("--pause", options.replay.pause, "Begin the replay paused")->needs(replay);
+    app.callback([&] {
+        if (options.loop && options.operator_name.empty() && options.replay.file.empty()) {
+            throw CLI::RequiresError("--loop", "--operator or --replay");
+        }
+    });
     bool describe = false;
     app.add_flag("--describe", describe,
                  "Print as JSON what scenarios set, commands change and results hold, with units and ranges");

@@ -23,6 +23,7 @@ struct Options {
     bool with_bus = true;
     bool json = false;
     bool finish_after_attempt = false;
+    bool loop = false;  ///< the replay, or the operator's script, begins again at its end
     std::optional<std::uint64_t> steps;
     double duration = 0.0;  ///< [s] of simulation time; 0: no limit
     std::optional<std::uint64_t> seed;
@@ -33,8 +34,7 @@ struct Options {
         double speed = 1.0;
         double from = 0.0;         ///< [s]
         std::optional<double> to;  ///< [s]; to its end
-        bool loop = false;
-        bool pause = false;  ///< at the beginning
+        bool pause = false;        ///< at the beginning
     } replay;
     int threads = 0;  ///< 0: as many as there are cores
 };

@@ -266,7 +266,7 @@ class Replay {
         if (position_ < static_cast<double>(last_) + 0.5) {
             return;
         }
-        if (options_.replay.loop) {
+        if (options_.loop) {
             seek(static_cast<double>(first_));
             return;
         }

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "common/bus/bus.hpp"
 #include "common/math/units.hpp"
@@ -84,7 +85,7 @@ class Session {
     /// `followed`: another session comes after this one.
     Session(const Options& options, const Scenario& scenario, bool followed)
         : options_(options), scenario_(scenario), live_(options.with_bus && !options.fast) {
-        std::optional<OperatorScript> script;
+        std::optional<OperatorScript>& script = script_;
         if (!options.operator_name.empty()) {
             script = load_operator(find_data_file(options.operator_name, "operators"));
         }
@@ -102,10 +103,7 @@ class Session {
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
         desk_ = CommandDesk(limits_of(scenario_, patient_), inputs_.live, followed);
         if (script) {
-            const std::uint64_t seed = options.seed.value_or(scenario_.seed ^ script->seed);
-            operator_.emplace(*script, simulation_->scope(), scenario_.tube, seed,
-                              simulation_->observation());
-            operator_->hold(inputs_);
+            put_operator();
             simulation_->scene().reset(inputs_);
         }
         if (!options.record.empty()) {
@@ -144,7 +142,7 @@ class Session {
                     continue;
                 }
                 clock.wait();
-                latch();
+                latch(clock);
                 put_tools();
                 step(clock);
                 clock.done();
@@ -193,9 +191,48 @@ class Session {
                        output_ ? &*output_ : nullptr, beside);
     }
 
-    void latch() {
-        if (operator_) {
-            operator_->advance(simulation_->observation(), simulation_->snapshot());
+    /// The operator before the first stage of the script.
+    void put_operator() {
+        const std::uint64_t seed = options_.seed.value_or(scenario_.seed ^ script_->seed);
+        pass_began_ = simulation_->time();
+        pass_first_step_ = simulation_->snapshot().step;
+        operator_.emplace(*script_, simulation_->scope(), scenario_.tube, seed, observed());
+        operator_->hold(inputs_);
+    }
+
+    /// What the operator sees, as of the time since the script began.
+    [[nodiscard]] Observation observed() const {
+        Observation seen = simulation_->observation();
+        seen.time -= pass_began_;
+        return seen;
+    }
+
+    /// The operator's script from its beginning, as after the command that is recorded for it.
+    void begin_again(const StepClock& clock) {
+        const scene::Snapshot& s = simulation_->snapshot();
+        const std::size_t steps = s.step - pass_first_step_;
+        const metrics::AttemptSummary run = simulation_->metrics().run();
+        // tests/bench/server/soak.py reads this line.
+        spdlog::info(
+            "pass {} ended at {:.1f} s after {} steps of {:.3f} ms, 99 % within {:.3f} ms; state {}; "
+            "{} attempts",
+            ++passes_, simulation_->time(), steps, 1e3 * clock.percentile(0.5, steps),
+            1e3 * clock.percentile(0.99, steps), state_hash(), run.parameters.attempts);
+        operator_done_at_ = -1.0;
+        if (recorder_) {
+            judge_->note(session::CommandRecord{s.time_ns, s.step + 1, "reset", 0.0, "operator", 0});
+        }
+        // The script aims at a patient at rest, and the patient rests around the tools that it then holds.
+        simulation_->scene().reset(inputs_);
+        put_operator();
+        reset_ = true;
+    }
+
+    void latch(const StepClock& clock) {
+        if (operator_ && operator_rested()) {
+            begin_again(clock);
+        } else if (operator_) {
+            operator_->advance(observed(), simulation_->snapshot());
             operator_->hold(inputs_);
         }
         if (!input_) {
@@ -224,7 +261,7 @@ class Session {
             simulation_->scene().place_tube(inputs_.tube_grip);
         }
         laryngoscope_.appeared = tube_.appeared = false;
-        if (desk_.take_reset()) {
+        if (desk_.take_reset() || std::exchange(reset_, false)) {
             simulation_->scene().reset(inputs_);
         }
     }
@@ -304,7 +341,7 @@ class Session {
     /// Waits for a silent device; commands are still taken.
     void stand_still(StepClock& clock) {
         clock.stand_still();
-        latch();
+        latch(clock);
         if (output_ && stood_still_++ % steps_per_status == 0) {
             StatusValues now = status(clock);
             now.phase = msg::PHASE_FROZEN;
@@ -387,13 +424,18 @@ class Session {
             simulation_->time() >= attempt + linger_after_attempt) {
             return true;
         }
-        if (operator_ && operator_->finished()) {
-            if (operator_done_at_ < 0.0) {
-                operator_done_at_ = simulation_->time();
-            }
-            return simulation_->time() >= operator_done_at_ + linger_after_operator;
+        return !options_.loop && operator_rested();
+    }
+
+    /// The operator's script has ended, and the tissue has had its time to come back.
+    [[nodiscard]] bool operator_rested() {
+        if (!operator_ || !operator_->finished()) {
+            return false;
         }
-        return false;
+        if (operator_done_at_ < 0.0) {
+            operator_done_at_ = simulation_->time();
+        }
+        return simulation_->time() >= operator_done_at_ + linger_after_operator;
     }
 
     void report(const StepClock& clock) const {
@@ -425,6 +467,7 @@ class Session {
     bool live_;  // others wait for it, by the clock
     anatomy::Patient patient_;
     std::unique_ptr<Simulation> simulation_;
+    std::optional<OperatorScript> script_;
     std::optional<LocalOperator> operator_;
     std::optional<bus::Node> bus_;
     std::optional<BusInput> input_;
@@ -444,6 +487,10 @@ class Session {
     std::uint64_t stood_still_ = 0;   // steps
     std::uint64_t state_noted_ = 0;   // step
     double operator_done_at_ = -1.0;  // [s], simulation time
+    double pass_began_ = 0.0;         // [s], simulation time, of the operator's script
+    std::uint64_t pass_first_step_ = 0;
+    std::uint64_t passes_ = 0;  // of the operator's script, ended
+    bool reset_ = false;        // asked for by what goes on here, not by a command
     double warned_behind_ = 0.0;
     bool warned_of_overflow_ = false;
 };

@@ -15,6 +15,7 @@ from pathlib import Path
 from plot_accuracy import accuracy_figures, calibration_figures
 from plot_bus import bus_figures
 from plot_haptics import haptics_figures
+from plot_soak import soak_figures
 from plot_stability import stability_figures
 from plotting import pyplot, rows_of, save
 
@@ -62,7 +63,7 @@ def sleep_figures(folder):
 
 # By what eti-bench measures: from a folder with tables, (file to draw, function that draws into a file).
 PARTS = {"accuracy": accuracy_figures, "calibration": calibration_figures, "stability": stability_figures,
-         "sleep": sleep_figures, "haptics": haptics_figures, "bus": bus_figures}
+         "sleep": sleep_figures, "haptics": haptics_figures, "bus": bus_figures, "soak": soak_figures}
 
 
 def main():

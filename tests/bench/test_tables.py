@@ -102,12 +102,12 @@ class Tables(unittest.TestCase):
                     else:
                         self.agrees(cell, error if case == "lift-still" else 100 * error)
 
-    def follows(self, heading, file, columns, find=None):
+    def follows(self, heading, file, columns, find=None, page="network-measured.md"):
         """Holds rows of a table to those of a file: the columns named by number, nothing where nothing was measured.
         `find`: of a row as written and those measured the one meant, by default that in the same place. Returns the
         pairs."""
         measured = rows_of(CHARTS / file)
-        _, *rows = table("network-measured.md", heading)
+        _, *rows = table(page, heading)
         if find is None:
             self.assertEqual(len(rows), len(measured), heading)
         pairs = [(row, find(row, measured) if find else measured[at]) for at, row in enumerate(rows)]
@@ -145,6 +145,18 @@ class Tables(unittest.TestCase):
         self.follows("Endurance", "bus-soak.csv",
                      dict(enumerate(("memory_mb", "threads", "files", "log_lines", "shared_memory_files", "joined",
                                      "killed", "found_no_scene"), 1)), nearest)
+
+    def test_reliability(self):
+        tried = self.follows("Inputs tried", "fuzz.csv", {1: "runs", 2: "seconds", 3: "findings"}, page="reliability.md")
+        for written, row in tried:
+            self.assertEqual(written[0].strip("`"), row["reader"])
+
+        def named(written, rows):
+            return next(row for row in rows if row["pass"] == written[0])
+
+        columns = dict(enumerate(("simulated_s", "memory_mb", "threads", "files", "record_mb", "behind_s", "step_p50_ms",
+                                  "step_p99_ms"), 1))
+        self.assertGreater(len(self.follows("Hours", "soak-real.csv", columns, named, page="reliability.md")), 3)
 
 
 if __name__ == "__main__":

@@ -220,6 +220,9 @@ class CommandLine(support.Case):
             with self.subTest(program):
                 self.assert_refused(support.run(program, *needed, "--no-such-option"), "no-such-option")
 
+    def test_loop_of_nothing_is_refused(self):
+        self.assert_refused(support.run("eti-server", "--loop"), "--loop", "--operator", "--replay")
+
     def test_domain_out_of_range_is_refused(self):
         for program, needed in self.PROGRAMS.items():
             if program != "eti-review":

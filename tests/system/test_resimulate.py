@@ -3,6 +3,7 @@
 """A recorded session is simulated again: bit by bit as it was, or it is said where and why not."""
 
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -13,6 +14,21 @@ import h5py
 import numpy
 
 import support
+
+BRIEF = """
+laryngoscope:
+  - stage: into the vallecula
+    tip: {at: vallecula, offset_mm: [0, -2, 2]}
+    axis: {from: upper_gum, from_offset_mm: [0, -6, -9]}
+    speed_mm_per_s: 100
+  - stage: withdraw
+    tip: {at: mouth_opening, offset_mm: [0, -40, 20]}
+    speed_mm_per_s: 100
+tube:
+  - stage: wait
+    tip: {at: mouth_opening, offset_mm: [0, -40, 20]}
+    axis: {from: upper_gum, from_offset_mm: [0, -60, 20]}
+"""
 
 SECONDS = 8  # of an expert's run: the blade has gone in and lifts
 
@@ -82,6 +98,24 @@ class Resimulate(support.Programs):
             self.assertIn(b"reset", list(file["inputs/commands/kind"]))
             self.assertGreater(numpy.ptp(file["tissue/tongue_scale"][:]), 0)
         self.assert_as_recorded(self.resimulate(), live)
+
+    def test_an_operator_that_begins_again_comes_out_bit_by_bit(self):
+        script = self.folder / "brief.yaml"
+        script.write_text(BRIEF)
+        self.record = self.folder / "run.eti.h5"
+        done = support.run("eti-server", "--operator", script, "--loop", "--fast", "--no-dds", "--steps", 1600,
+                           "--record", self.record, "--json", timeout=support.SECONDS_TO_START + 120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        ended = [int(step) for step in re.findall(r"pass \d+ ended at [\d.]+ s after (\d+) steps", done.stderr)]
+        self.assertGreaterEqual(len(ended), 2, done.stderr)
+        self.assertLessEqual(abs(ended[1] - ended[0]), 2, "the same hands take the same time")
+        with h5py.File(self.record) as file:
+            self.assertEqual(list(file["inputs/commands/kind"]), [b"reset"] * len(ended))
+            begins = file["inputs/commands/step"][:].astype(int)
+            poses = file["inputs/laryngoscope_pose"][:]
+        # The second pass begins where the third does: at a patient at rest.
+        numpy.testing.assert_allclose(poses[begins[0] - 1, :3], poses[begins[1] - 1, :3], atol=1e-5)
+        self.assert_as_recorded(self.resimulate(), json.loads(done.stdout))
 
     def test_hands_that_come_over_the_bus_come_out_bit_by_bit(self):
         self.start_server("--json")

@@ -14,6 +14,8 @@ cmake_minimum_required(VERSION 3.22)
 project(small LANGUAGES NONE)
 enable_testing()
 add_custom_target(unit_tests)
+add_custom_target(eti-server)
+add_custom_target(fuzz_targets)
 function(case name label command)
   add_test(NAME ${name} COMMAND sh -c "${command}")
   set_tests_properties(${name} PROPERTIES LABELS ${label} SKIP_RETURN_CODE 4)
@@ -27,27 +29,49 @@ class TestScript(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
         (self.root / "deploy").mkdir()
-        for name in ("setup.sh", "test.sh"):
+        for name in ("setup.sh", "counted.sh", "test.sh", "sanitize.sh"):
             shutil.copy(ROOT / "deploy" / name, self.root / "deploy")
         shutil.copy(ROOT / "CMakePresets.json", self.root)
 
-    def run_tests(self, cases, *options):
+    def run_tests(self, cases, *options, script="test.sh"):
         (self.root / "CMakeLists.txt").write_text(PROJECT + cases)
-        return subprocess.run([self.root / "deploy/test.sh", "--no-install", *options], capture_output=True, text=True)
+        return subprocess.run([self.root / "deploy" / script, "--no-install", *options], capture_output=True, text=True)
 
     def assert_ends_with(self, done, line, code):
         self.assertEqual(done.stdout, line + "\n", done.stderr)
         self.assertEqual(done.returncode, code)
 
+    def test_fuzz_targets_of_both_builds_are_counted(self):
+        done = self.run_tests('case(a unit "true")\ncase(b system "true")\ncase(c fuzz "true")\n', "--fuzz")
+        self.assert_ends_with(done, "4 passed, 0 failed", 0)
+        self.assertTrue((self.root / "build/fuzz").exists())
+
     def test_passed_tests_are_counted(self):
         done = self.run_tests('case(a unit "true")\ncase(b system "true")\n')
         self.assert_ends_with(done, "2 passed, 0 failed", 0)
+        self.assertFalse((self.root / "build/fuzz").exists())
 
-    def test_sanitize_runs_the_unit_tests_of_both_builds(self):
-        done = self.run_tests('case(a unit "true")\ncase(b system "true")\n', "--sanitize")
-        self.assert_ends_with(done, "2 passed, 0 failed", 0)
-        self.assertTrue((self.root / "build/asan").exists())
-        self.assertTrue((self.root / "build/tsan").exists())
+    def test_sanitize_short_runs_the_fuzz_targets_alone(self):
+        cases = 'case(a unit "exit 1")\ncase(b fuzz "true")\ncase(c fuzz "exit 1")\n'
+        done = self.run_tests(cases, "--short", script="sanitize.sh")
+        self.assert_ends_with(done, "1 passed, 1 failed", 1)
+        self.assertIn("Failed: c", done.stderr)
+
+    def test_sanitize_runs_unit_tests_and_a_session_of_both_builds(self):
+        # The session's program is missing here, which is a failure of its own.
+        done = self.run_tests('case(a unit "true")\ncase(b system "exit 1")\n', "--only", "asan", "--only", "tsan",
+                              script="sanitize.sh")
+        self.assert_ends_with(done, "2 passed, 2 failed", 1)
+        for preset in ("asan", "tsan"):
+            self.assertIn(f"Failed: a session by build/{preset}", done.stderr)
+
+    def test_sanitize_refuses_what_it_does_not_know(self):
+        for options, said in ((("--only", "msan"), "fuzz asan tsan"), (("--runs", "1e7"), "whole number"),
+                              (("--reader", "../x/none"), "--reader"), (("--out",), "--help"), (("--all",), "Usage")):
+            with self.subTest(options=options):
+                done = self.run_tests("", *options, script="sanitize.sh")
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(said, done.stderr)
 
     def test_quick_counts_unit_tests_only(self):
         done = self.run_tests('case(a unit "true")\ncase(b scripts "true")\ncase(c system "exit 1")\n', "--quick")

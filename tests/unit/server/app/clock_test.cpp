@@ -40,6 +40,9 @@ TEST(StepClock, WithoutPaceNothingIsLate) {
     EXPECT_EQ(behind_after(clock), 0.0);
     EXPECT_EQ(clock.late(), 0u);
     EXPECT_GE(clock.percentile(0.5), 0.99 * work) << "kept in floats";
+    clock.wait();
+    clock.done();
+    EXPECT_LT(clock.percentile(0.5, 1), 0.5 * work) << "of the last step, which did nothing";
     EXPECT_GE(clock.load(), 0.0);
 }
 

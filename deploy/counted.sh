@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Runs tests of a build and counts them: test.sh and sanitize.sh read it, after setup.sh, for its functions.
+
+# shellcheck disable=SC2034 # whoever reads this reads the numbers
+passed=0 failed=0
+
+# Adds one ctest run's results to the count and names what failed or was skipped.
+count() {
+    local counted
+    counted=$(python3 - "$1" <<'PYTHON'
+import re
+import sys
+import xml.etree.ElementTree as ET
+
+passed = failed = 0
+
+
+def named(verdict, said):
+    """GoogleTest's tests of a verdict: it names each where it ends, and some again at the end."""
+    return sorted(set(re.findall(rf"^\[ +{verdict} +\] ([^\s.,]+\.[^\s,]+)", said, re.MULTILINE)))
+
+
+def tell(verdict, name, said=""):
+    print(f"{verdict}: {name}{said}", file=sys.stderr)
+
+
+for case in ET.parse(sys.argv[1]).getroot().iter("testcase"):
+    name, said, not_run = case.get("name"), case.findtext("system-out") or "", case.find("skipped")
+    # A suite of GoogleTest is one case, but each of its tests counts.
+    suite = re.search(r"^\[=+\] (\d+) tests? from .* ran\.", said, re.MULTILINE)
+    if suite:
+        wrong, skipped = named("FAILED", said), named("SKIPPED", said)
+        if case.get("status") == "fail" and not wrong:      # such as a crash after its last test
+            wrong = [name]
+        passed += max(0, int(suite[1]) - len(wrong) - len(skipped))
+        failed += len(wrong)
+        for test in wrong:
+            tell("Failed", test)
+        for test in skipped:
+            tell("Skipped", test)
+    elif case.get("status") == "run":
+        passed += 1
+    elif not_run is not None and not_run.get("message", "").startswith("SKIP_"):
+        reason = [line for line in said.splitlines() if "skipped" in line.lower()]
+        tell("Skipped", name, f": {reason[0].strip() if reason else 'no reason given'}")
+    else:  # also what could not be started: a missing program, a fixture that failed
+        failed += 1
+        tell("Failed", name)
+print(passed, failed)
+PYTHON
+    ) || counted="0 1"
+    passed=$((passed + ${counted% *}))
+    failed=$((failed + ${counted#* }))
+}
+
+# run PRESET [CTEST OPTION...]: runs a built preset's tests. A run that leaves no results counts as one failure.
+# One test more than there are cores: some wait for each other's clocks.
+run() {
+    local preset=$1 results="$ETI_ROOT/build/$1/test-results.xml"
+    shift
+    rm -f "$results"
+    eti_say "== Tests of build/$preset"
+    (cd "$ETI_ROOT" && ctest --preset "$preset" --parallel "${ETI_TEST_JOBS:-$(($(eti_jobs) + 1))}" --no-tests=error \
+        --test-output-size-passed 100000 --output-junit "$results" "$@" >&2)
+    count "$results"
+}
+
+# ends: prints the line "N passed, N failed", last; false unless all passed, and any did.
+ends() {
+    echo "$passed passed, $failed failed"
+    [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
+}
+
+# fuzz_smoke: builds the fuzz targets; each reads its kept inputs and some of its own.
+fuzz_smoke() {
+    eti_say "== Building the fuzz targets in build/fuzz"
+    if eti_build fuzz fuzz_targets; then run fuzz --label-regex '^fuzz$'; else failed=$((failed + 1)); fi
+}

@@ -1,0 +1,146 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Fuzzes every reader, and runs unit tests and a short session under the sanitizers. Ends with "N passed, N failed".
+set -u
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/counted.sh"
+
+PARTS=(fuzz asan tsan)
+
+usage() {
+    cat <<USAGE
+Usage: deploy/sanitize.sh [--short] [--only PART]... [--reader NAME]... [--runs N] [--minutes M] [--out DIR] [--no-install]
+Fuzzes what reads files and messages of others, then runs the unit tests and a short whole session under the
+address, undefined-behaviour and thread sanitizers. The last line reads "N passed, N failed"; exit 0 only if none failed.
+  --short        only the fuzz targets, each with its kept inputs (tests/fuzz/corpus) and a few seconds of its own:
+                 what deploy/test.sh --fuzz runs
+  --only PART    fuzz (build/fuzz, clang), asan (build/asan: address and undefined behaviour) or tsan (build/tsan);
+                 may be given several times
+  --reader NAME  fuzz this reader, a file of tests/fuzz; may be given several times
+  --runs N       inputs for each fuzz target (default: 10000000)
+  --minutes M    at most for each fuzz target (default: 0, no limit)
+  --out DIR      where findings, logs and fuzz.csv go (default: out/sanitize)
+  --no-install   do not look for missing packages
+A finding is a file in DIR/READER that ends its target: build/fuzz/fuzz/fuzz-READER FILE shows it again.
+USAGE
+}
+
+# number OPTION TEXT: whole numbers alone.
+number() {
+    [[ $2 =~ ^[0-9]{1,12}$ ]] || { eti_say "sanitize.sh: $1 is '$2'; expected a whole number, as in $1 1000"; exit 2; }
+}
+
+all_readers() { find "$ETI_ROOT/tests/fuzz" -maxdepth 1 -name CMakeLists.txt -exec sed -n 's/^eti_fuzz(\([a-z0-9]*\) .*/\1/p' {} +; }
+
+short=no install=yes runs=10000000 minutes=0 out=$ETI_ROOT/out/sanitize only=() readers=()
+while [ $# -gt 0 ]; do
+    case $1 in
+        --short) short=yes ;;
+        --no-install) install=no ;;
+        --help) usage; exit 0 ;;
+        --only | --reader | --runs | --minutes | --out)
+            [ $# -ge 2 ] || { eti_say "sanitize.sh: $1 wants a value; see --help"; exit 2; }
+            case $1 in
+                --only)
+                    [[ " ${PARTS[*]} " = *" $2 "* ]] ||
+                        { eti_say "sanitize.sh: --only is '$2'; expected one of: ${PARTS[*]}"; exit 2; }
+                    only+=("$2")
+                    ;;
+                --reader)
+                    all_readers | grep -qxF -- "$2" ||
+                        { eti_say "sanitize.sh: --reader is '$2'; expected one of: $(all_readers | tr '\n' ' ')"; exit 2; }
+                    readers+=("$2")
+                    ;;
+                --runs) number "$1" "$2" && runs=$2 ;;
+                --minutes) number "$1" "$2" && minutes=$2 ;;
+                --out) out=$2 ;;
+            esac
+            shift
+            ;;
+        *) usage >&2; exit 2 ;;
+    esac
+    shift
+done
+[ ${#only[@]} -gt 0 ] || only=("${PARTS[@]}")
+asked() { [[ " ${only[*]} " = *" $1 "* ]]; }
+
+# fuzz READER: one target for long. A line of fuzz.csv says what was run; what it found new stays in DIR/READER.
+fuzz() {
+    local folder=$out/$1 log=$out/$1.log began=$SECONDS status crashes
+    mkdir -p "$folder/inputs"
+    eti_say "== Fuzzing $1: $runs inputs; log in $log"
+    (cd "$folder" && sanitized fuzz "$ETI_ROOT/build/fuzz/fuzz/fuzz-$1" -runs="$runs" -max_total_time=$((60 * minutes)) -timeout=20 \
+        -rss_limit_mb=3000 -print_final_stats=1 inputs "$ETI_ROOT/tests/fuzz/corpus/$1") >"$log" 2>&1
+    status=$?
+    crashes=$(find "$folder" -maxdepth 1 -type f | wc -l)
+    echo "$1,$(sed -n 's/^stat::number_of_executed_units: *//p' "$log"),$((SECONDS - began)),$crashes" >>"$out/fuzz.csv"
+    if [ $status = 0 ]; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        eti_say "Failed: $1, see $log and $folder"
+    fi
+}
+
+# A session without bus, recorded and simulated again, by programs of a sanitized build.
+session() {
+    local bin=$ETI_ROOT/build/$1/bin file=$out/$1.eti.h5 log=$out/$1-session.log
+    rm -f "$file"
+    eti_say "== A session by build/$1; log in $log"
+    if sanitized "$1" "$bin/eti-server" --fast --no-dds --operator expert --steps 900 --record "$file" >"$log" 2>&1 &&
+        sanitized "$1" "$bin/eti-server" --resimulate "$file" >>"$log" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        eti_say "Failed: a session by build/$1, see $log"
+    fi
+}
+
+# sanitized PRESET COMMAND...: with the options that the preset's tests run with.
+sanitized() {
+    local preset=$1 settings
+    shift
+    mapfile -t settings < <(python3 - "$ETI_ROOT" "$preset" <<'PYTHON'
+import json
+import sys
+
+presets = json.load(open(f"{sys.argv[1]}/CMakePresets.json"))["testPresets"]
+for name, value in next(p for p in presets if p["name"] == sys.argv[2])["environment"].items():
+    print(f"{name}={value.replace('${sourceDir}', sys.argv[1])}")
+PYTHON
+    )
+    env "${settings[@]}" "$@"
+}
+
+lists=(build client test)
+asked fuzz && lists+=(fuzz)
+[ $install = yes ] && eti_install "${lists[@]}"
+started=$SECONDS
+if [ $short = yes ]; then
+    fuzz_smoke
+else
+    mkdir -p "$out" && out=$(cd "$out" && pwd) || exit 2
+    if asked fuzz; then
+        [ ${#readers[@]} -gt 0 ] || mapfile -t readers < <(all_readers)
+        if eti_build fuzz "${readers[@]/#/fuzz-}"; then
+            echo "reader,runs,seconds,findings" >"$out/fuzz.csv"
+            for reader in "${readers[@]}"; do fuzz "$reader"; done
+        else
+            failed=$((failed + 1))
+        fi
+    fi
+    for preset in asan tsan; do
+        asked $preset || continue
+        eti_say "== Building the unit tests and the server in build/$preset"
+        if eti_build $preset unit_tests fuzz_targets eti-server; then
+            run $preset --label-regex '^(unit|fuzz)$'
+            session $preset
+        else
+            failed=$((failed + 1))
+        fi
+    done
+fi
+eti_say "Took $((SECONDS - started)) s."
+ends

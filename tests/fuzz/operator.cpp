@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/operator/operator.hpp"
+#include "common/scenario/scenario.hpp"
+
+#include "reader.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace eti;
+    const std::string text = fuzz::text_of(data, size);
+    fuzz::read_or_refuse<InputError>("fuzzed.yaml", [&] { (void)parse_operator(text, "fuzzed.yaml"); });
+    return 0;
+}
