@@ -13,7 +13,7 @@ endif()
 
 # data: what several of the others read
 install(DIRECTORY deploy/scenarios deploy/operators deploy/presets deploy/hands deploy/dds deploy/calibration deploy/parts
-        deploy/forms deploy/studies
+        deploy/forms deploy/scores deploy/studies
         DESTINATION share/neoeti COMPONENT data)
 install(FILES deploy/security/make_lab.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
 

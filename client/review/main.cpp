@@ -14,6 +14,7 @@
 
 #include "client/review/export.hpp"
 #include "client/review/report.hpp"
+#include "client/review/score.hpp"
 #include "client/review/server_program.hpp"
 #include "client/review/study.hpp"
 #include "client/review/study_commands.hpp"
@@ -125,8 +126,10 @@ int replay(const std::filesystem::path& file, const Replay& how, const std::vect
     return refused;
 }
 
-int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, bool json) {
-    const std::filesystem::path written = review::write_report(files, folder, stop_asked);
+int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+           const std::string& score, bool json) {
+    const review::ScoreModel model = review::load_score(find_data_file(score, "scores"));
+    const std::filesystem::path written = review::write_report(files, folder, model, stop_asked);
     if (written.empty()) {
         return interrupted;
     }
@@ -194,6 +197,10 @@ int main(int argc, char** argv) {
     report_command->add_option("--out", folder, "Folder to write report.html into; made if missing")
         ->required();
 
+    std::string score = "scripted";
+    report_command->add_option("--score", score, "What scores the sessions, by name or path")
+        ->capture_default_str();
+
     CLI::App* const study_command = app.add_subcommand(
         "study", "Run the sessions of a study one after another, and go on where it was ended");
     std::string study_file;
@@ -212,6 +219,7 @@ int main(int argc, char** argv) {
 
     std::vector<review::Command> study_commands = review::add_study_commands(app);
     std::ranges::move(review::add_opinion_commands(app), std::back_inserter(study_commands));
+    std::ranges::move(review::add_score_commands(app), std::back_inserter(study_commands));
 
     if (const auto status = parse_command_line(app, argc, argv)) {
         return *status;
@@ -242,7 +250,7 @@ int main(int argc, char** argv) {
                 return check(file, repair, json);
             }
             if (report_command->parsed()) {
-                return report(files, folder, json);
+                return report(files, folder, score, json);
             }
             for (const review::Command& command : study_commands) {
                 if (command.parsed_by->parsed()) {

@@ -252,7 +252,8 @@ std::string embeddable(const ordered_json& json) {
 }
 
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& sessions,
-                                   const std::filesystem::path& folder, const std::function<bool()>& stop) {
+                                   const std::filesystem::path& folder, const ScoreModel& model,
+                                   const std::function<bool()>& stop) {
     constexpr std::string_view place = "<!--sessions-->";
     const std::string_view page = report_page();
     const std::size_t cut = page.find(place);
@@ -270,7 +271,11 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
             return {};
         }
         const session::SessionReader reader(file);
-        ordered_json one = session_json(reader, summarise(file));
+        const Summary summary = summarise(file);
+        ordered_json one = session_json(reader, summary);
+        one["score"] = summary.outcome_known(summary.run)
+                           ? to_json(score_of(model, summary.run.parameters), model)
+                           : ordered_json();
         one["anatomy"] = anatomy_json(reader);
         data["sessions"].push_back(std::move(one));
     }

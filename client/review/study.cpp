@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "client/review/output.hpp"
+#include "common/operator/operator.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
@@ -28,13 +29,17 @@ bool is_word(const std::string& text) {
     });
 }
 
-void read_conditions(YamlMap& root, Study& study) {
+void read_conditions(YamlMap& root, Study& study, const std::filesystem::path& folder) {
     for (YamlMap& entry : root.list("conditions")) {
-        const std::string scenario = entry.name("scenario", "");
+        std::string scenario = entry.name("scenario", "");
         if (scenario.empty()) {
             entry.refuse("scenario", "nothing", "a scenario by name or path");
         }
         const std::string name = entry.name("name", scenario);
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(folder / scenario, ignored)) {
+            scenario = (folder / scenario).string();  // beside the study, wherever it is started
+        }
         if (!is_word(name) ||
             std::ranges::find(study.conditions, name, &Study::Condition::name) != study.conditions.end()) {
             entry.refuse("name", name,
@@ -49,22 +54,44 @@ void read_conditions(YamlMap& root, Study& study) {
 }
 
 void read_participants(YamlMap& root, Study& study, std::uint64_t seed) {
-    std::vector<std::string> operators;
     for (YamlMap& entry : root.list("participants")) {
         const int count = entry.whole("count", 1, 1, most_participants);
-        operators.insert(operators.end(), static_cast<std::size_t>(count), entry.name("operator", ""));
+        Study::Participant one;
+        one.operator_ = entry.name("operator", "");
+        for (const char* key : {"skill", "skill_to", "attempts"}) {
+            if (one.operator_.empty() && entry.has(key)) {
+                entry.refuse(key, "a value for people",
+                             "it beside 'operator'; people have a skill of their own");
+            }
+        }
+        const float skill = entry.number("skill", 1.0f, {0, 1});
+        const float skill_to = entry.number("skill_to", skill, {0, 1});
+        if (entry.has("skill_to") && !entry.has("skill")) {
+            entry.refuse("skill_to", "a value without 'skill'", "both, or 'skill' alone");
+        }
+        if (entry.has("attempts")) {
+            one.attempts = entry.whole("attempts", 1, 1, most_attempts);
+        }
+        for (int i = 0; i < count; ++i) {
+            if (entry.has("skill")) {
+                // Evenly from one to the other; one alone has the first.
+                const float share = count > 1 ? static_cast<float>(i) / static_cast<float>(count - 1) : 0.0f;
+                one.skill = skill + share * (skill_to - skill);
+            }
+            study.participants.push_back(one);
+        }
         entry.finish();
     }
-    if (operators.empty() || operators.size() > most_participants) {
+    if (study.participants.empty() || study.participants.size() > most_participants) {
         root.refuse(
-            "participants", std::to_string(operators.size()),
+            "participants", std::to_string(study.participants.size()),
             fmt::format(
                 "a list of 1 to {} participants: - {{count: 12}}, or - {{count: 12, operator: expert}}",
                 most_participants));
     }
-    for (std::size_t i = 0; i < operators.size(); ++i) {
-        study.participants.push_back(
-            {fmt::format("P{:0{}}", i + 1, operators.size() < 100 ? 2 : 3), operators[i], seed + i});
+    for (std::size_t i = 0; i < study.participants.size(); ++i) {
+        study.participants[i].name = fmt::format("P{:0{}}", i + 1, study.participants.size() < 100 ? 2 : 3);
+        study.participants[i].seed = seed + i;
     }
 }
 
@@ -112,7 +139,7 @@ Study load_study(const std::filesystem::path& file) {
     study.description = root.text("description", "");
     study.latin_square = root.choice("order", 0, orders) == 0;
     const std::uint64_t seed = root.seed("seed", 1);
-    read_conditions(root, study);
+    read_conditions(root, study, file.parent_path());
     read_participants(root, study, seed);
     read_expectations(root, study);
     root.finish();

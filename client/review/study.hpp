@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct Study {
         std::string name;       ///< pseudonym: P01, P02, ...
         std::string operator_;  ///< scripted; empty: a person
         std::uint64_t seed = 0;
+        // Of a scripted operator; nothing: as its file says.
+        std::optional<float> skill;
+        std::optional<int> attempts;
     };
     std::string name, description;
     std::string text;  ///< the file as read

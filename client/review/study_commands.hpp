@@ -20,5 +20,7 @@ struct Command {
 [[nodiscard]] std::vector<Command> add_study_commands(CLI::App& app);
 /// rate, agreement, questionnaire.
 [[nodiscard]] std::vector<Command> add_opinion_commands(CLI::App& app);
+/// score train, score apply.
+[[nodiscard]] std::vector<Command> add_score_commands(CLI::App& app);
 
 }  // namespace eti::review

@@ -59,14 +59,15 @@ class Progress {
 
     /// Where the study is, in place of what it was before.
     void write() const {
-        std::string out = "number,participant,place,condition,scenario,operator,seed,state,file\r\n";
+        std::string out = "number,participant,place,condition,scenario,operator,skill,seed,state,file\r\n";
         for (std::size_t i = 0; i < sessions_.size(); ++i) {
             const PlannedSession& one = sessions_[i];
-            out +=
-                fmt::format("{},{},{},{},{},{},{},{},{}\r\n", i + 1, one.participant->name, one.place,
-                            csv_text(one.condition->name), csv_text(one.condition->scenario),
-                            csv_text(one.participant->operator_), one.participant->seed,
-                            state_words[static_cast<std::size_t>(states_[i])], csv_text(one.file.string()));
+            out += fmt::format("{},{},{},{},{},{},{},{},{},{}\r\n", i + 1, one.participant->name, one.place,
+                               csv_text(one.condition->name), csv_text(one.condition->scenario),
+                               csv_text(one.participant->operator_),
+                               one.participant->skill ? fmt::format("{:.4g}", *one.participant->skill) : "",
+                               one.participant->seed, state_words[static_cast<std::size_t>(states_[i])],
+                               csv_text(one.file.string()));
         }
         write_file(folder_ / "plan.csv", out, "--out");
     }
@@ -112,6 +113,12 @@ std::vector<std::string> server_arguments(const PlannedSession& session, const S
         words.emplace_back("--finish-after-attempt");
     } else {
         words.insert(words.end(), {"--operator", who.operator_, "--fast", "--no-dds"});
+        if (who.skill) {
+            words.insert(words.end(), {"--operator-skill", fmt::format("{:.4g}", *who.skill)});
+        }
+        if (who.attempts) {
+            words.insert(words.end(), {"--operator-attempts", std::to_string(*who.attempts)});
+        }
     }
     words.insert(words.end(), how.further.begin(), how.further.end());
     return words;

@@ -59,6 +59,7 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
     }
     s.lift = map.number("lift_mm", s.lift, {-60, 60, millimetre});
     s.advance = map.number("advance_mm", s.advance, {-200, 200, millimetre});
+    s.withdraw = map.number("withdraw_mm", s.withdraw, {0, 200, millimetre});
     s.depth_at_lip = map.number("depth_at_lip_mm", s.depth_at_lip, {0, 200, millimetre});
     s.depth_by_rule = map.flag("depth_by_rule", s.depth_by_rule);
     if (s.depth_by_rule && map.has("depth_at_lip_mm")) {
@@ -102,6 +103,22 @@ Track read_track(YamlMap& root, Tool tool) {
     return track;
 }
 
+Variation read_variation(YamlMap& map) {
+    Variation v;
+    v.tremor = map.number("tremor_mm", v.tremor, {0, 5, millimetre});
+    v.reaction = map.number("reaction_s", v.reaction, {0, 5});
+    v.path = map.number("path_mm", v.path, {0, 30, millimetre});
+    v.speed = map.number("speed", v.speed, {0, 2});
+    v.pause = map.number("pause_s", v.pause, {0, 10});
+    v.lift = map.number("lift", v.lift, {0, 1});
+    v.lever = map.number("lever_deg", v.lever, {0, 45, degree});
+    v.view = map.number("view", v.view, {0, 1});
+    v.steering = map.number("steering", v.steering, {0, 1});
+    v.depth = map.number("depth_mm", v.depth, {0, 50, millimetre});
+    map.finish();
+    return v;
+}
+
 }  // namespace
 
 OperatorScript load_operator(const std::filesystem::path& file) {
@@ -120,6 +137,11 @@ OperatorScript parse_operator(const std::string& text, const std::filesystem::pa
     script.tube = read_track(root, Tool::tube);
     script.laryngoscope.weight = script.tube.weight = root.number("patient_weight_kg", 0.0f, {0.5f, 4.5f});
     script.laryngoscope.lean = root.number("lean_mm", 0.0f, {0, 20, millimetre});
+    script.skill = root.number("skill", script.skill, {0, 1});
+    script.attempts = root.whole("attempts", script.attempts, 1, most_attempts);
+    if (auto variation = root.map("variation")) {
+        script.variation = read_variation(*variation);
+    }
     root.finish();
     if (script.laryngoscope.stages.empty() && script.tube.stages.empty()) {
         root.refuse("laryngoscope", "no stages for either hand",

@@ -43,6 +43,9 @@ struct Stage {
     bool keep = false;    ///< start from the previous stage's target and only add the below
     float lift = 0.0f;    ///< [m], along the handle
     float advance = 0.0f;  ///< [m], along the tool's axis; a tube may so be pushed past its landmark
+    /// [m], draws the tool back along its axis until its tip lies so far before the mouth opening; what lies
+    /// there already stays; negative: not
+    float withdraw = -1.0f;
     float depth_at_lip =
         -1.0f;  ///< [m], slides the tool along its axis until so much lies past the mouth opening
     bool depth_by_rule = false;  ///< the same with the rule's depth, once that is known
@@ -69,6 +72,22 @@ struct Track {
     float weight = 0.0f;
     /// [m], how far a laryngoscope's hand leans sideways, at most, against what pushes the tip aside.
     float lean = 0.0f;
+    float steering = 1.0f;  ///< share of what is seen of a steered tip's error that the hand makes up
+};
+
+/// By how much a hand without any skill strays from its script; one of skill s by (1 - s) of it. All of it is
+/// chosen; docs/operators/skill.md says how it is drawn.
+struct Variation {
+    float tremor = 0.3e-3f;  ///< [m], RMS, on top
+    float reaction = 0.4f;   ///< [s], on top
+    float path = 3e-3f;      ///< [m], standard deviation of each coordinate of what is aimed at
+    float speed = 0.4f;      ///< standard deviation of the speeds' logarithms, and how much slower they are
+    float pause = 0.8f;      ///< [s], mean hesitation after each stage
+    float lift = 0.6f;       ///< standard deviation of the share of the lift that is missing
+    float lever = 0.2618f;   ///< [rad], standard deviation of the levering on the gum on top
+    float view = 0.8f;       ///< largest share of the wanted view that is done without
+    float steering = 1.0f;   ///< largest share of the tube's error that is left as it is
+    float depth = 15e-3f;    ///< [m], standard deviation of how deep the tube is taken to be
 };
 
 /// A scripted operator: a track for each hand, tremor, and the hand's impedance.
@@ -80,7 +99,12 @@ struct OperatorScript {
     float tremor = 0.0f;    ///< [m], RMS of the hand's physiological tremor (8-12 Hz)
     float reaction = 0.2f;  ///< [s], delay before a stage reacts to what is seen
     std::uint64_t seed = 1;
+    float skill = 1.0f;  ///< 0 to 1; 1 plays the script as it is written
+    int attempts = 1;    ///< at most so many, while the tube does not lie in the trachea
+    Variation variation;
 };
+
+inline constexpr int most_attempts = 9;
 
 /// Reads and validates a script. Throws InputError; nothing is half-configured.
 [[nodiscard]] OperatorScript load_operator(const std::filesystem::path& file);

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "common/operator/skill.hpp"
 
 namespace eti {
 
@@ -19,6 +22,14 @@ constexpr double correction_time = 0.3;     // [s], in which a hand makes up for
 constexpr float most_steering = 8e-3f;      // [m], of the tip
 constexpr float corrected_within = 20e-3f;  // [m], of the tip from its aim
 constexpr float least_swing = 3e-3f;        // [m]; rolling a straighter tube would not steer it
+// From attempt to attempt: the tube lies in the trachea from where an attempt counts as a success, and a tool
+// is out of the mouth where it cannot count as within, with room to spare (chosen).
+constexpr float placed_depth = 10e-3f;    // [m] past the glottis
+constexpr float blade_out = 30e-3f;       // [m], of a point of the blade from the mouth opening
+constexpr float shortest_blade = 0.076f;  // [m], where that point lies: a longer blade's tip is nearer
+constexpr float tube_out = 20e-3f;        // [m]
+constexpr double breather = 1.0;          // [s], between attempts
+constexpr double patience = 30.0;         // [s], for the other hand
 // A hand without a track holds its tool here, clear of the patient [m].
 const Vec3f parked(0.0f, -0.3f, 0.2f);
 
@@ -57,11 +68,34 @@ Mat3f axes_from(const Vec3f& direction) {
     return axes;
 }
 
+std::vector<Track> tracks_of(const std::vector<OperatorScript>& attempts, Tool tool) {
+    std::vector<Track> tracks;
+    for (const OperatorScript& attempt : attempts) {
+        tracks.push_back(tool == Tool::tube ? attempt.tube : attempt.laryngoscope);
+    }
+    return tracks;
+}
+
 }  // namespace
+
+TrackPlayer::TrackPlayer(const OperatorScript& script, Tool tool, float tool_length, float curvature,
+                         std::uint64_t seed)
+    : TrackPlayer(attempts_of(script, seed), tool, tool_length, curvature,
+                  // Each hand has a tremor of its own.
+                  seed + (tool == Tool::tube ? 1 : 0)) {}
+
+TrackPlayer::TrackPlayer(const std::vector<OperatorScript>& attempts, Tool tool, float tool_length,
+                         float curvature, std::uint64_t seed)
+    : TrackPlayer(tracks_of(attempts, tool), tool_length, attempts.front().tremor, attempts.front().reaction,
+                  seed, curvature) {}
 
 TrackPlayer::TrackPlayer(const Track& track, float tool_length, float tremor, float reaction,
                          std::uint64_t seed, float curvature)
-    : track_(track), tool_length_(tool_length), curvature_(curvature), reaction_(reaction) {
+    : TrackPlayer(std::vector<Track>{track}, tool_length, tremor, reaction, seed, curvature) {}
+
+TrackPlayer::TrackPlayer(std::vector<Track> attempts, float tool_length, float tremor, float reaction,
+                         std::uint64_t seed, float curvature)
+    : attempts_(std::move(attempts)), tool_length_(tool_length), curvature_(curvature), reaction_(reaction) {
     tip_ = along_tool(tool_length);
     nominal_.translation = parked;
     // A sum of sines is a function of time alone, so the tremor does not depend on the rate of calls.
@@ -85,14 +119,14 @@ float TrackPlayer::length_until(const RigidTransform& pose, const Vec3f& point) 
 
 Vec3f TrackPlayer::tip_target(const Stage& stage, const Observation& observation,
                               const Landmarks& points) const {
-    return at(points, stage.tip_at) + size_of(observation, track_.weight) * stage.tip_offset +
+    return at(points, stage.tip_at) + size_of(observation, track().weight) * stage.tip_offset +
            stage.tip_fixed_offset;
 }
 
 RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& observation,
                                       const Landmarks& points, const RigidTransform& previous) const {
     RigidTransform pose = previous;
-    const float size = size_of(observation, track_.weight);
+    const float size = size_of(observation, track().weight);
     if (!stage.keep) {
         const Vec3f from =
             at(points, stage.axis_from) + size * stage.axis_from_offset + stage.axis_from_fixed_offset;
@@ -118,11 +152,15 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
         const float outside = length_until(pose, at(points, Landmark::mouth_opening));
         pose = pose * along_tool(outside - (tool_length_ - depth));
     }
+    if (stage.withdraw >= 0.0f) {
+        const float outside = length_until(pose, at(points, Landmark::mouth_opening));
+        pose = pose * along_tool(std::min(0.0f, outside - tool_length_ - stage.withdraw));
+    }
     return pose;
 }
 
 void TrackPlayer::begin_stage(const Observation& observation) {
-    const Stage& stage = track_.stages[stage_];
+    const Stage& stage = track().stages[stage_];
     from_ = nominal_;
     seen_ = observation.landmarks;
     target_ = target_of(stage, observation, seen_, target_);
@@ -151,7 +189,7 @@ float TrackPlayer::blade_past(const Stage& stage, const Observation& observation
 }
 
 bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observation) {
-    const float size = size_of(observation, track_.weight);
+    const float size = size_of(observation, track().weight);
     const bool now =
         (stage.until_view_percent < 0.0f ||
          observation.glottic_opening_percent >= stage.until_view_percent) &&
@@ -159,7 +197,8 @@ bool TrackPlayer::conditions_met(const Stage& stage, const Observation& observat
          observation.tube_depth_past_glottis >= size * stage.until_tube_depth) &&
         (stage.until_tube_aside < 0.0f || aside_.norm() <= stage.until_tube_aside) &&
         (stage.until_blade_past < 0.0f || blade_past(stage, observation) >= size * stage.until_blade_past) &&
-        (stage.until_time < 0.0f || observation.time >= static_cast<double>(stage.until_time));
+        (stage.until_time < 0.0f ||
+         observation.time - attempt_began_ >= static_cast<double>(stage.until_time));
     if (!now) {
         met_since_ = -1.0;
         return false;
@@ -200,7 +239,7 @@ void TrackPlayer::steer(const Stage& stage, const Observation& observation) {
     if (to_aim.norm() > corrected_within || observation.tube_depth_past_glottis > 0.0f) {
         return;
     }
-    steered_ += correction(observation) * aside_;
+    steered_ += track().steering * correction(observation) * aside_;
     steered_ *= std::min(1.0f, most_steering / std::max(steered_.norm(), 1e-9f));
 }
 
@@ -227,24 +266,27 @@ void TrackPlayer::lean(const Observation& observation) {
     // Farther off, the blade is not where the hand holds it, or is not seen yet.
     if (missed.norm() < corrected_within) {
         leaning_ += correction(observation) * missed.dot(nominal_.rotation * Vec3f::UnitX());
-        leaning_ = std::clamp(leaning_, -track_.lean, track_.lean);
+        leaning_ = std::clamp(leaning_, -track().lean, track().lean);
     }
 }
 
 RigidTransform TrackPlayer::wanted(const Observation& observation) {
-    if (track_.stages.empty()) {
+    if (track().stages.empty()) {
         return nominal_;
     }
+    if (stages_done() && !finished()) {
+        try_again(observation);
+    }
     if (!placed_) {
-        target_ = target_of(track_.stages.front(), observation, observation.landmarks, {});
+        target_ = target_of(track().stages.front(), observation, observation.landmarks, {});
         nominal_ = target_ * along_tool(-way_in);
         placed_ = true;
     }
-    if (!finished()) {
+    if (!stages_done()) {
         if (!begun_) {
             begin_stage(observation);
         }
-        const Stage& stage = track_.stages[stage_];
+        const Stage& stage = track().stages[stage_];
         if (stage.follow && !stage.keep) {
             follow(stage, observation);
         }
@@ -268,15 +310,15 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
             } else if (met && waited >= static_cast<double>(stage.hold)) {
                 next_stage();
             } else if (!met && waited >= static_cast<double>(stage.timeout)) {
-                if (stage.abort_on_timeout && stage_ + 1 < track_.stages.size()) {
+                if (stage.abort_on_timeout && stage_ + 1 < track().stages.size()) {
                     gave_up_ = true;
-                    stage_ = track_.stages.size() - 2;
+                    stage_ = track().stages.size() - 2;
                 }
                 next_stage();
             }
         }
     }
-    if (track_.lean > 0.0f) {
+    if (track().lean > 0.0f) {
         lean(observation);
     }
     last_time_ = observation.time;
@@ -296,13 +338,45 @@ void TrackPlayer::next_stage() {
     begun_ = false;
 }
 
+// Each hand decides by what both see, so that it does not matter whether one process holds both.
+void TrackPlayer::try_again(const Observation& observation) {
+    if (waits_since_ < 0.0) {
+        waits_since_ = observation.time;
+    }
+    over_ = observation.tube_depth_past_glottis >= placed_depth || observation.time - waits_since_ > patience;
+    const Vec3f& mouth = at(observation.landmarks, Landmark::mouth_opening);
+    const Vec3f blade = observation.proxy * Vec3f(0.0f, 0.0f, shortest_blade);
+    const float size = size_of(observation, track().weight);
+    // The tube goes first: the blade's hand waits until that is out.
+    const bool drawn_back = draws_back() || (observation.tube_tip - mouth).norm() > tube_out;
+    if (over_ || !drawn_back || (blade - mouth).norm() < size * blade_out) {
+        clear_since_ = -1.0;
+        return;
+    }
+    if (clear_since_ < 0.0) {
+        clear_since_ = observation.time;
+    }
+    if (observation.time - clear_since_ >= breather) {
+        ++attempt_;
+        stage_ = 0;
+        begun_ = gave_up_ = false;
+        waits_since_ = clear_since_ = -1.0;
+        attempt_began_ = observation.time;
+    }
+}
+
+bool TrackPlayer::draws_back() const {
+    const std::vector<Stage>& next = attempts_[attempt_ + 1].stages;
+    return !next.empty() && next.front().withdraw >= 0.0f;
+}
+
 bool TrackPlayer::finished() const {
-    return stage_ >= track_.stages.size();
+    return stages_done() && (over_ || attempt_ + 1 == attempts_.size());
 }
 
 const std::string& TrackPlayer::stage_name() const {
-    static const std::string none = "finished";
-    return finished() ? none : track_.stages[stage_].name;
+    static const std::string none = "finished", between_attempts = "between attempts";
+    return finished() ? none : stages_done() ? between_attempts : track().stages[stage_].name;
 }
 
 }  // namespace eti

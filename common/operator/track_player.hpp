@@ -5,19 +5,27 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "common/math/random.hpp"
 #include "common/operator/operator.hpp"
 
 namespace eti {
 
-/// Plays one track of a script: turns what is observed into the pose the hand wants.
+/// Plays one hand of a script: turns what is observed into the pose the hand wants.
 /// Deterministic in script, seed and observations. The pose is that of the tool's frame
 /// (laryngoscope: see Laryngoscope; tube: grip, see Tube).
 class TrackPlayer {
   public:
-    /// `tool_length` [m]: from the tool frame's origin along the tool to its tip (blade length; grip to tip).
-    /// `curvature` [1/m]: of the tool towards +y; 0 for a blade, 1 / curve_radius for a tube.
+    /// Plays the hand of `tool` in the attempts of a script, one after another while the tube does not lie in
+    /// the trachea at an attempt's end. `seed`: of the tremors and of how the attempts stray.
+    /// `tool_length`, `curvature`: as below.
+    TrackPlayer(const OperatorScript& script, Tool tool, float tool_length, float curvature,
+                std::uint64_t seed);
+
+    /// Plays one track. `tool_length` [m]: from the tool frame's origin along the tool to its tip (blade
+    /// length; grip to tip). `curvature` [1/m]: of the tool towards +y; 0 for a blade, 1 / curve_radius for a
+    /// tube.
     TrackPlayer(const Track& track, float tool_length, float tremor, float reaction, std::uint64_t seed,
                 float curvature = 0.0f);
 
@@ -25,6 +33,8 @@ class TrackPlayer {
     [[nodiscard]] RigidTransform wanted(const Observation& observation);
 
     [[nodiscard]] bool finished() const;
+    /// Which attempt it is, from 1.
+    [[nodiscard]] std::size_t attempt() const { return attempt_ + 1; }
     [[nodiscard]] bool gave_up() const { return gave_up_; }
     [[nodiscard]] const std::string& stage_name() const;
 
@@ -56,8 +66,21 @@ class TrackPlayer {
     void lean(const Observation& observation);
     [[nodiscard]] RigidTransform steered(const RigidTransform& pose, const Observation& observation) const;
     void next_stage();
+    /// Begins the next attempt where this one came to nothing.
+    void try_again(const Observation& observation);
+    /// Whether the next attempt of this hand begins by taking its tool out of the mouth.
+    [[nodiscard]] bool draws_back() const;
+    [[nodiscard]] const Track& track() const { return attempts_[attempt_]; }
+    [[nodiscard]] bool stages_done() const { return stage_ >= track().stages.size(); }
 
-    Track track_;
+    TrackPlayer(const std::vector<OperatorScript>& attempts, Tool tool, float tool_length, float curvature,
+                std::uint64_t seed);
+    /// Tracks of the attempts, at least one.
+    TrackPlayer(std::vector<Track> attempts, float tool_length, float tremor, float reaction,
+                std::uint64_t seed, float curvature);
+
+    std::vector<Track> attempts_;  // never empty
+    std::size_t attempt_ = 0;
     float tool_length_;
     float curvature_;
     RigidTransform tip_;  // tool frame: the tip, +z where it points
@@ -76,6 +99,10 @@ class TrackPlayer {
     double started_ = 0.0, duration_ = 0.0;  // [s], of the current stage's motion
     double met_since_ = -1.0;                // [s], when the until conditions began to hold
     double last_time_ = 0.0;
+    bool over_ = false;           // no further attempt is needed
+    double attempt_began_ = 0.0;  // [s]
+    double waits_since_ = -1.0;   // [s], for what decides on a further attempt
+    double clear_since_ = -1.0;   // [s], since both tools have been out of the mouth
 };
 
 }  // namespace eti

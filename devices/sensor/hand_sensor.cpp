@@ -17,18 +17,11 @@ constexpr double session_gap = 0.5;         // [s]
 constexpr float longest_step = 1e-3f;       // [s], of the simulated device
 constexpr float longest_catch_up = 20e-3f;  // [s], after a late cycle; beyond it the device stood still
 
-// One script holds both hands; each has its own tremor.
-std::uint64_t seed_of(const SensorSetup& setup) {
-    return setup.script->seed + (setup.tool == Tool::tube ? 1 : 0);
-}
-
 std::optional<TrackPlayer> player_of(const SensorSetup& setup) {
     if (!setup.script) {
         return std::nullopt;
     }
-    const Track& track = setup.tool == Tool::tube ? setup.script->tube : setup.script->laryngoscope;
-    return TrackPlayer(track, setup.tool_length, setup.script->tremor, setup.script->reaction, seed_of(setup),
-                       setup.curvature);
+    return TrackPlayer(*setup.script, setup.tool, setup.tool_length, setup.curvature, setup.script->seed);
 }
 
 RigidTransform first_pose(std::optional<TrackPlayer>& player, const SensorSetup& setup) {

@@ -15,9 +15,8 @@ constexpr int ticks_per_step = 6;
 
 LocalOperator::LocalOperator(const OperatorScript& script, const Laryngoscope& scope, const Tube& tube,
                              std::uint64_t seed, const Observation& start)
-    : blade_track_(script.laryngoscope, scope.blade_length, script.tremor, script.reaction, seed),
-      tube_track_(script.tube, tube.grip_from_tip, script.tremor, script.reaction, seed + 1,
-                  1.0f / tube.curve_radius),
+    : blade_track_(script, Tool::laryngoscope, scope.blade_length, 0.0f, seed),
+      tube_track_(script, Tool::tube, tube.grip_from_tip, 1.0f / tube.curve_radius, seed),
       blade_hand_(HandSettings{}, blade_track_.wanted(start)),
       tube_hand_(HandSettings{}, tube_track_.wanted(start)) {}
 

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "common/bus/command_line.hpp"
+#include "common/operator/operator.hpp"
 #include "common/process/command_line.hpp"
 #include "server/app/describe.hpp"
 
@@ -30,8 +31,15 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->capture_default_str();
-    app.add_option("--operator", options.operator_name,
-                   "Scripted operator by name or path; without it the hands come over the bus");
+    CLI::Option* const hands =
+        app.add_option("--operator", options.operator_name,
+                       "Scripted operator by name or path; without it the hands come over the bus");
+    add_number(app, "--operator-skill", options.skill,
+               "How well it plays its script, from --seed; 1: as it is written", {0, 1})
+        ->needs(hands);
+    add_number(app, "--operator-attempts", options.attempts,
+               "How often it tries at most, while the tube does not lie in the trachea", {1, most_attempts})
+        ->needs(hands);
     app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)")
         ->check([](const std::string& file) {
             return file.empty()

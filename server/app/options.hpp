@@ -16,6 +16,8 @@ namespace eti::app {
 struct Options {
     std::vector<std::string> scenarios{"term"};  ///< one session after another; never empty
     std::string operator_name;                   ///< empty: the hands come over the bus
+    std::optional<float> skill;                  ///< of that operator, instead of its file's
+    std::optional<int> attempts;                 ///< the same
     std::filesystem::path record;                ///< empty: no session file
     std::string participant;                     ///< pseudonym, for the session file
     bus::Options bus{.name = std::string(bus::server_name)};

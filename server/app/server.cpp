@@ -88,6 +88,8 @@ class Session {
         std::optional<OperatorScript>& script = script_;
         if (!options.operator_name.empty()) {
             script = load_operator(find_data_file(options.operator_name, "operators"));
+            script->skill = options.skill.value_or(script->skill);
+            script->attempts = options.attempts.value_or(script->attempts);
         }
         if (options.with_bus) {
             const RealTimeThreads real_time(priority::bus, live_);
@@ -114,6 +116,9 @@ class Session {
                 script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
             info.more[session::participant_text] = options.participant;
+            if (script) {
+                info.more[session::skill_text] = fmt::format("{:g}", script->skill);
+            }
             recorder_.emplace(options.record, std::move(info), patient_, simulation_->scope(), scenario_,
                               simulation_->snapshot(), options.fast);
             spdlog::info("recording to {}", options.record.string());

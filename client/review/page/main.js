@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
-import { eventList, outcomes, parameterTable, practice } from "./summary.js";
+import { eventList, outcomes, parameterTable, practice, scores } from "./summary.js";
 import { element } from "./element.js";
 import { Timeline } from "./timeline.js";
 import { anatomySection } from "./anatomy.js";
@@ -22,7 +22,7 @@ followers.push((time, session) => timeline.mark(time, session));
 const anatomy = anatomySection(data.sessions, seek);
 page.append(anatomy.section);
 followers.push(anatomy.seek);
-page.append(parameterTable(data), eventList(data.sessions, seek));
+page.append(scores(data), parameterTable(data), eventList(data.sessions, seek));
 page.append(element("p", { class: "soft" },
   `NeoETI ${data.program}. Not a medical device; does not certify skill. This page fetches nothing and sends nothing.`));
 timeline.draw();

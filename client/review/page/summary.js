@@ -58,6 +58,31 @@ export function practice({ sessions, fields }, seek) {
   return section;
 }
 
+/// What the automatic score makes of each session, and from what.
+export function scores({ sessions }) {
+  const columns = element("div", { class: "columns" });
+  sessions.forEach((session, index) => {
+    const { score } = session;
+    const column = element("div", {}, sessions.length > 1 ? element("h3", {}, sessionName(session, index, sessions.length)) : null);
+    columns.append(column);
+    if (!score) {
+      column.append(element("p", {}, "Not scored, as the outcome is unknown."));
+      return;
+    }
+    const shown = score.contributions.filter((one) => one.measured && Math.abs(one.log_odds) >= 0.05);
+    column.append(
+      element("p", { class: "outcome", "data-grade": score.grade }, `${score.grade.toFixed(1)} of ${score.of}`),
+      element("p", { class: "soft" }, score.statement),
+      element("table", {}, element("tbody", {}, ...shown.map((one) => element("tr", { "data-contribution": one.key },
+        element("td", {}, one.label),
+        element("td", { class: "number" }, `${one.log_odds < 0 ? "−" : "+"}${Math.abs(one.log_odds).toFixed(2)}`))))));
+  });
+  return element("section", { id: "score" }, element("h2", {}, "Automatic score"),
+    element("p", { class: "soft" }, "What each parameter contributes, in log odds of a better grade: above 0 it speaks for the ",
+      "session, against the average of those that the score learnt from. They add up to the score."),
+    columns);
+}
+
 /// A column for each run, or for run and attempts of a single session.
 export function parameterTable({ sessions, fields }) {
   const [first] = sessions;

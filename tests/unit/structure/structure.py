@@ -59,6 +59,7 @@ LIBRARIES = (
     # How many threads it may use is app's to say.
     (re.compile(r"tbb/(?!global_control)"), ("server/parallel",), "oneTBB"),
     (re.compile(r"boost/"), ("client/review",), "Boost"),
+    (re.compile(r"nlopt"), ("client/review",), "NLopt"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
 )
 

@@ -9,6 +9,7 @@
 
 #include "client/review/export.hpp"
 #include "client/review/report.hpp"
+#include "common/scenario/scenario.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
@@ -145,7 +146,8 @@ TEST_F(Report, ThePageHoldsItsSessionsAndReplacesNone) {
     }
     record(100, [](std::uint64_t, session::StepRecord&) {});
     const auto never = [] { return false; };
-    const auto page = write_report({path, path}, folder / "out", never);
+    const ScoreModel score = load_score(find_data_file("scripted", "scores"));
+    const auto page = write_report({path, path}, folder / "out", score, never);
     std::stringstream text;
     text << std::ifstream(page).rdbuf();
     const std::string_view begins = "<script type=\"application/json\" id=\"sessions\">";
@@ -153,9 +155,10 @@ TEST_F(Report, ThePageHoldsItsSessionsAndReplacesNone) {
     const auto data =
         nlohmann::ordered_json::parse(text.str().substr(from, text.str().find("</script>", from) - from));
     EXPECT_EQ(data["sessions"].size(), 2u);
+    EXPECT_TRUE(data["sessions"][0]["score"].is_null()) << "of an outcome that is unknown";
     EXPECT_EQ(data["fields"].size(), parameter_fields.size());
-    EXPECT_THROW(write_report({path}, folder / "out", never), ExportError);
-    EXPECT_TRUE(write_report({path}, folder / "stopped", [] { return true; }).empty());
+    EXPECT_THROW(write_report({path}, folder / "out", score, never), ExportError);
+    EXPECT_TRUE(write_report({path}, folder / "stopped", score, [] { return true; }).empty());
 }
 
 }  // namespace

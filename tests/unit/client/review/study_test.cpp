@@ -77,6 +77,33 @@ TEST_F(StudyFile, ParticipantsGoThroughConditionsInTurn) {
     EXPECT_EQ(plan_of(listed)[2].condition->name, "term");
 }
 
+TEST_F(StudyFile, SkillGoesEvenlyFromTheFirstToTheLast) {
+    const Study study = load(
+        "name: s\nconditions: [{scenario: term}]\n"
+        "participants: [{count: 3, operator: expert, skill: 0.5, skill_to: 1, attempts: 2}, {operator: "
+        "expert, skill: 0.25}, {}]\n");
+    ASSERT_EQ(study.participants.size(), 5u);
+    const float skills[] = {0.5f, 0.75f, 1.0f, 0.25f};
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(study.participants[i].skill, skills[i]);
+    }
+    EXPECT_EQ(study.participants[2].attempts, 2);
+    EXPECT_EQ(study.participants[3].attempts, std::nullopt);
+    EXPECT_EQ(study.participants[4].skill, std::nullopt);
+    EXPECT_NE(
+        refusal("conditions: [{scenario: term}]\nparticipants: [{skill: 0.5}]\n").find("people have a skill"),
+        std::string::npos);
+}
+
+TEST_F(StudyFile, AScenarioMayLieBesideTheStudy) {
+    const auto scenario = file.parent_path() / ("eti_beside_" + std::to_string(::getpid()) + ".yaml");
+    std::ofstream(scenario) << "{}\n";
+    const Study study = load("conditions: [{name: here, scenario: " + scenario.filename().string() +
+                             "}]\nparticipants: [{}]\n");
+    std::filesystem::remove(scenario);
+    EXPECT_EQ(study.conditions[0].scenario, scenario.string());
+}
+
 TEST_F(StudyFile, MistakesAreNamed) {
     const std::string sound = "conditions: [{scenario: term}]\nparticipants: [{count: 2}]\n";
     EXPECT_EQ(refusal(sound), "");

@@ -81,7 +81,8 @@ TEST(Documentation, ListsEveryKeyOfAnOperatorAndNoOther) {
     for (const std::string group : {"tip", "axis", "until"}) {
         add_known(known, group + ".", stage + group + ": {zzz: 1}\n", parse_operator);
     }
-    remove(known, {"tip", "axis", "until"});
+    add_known(known, "variation.", stage + "hold_s: 1\nvariation: {zzz: 1}\n", parse_operator);
+    remove(known, {"tip", "axis", "until", "variation"});
     std::set<std::string> keys = documented(page("operators/keys.md"));
     EXPECT_EQ(keys, known);
 }

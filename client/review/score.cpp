@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/review/score.hpp"
+
+#include <fmt/format.h>
+#include <nlopt.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <set>
+
+#include "client/review/summary.hpp"
+#include "common/session/record.hpp"
+
+namespace eti::review {
+
+namespace {
+
+constexpr std::size_t cuts = grades - 1;
+constexpr int good = 4;  // from this grade on a session counts as good
+constexpr std::size_t folds = 5;
+
+// Nothing of the outcome itself: whether the trachea was intubated is said beside the score.
+constexpr ScoreFeature features[] = {
+    {"gum_force_n.max", true},
+    {"gum_force_n.mean", true},
+    {"tongue_force_n.max", true},
+    {"epiglottis_force_n.max", true},
+    {"blade_depth_cm.max"},
+    {"pitch_peaks"},
+    {"yaw_peaks"},
+    {"pitch_rocking_deg", true},
+    {"yaw_rocking_deg", true},
+    {"attempts"},
+    {"time_s", true},
+    {"time_to_first_view_s", true},
+    {"glottic_opening_percent.mean"},
+    {"view_held_s", true},
+    {"tube_speed_cm_per_s.max", true},
+    {"oesophageal_entries"},
+    {"main_stem_entries"},
+    {"tube_depth_at_lip_cm", false, "tube_depth_rule_cm"},
+    {"blade_path_length_cm", true},
+    {"blade_smoothness"},
+};
+constexpr std::size_t feature_count = std::size(features);
+
+double parameter(const Parameters& parameters, std::string_view key) {
+    return parameters.*std::ranges::find(parameter_fields, key, &ParameterField::key)->value;
+}
+
+double logistic(double x) {
+    return 1.0 / (1.0 + std::exp(-x));
+}
+
+/// In deviations from the training's mean; 0 where the value does not exist.
+double standardised(const ScoreModel::Weight& weight, double value) {
+    return std::isnan(value) ? 0.0
+                             : (std::clamp(value, weight.low, weight.high) - weight.mean) / weight.deviation;
+}
+
+/// Chances of each grade at log odds `eta`.
+std::array<double, grades> chances(double eta, const std::array<double, cuts>& thresholds) {
+    std::array<double, grades> chance{};
+    double below = 0.0;
+    for (std::size_t k = 0; k < cuts; ++k) {
+        const double until = logistic(thresholds[k] - eta);
+        chance[k] = until - below;
+        below = until;
+    }
+    chance[cuts] = 1.0 - below;
+    return chance;
+}
+
+/// What is minimised: standardised features (a row each), grades, penalty.
+struct Problem {
+    std::vector<double> rows;
+    std::vector<int> grade;
+    double penalty = 1.0;
+};
+
+std::array<double, cuts> thresholds_from(const double* x) {
+    // The first, then how far each lies above the one before, as a logarithm: they cannot cross.
+    std::array<double, cuts> thresholds{};
+    thresholds[0] = x[0];
+    for (std::size_t k = 1; k < cuts; ++k) {
+        thresholds[k] = thresholds[k - 1] + std::exp(x[k]);
+    }
+    return thresholds;
+}
+
+/// Minus the log likelihood and its gradient: thresholds first, then weights.
+double objective(unsigned count, const double* x, double* gradient, void* data) {
+    const Problem& problem = *static_cast<const Problem*>(data);
+    const std::array<double, cuts> thresholds = thresholds_from(x);
+    const double* const weights = x + cuts;
+    double sum = 0.0;
+    std::array<double, cuts> by_threshold{};
+    if (gradient != nullptr) {
+        std::fill_n(gradient, count, 0.0);
+    }
+    for (std::size_t i = 0; i < problem.grade.size(); ++i) {
+        const double* const row = problem.rows.data() + i * feature_count;
+        const double eta = std::inner_product(row, row + feature_count, weights, 0.0);
+        const auto y = static_cast<std::size_t>(problem.grade[i] - 1);
+        const double upper = y < cuts ? logistic(thresholds[y] - eta) : 1.0;
+        const double lower = y > 0 ? logistic(thresholds[y - 1] - eta) : 0.0;
+        const double chance = std::max(upper - lower, 1e-300);
+        sum -= std::log(chance);
+        if (gradient == nullptr) {
+            continue;
+        }
+        const double at_upper = upper * (1.0 - upper) / chance, at_lower = lower * (1.0 - lower) / chance;
+        if (y < cuts) {
+            by_threshold[y] -= at_upper;
+        }
+        if (y > 0) {
+            by_threshold[y - 1] += at_lower;
+        }
+        for (std::size_t j = 0; j < feature_count; ++j) {
+            gradient[cuts + j] += (at_upper - at_lower) * row[j];
+        }
+    }
+    for (std::size_t j = 0; j < feature_count; ++j) {
+        sum += 0.5 * problem.penalty * weights[j] * weights[j];
+        if (gradient != nullptr) {
+            gradient[cuts + j] += problem.penalty * weights[j];
+        }
+    }
+    if (gradient != nullptr) {
+        // Each threshold moves all above it.
+        double above = 0.0;
+        for (std::size_t k = cuts; k-- > 0;) {
+            above += by_threshold[k];
+            gradient[k] = k == 0 ? above : above * std::exp(x[k]);
+        }
+    }
+    return sum;
+}
+
+ScoreModel::Weight scale_of(const ScoreFeature& feature, std::span<const Example> examples) {
+    std::vector<double> values;
+    for (const Example& example : examples) {
+        if (const double value = value_of(feature, example.parameters); std::isfinite(value)) {
+            values.push_back(value);
+        }
+    }
+    ScoreModel::Weight weight;
+    if (values.empty()) {
+        return weight;
+    }
+    const auto n = static_cast<double>(values.size());
+    weight.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    double squares = 0.0;
+    for (const double value : values) {
+        squares += (value - weight.mean) * (value - weight.mean);
+    }
+    const auto [low, high] = std::ranges::minmax(values);
+    weight.low = low;
+    weight.high = high;
+    // What never varies says nothing.
+    weight.deviation = high > low ? std::sqrt(squares / n) : 1.0;
+    return weight;
+}
+
+double mean_grade(std::span<const Example> examples) {
+    double sum = 0.0;
+    for (const Example& example : examples) {
+        sum += example.grade;
+    }
+    return sum / static_cast<double>(examples.size());
+}
+
+/// Ranks from 1; equal values share the mean of theirs.
+std::vector<double> ranks(const std::vector<double>& values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, {}, [&](std::size_t i) { return values[i]; });
+    std::vector<double> rank(values.size());
+    for (std::size_t from = 0; from < order.size();) {
+        std::size_t to = from + 1;
+        while (to < order.size() && values[order[to]] == values[order[from]]) {
+            ++to;
+        }
+        for (std::size_t i = from; i < to; ++i) {
+            rank[order[i]] = 0.5 * static_cast<double>(from + 1 + to);
+        }
+        from = to;
+    }
+    return rank;
+}
+
+double correlation(const std::vector<double>& x, const std::vector<double>& y) {
+    const auto n = static_cast<double>(x.size());
+    const double mx = std::accumulate(x.begin(), x.end(), 0.0) / n;
+    const double my = std::accumulate(y.begin(), y.end(), 0.0) / n;
+    double xx = 0.0, yy = 0.0, xy = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        xx += (x[i] - mx) * (x[i] - mx);
+        yy += (y[i] - my) * (y[i] - my);
+        xy += (x[i] - mx) * (y[i] - my);
+    }
+    return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : 0.0;
+}
+
+double chance_of_good(const Score& score) {
+    return std::accumulate(score.chance.begin() + (good - 1), score.chance.end(), 0.0);
+}
+
+}  // namespace
+
+std::span<const ScoreFeature> score_features() {
+    return features;
+}
+
+double value_of(const ScoreFeature& feature, const Parameters& parameters) {
+    double value = parameter(parameters, feature.key);
+    if (!feature.less.empty()) {
+        value = std::abs(value - parameter(parameters, feature.less));
+    }
+    return feature.logarithm ? std::log1p(std::max(0.0, value)) + (std::isnan(value) ? value : 0.0) : value;
+}
+
+Score score_of(const ScoreModel& model, const Parameters& parameters) {
+    Score score;
+    double eta = 0.0;
+    for (std::size_t j = 0; j < feature_count; ++j) {
+        const double value = value_of(features[j], parameters);
+        score.measured.push_back(!std::isnan(value));
+        score.contributions.push_back(model.weights[j].weight * standardised(model.weights[j], value));
+        eta += score.contributions.back();
+    }
+    score.chance = chances(eta, model.thresholds);
+    for (std::size_t k = 0; k < score.chance.size(); ++k) {
+        score.grade += static_cast<double>(k + 1) * score.chance[k];
+    }
+    return score;
+}
+
+ScoreModel fit(std::span<const Example> examples, double penalty) {
+    std::set<int> seen;
+    for (const Example& example : examples) {
+        seen.insert(example.grade);
+    }
+    if (seen.size() < 2) {
+        throw ScoreError(fmt::format(
+            "score: {} sessions of {} different grades; expected are at least two grades: give sessions that "
+            "went differently well",
+            examples.size(), seen.size()));
+    }
+    ScoreModel model;
+    model.penalty = penalty;
+    model.sessions = examples.size();
+    Problem problem;
+    problem.penalty = penalty;
+    for (const ScoreFeature& feature : features) {
+        model.weights.push_back(scale_of(feature, examples));
+    }
+    for (const Example& example : examples) {
+        problem.grade.push_back(example.grade);
+        for (std::size_t j = 0; j < feature_count; ++j) {
+            problem.rows.push_back(standardised(model.weights[j], value_of(features[j], example.parameters)));
+        }
+    }
+    constexpr unsigned unknowns = cuts + feature_count;
+    const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> search(
+        nlopt_create(NLOPT_LD_SLSQP, unknowns), &nlopt_destroy);
+    // A grade that nobody has lets its thresholds fall together, so what keeps them apart has a floor.
+    std::vector<double> low(unknowns, -50.0), high(unknowns, 50.0), x(unknowns, 0.0);
+    std::fill_n(low.begin() + 1, cuts - 1, -10.0);
+    std::fill_n(high.begin() + 1, cuts - 1, 4.0);
+    x[0] = -1.5;
+    nlopt_set_lower_bounds(search.get(), low.data());
+    nlopt_set_upper_bounds(search.get(), high.data());
+    nlopt_set_min_objective(search.get(), objective, &problem);
+    nlopt_set_ftol_rel(search.get(), 1e-12);
+    nlopt_set_maxeval(search.get(), 3000);
+    double least = 0.0;
+    const nlopt_result result = nlopt_optimize(search.get(), x.data(), &least);
+    // Rounding may stop it where nothing can be gained any more.
+    if ((result < 0 && result != NLOPT_ROUNDOFF_LIMITED) || result == NLOPT_MAXEVAL_REACHED ||
+        !std::isfinite(least)) {
+        throw ScoreError(fmt::format(
+            "score: the fit did not come to an end ({}); raise --penalty, or give more sessions than {}",
+            nlopt_result_to_string(result), examples.size()));
+    }
+    model.thresholds = thresholds_from(x.data());
+    for (std::size_t j = 0; j < feature_count; ++j) {
+        model.weights[j].weight = x[cuts + j];
+    }
+    return model;
+}
+
+Judgement judge_score(std::span<const Example> examples, double penalty) {
+    std::set<std::string> patients, persons;
+    for (const Example& example : examples) {
+        patients.insert(example.patient);
+        persons.insert(example.person);
+    }
+    if (patients.size() < 2 || persons.size() < 2) {
+        throw ScoreError(
+            fmt::format("score: {} patients and {} persons; expected are at least two of each, as a score is "
+                        "judged on those that "
+                        "it has not seen: give sessions of more",
+                        patients.size(), persons.size()));
+    }
+    const auto fold_of = [&](const std::string& person) {
+        return static_cast<std::size_t>(std::distance(persons.begin(), persons.find(person))) % folds;
+    };
+    Judgement judgement;
+    std::vector<double> scores, given;
+    std::size_t many = 0;
+    for (const std::string& patient : patients) {
+        for (std::size_t fold = 0; fold < folds; ++fold) {
+            std::vector<Example> seen, held_out;
+            for (const Example& example : examples) {
+                const bool of_patient = example.patient == patient, of_fold = fold_of(example.person) == fold;
+                if (of_patient && of_fold) {
+                    held_out.push_back(example);
+                } else if (!of_patient && !of_fold) {
+                    seen.push_back(example);
+                }
+            }
+            if (held_out.empty()) {
+                continue;
+            }
+            const ScoreModel model = fit(seen, penalty);
+            const double mean = mean_grade(seen);
+            for (const Example& example : held_out) {
+                const Score score = score_of(model, example.parameters);
+                const bool is_good = example.grade >= good;
+                const double chance = chance_of_good(score);
+                scores.push_back(score.grade);
+                given.push_back(example.grade);
+                many += is_good ? 1 : 0;
+                judgement.mean_error += std::abs(score.grade - example.grade);
+                judgement.blind_error += std::abs(mean - example.grade);
+                judgement.right += (chance >= 0.5) == is_good ? 1.0 : 0.0;
+                judgement.brier += std::pow(chance - (is_good ? 1.0 : 0.0), 2);
+                auto& bin =
+                    judgement.calibration[std::min<std::size_t>(static_cast<std::size_t>(chance * 5.0), 4)];
+                ++bin.count;
+                bin.predicted += chance;
+                bin.observed += is_good ? 1.0 : 0.0;
+            }
+        }
+    }
+    const auto n = static_cast<double>(scores.size());
+    judgement.sessions = scores.size();
+    for (double* const sum :
+         {&judgement.mean_error, &judgement.blind_error, &judgement.right, &judgement.brier}) {
+        *sum /= n;
+    }
+    const double share = static_cast<double>(many) / n;
+    judgement.blind_right = std::max(share, 1.0 - share);
+    judgement.rank = correlation(ranks(scores), ranks(given));
+    for (CalibrationBin& bin : judgement.calibration) {
+        if (bin.count > 0) {
+            bin.predicted /= static_cast<double>(bin.count);
+            bin.observed /= static_cast<double>(bin.count);
+        }
+    }
+    return judgement;
+}
+
+std::optional<Example> read_example(const std::filesystem::path& file, const std::string& label) {
+    const Summary summary = summarise(file);
+    const auto text = [&](const char* name) {
+        const auto found = summary.info.more.find(name);
+        return found == summary.info.more.end() ? std::string() : found->second;
+    };
+    if (!summary.has_run) {
+        return std::nullopt;
+    }
+    Example example;
+    example.parameters = summary.run.parameters;
+    example.patient = summary.info.scenario;
+    example.person = text(session::participant_text);
+    if (example.person.empty()) {
+        example.person = fmt::format("{} {}", summary.info.operator_name, summary.info.seed);
+    }
+    double grade = std::numeric_limits<double>::quiet_NaN();
+    if (label == "skill") {
+        const std::string skill = text(session::skill_text);
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(skill.data(), skill.data() + skill.size(), value);
+        if (error == std::errc() && end == skill.data() + skill.size()) {
+            grade = 1.0 + (grades - 1) * value;
+        }
+    } else {
+        double sum = 0.0;
+        int count = 0;
+        for (const session::Rating& rating : summary.ratings) {
+            if (rating.item == label) {
+                sum += rating.score;
+                ++count;
+            }
+        }
+        grade = sum / count;
+    }
+    if (!(grade >= 1.0 && grade <= grades)) {
+        return std::nullopt;
+    }
+    example.grade = static_cast<int>(std::lround(grade));
+    return example;
+}
+
+}  // namespace eti::review

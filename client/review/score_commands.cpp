@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+#include <set>
+
+#include "client/review/output.hpp"
+#include "client/review/ratings.hpp"
+#include "client/review/score.hpp"
+#include "client/review/study_commands.hpp"
+#include "client/review/summary.hpp"
+#include "common/process/command_line.hpp"
+#include "common/process/progress_bar.hpp"
+#include "common/scenario/scenario.hpp"
+
+namespace eti::review {
+
+namespace {
+
+Command add_train(CLI::App& app) {
+    struct Options {
+        std::vector<std::filesystem::path> files;
+        std::string label = "skill", out, html, name = "lab";
+        double penalty = 1.0;
+    };
+    const auto options = std::make_shared<Options>();
+    CLI::App* const command =
+        app.add_subcommand("train",
+                           "Learn a score from graded sessions, and judge it on patients and operators "
+                           "that it has not seen");
+    command->add_option("FILE", options->files, "Session files")->required();
+    command
+        ->add_option("--label", options->label,
+                     "What grades them: skill (of scripted operators), or an item that instructors rated")
+        ->capture_default_str();
+    command->add_option("--out", options->out, "File for the score")->required();
+    command->add_option("--name", options->name, "What the score is called")->capture_default_str();
+    command->add_option("--html", options->html, "Also write how it was judged as a page to this file");
+    add_number(*command, "--penalty", options->penalty, "On the weights' squares; more makes them smaller",
+               {1e-3, 1e3})
+        ->capture_default_str();
+    return {command, [options](bool json) {
+                require_name("--name", options->name);
+                (void)parse_rating(options->label + "=1", "");  // an item's name
+                refuse_existing(options->out, "--out");
+                if (!options->html.empty()) {
+                    refuse_existing(options->html, "--html");
+                }
+                ProgressBar bar;
+                std::vector<Example> examples;
+                std::vector<std::string> left_out;
+                std::size_t read = 0;
+                for (const std::filesystem::path& file : options->files) {
+                    bar.draw(static_cast<float>(read++) / static_cast<float>(options->files.size()),
+                             file.string());
+                    if (auto example = read_example(file, options->label)) {
+                        examples.push_back(std::move(*example));
+                    } else {
+                        left_out.push_back(file.string());
+                    }
+                }
+                bar.clear();
+                for (const std::string& file : left_out) {
+                    std::cerr << fmt::format(
+                        "{} is left out: it has no grade by '{}', or does not go to its end\n", file,
+                        options->label);
+                }
+                const Judgement judged = judge_score(examples, options->penalty);
+                ScoreModel model = fit(examples, options->penalty);
+                model.judged = judged;
+                model.name = options->name;
+                model.people = options->label != "skill";
+                model.source = model.people ? fmt::format("instructors' ratings of '{}'", options->label)
+                                            : "the skill that scripted operators were given";
+                std::set<std::string> patients, persons;
+                for (const Example& example : examples) {
+                    patients.insert(example.patient);
+                    persons.insert(example.person);
+                }
+                model.patients = patients.size();
+                model.persons = persons.size();
+                write_new_file(options->out, to_yaml(model), "--out");
+                if (!options->html.empty()) {
+                    write_new_file(options->html, to_html(model), "--html");
+                }
+                if (json) {
+                    std::cout << nlohmann::ordered_json{{"written", options->out},
+                                                        {"sessions", model.sessions},
+                                                        {"left_out", left_out},
+                                                        {"mean_error", judged.mean_error},
+                                                        {"blind_error", judged.blind_error},
+                                                        {"rank", judged.rank},
+                                                        {"right", judged.right},
+                                                        {"blind_right", judged.blind_right},
+                                                        {"brier", judged.brier}}
+                                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+                              << '\n';
+                } else {
+                    std::cout << to_table(model) << options->out << '\n';
+                }
+                return 0;
+            }};
+}
+
+Command add_apply(CLI::App& app) {
+    struct Options {
+        std::vector<std::filesystem::path> files;
+        std::string model = "scripted";
+    };
+    const auto options = std::make_shared<Options>();
+    CLI::App* const command =
+        app.add_subcommand("apply", "Score sessions, with what each parameter contributes");
+    command->add_option("FILE", options->files, "Session files")->required();
+    command->add_option("--model", options->model, "Score by name or path")->capture_default_str();
+    return {command, [options](bool json) {
+                const ScoreModel model = load_score(find_data_file(options->model, "scores"));
+                auto out = nlohmann::ordered_json::array();
+                for (const std::filesystem::path& file : options->files) {
+                    const Summary summary = summarise(file);
+                    if (!summary.outcome_known(summary.run)) {
+                        throw ScoreError(
+                            fmt::format("{}: no score, as its outcome is unknown: {}; expected is a session "
+                                        "of a simulated newborn "
+                                        "that was recorded to its end",
+                                        file.string(), summary.run.outcome.reason));
+                    }
+                    const Score score = score_of(model, summary.run.parameters);
+                    if (json) {
+                        nlohmann::ordered_json one{{"file", file.string()}};
+                        one.update(to_json(score, model));
+                        out.push_back(std::move(one));
+                    } else {
+                        std::cout << fmt::format("{}\n{}", file.string(), to_table(score, model));
+                    }
+                }
+                if (json) {
+                    std::cout << out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+                              << '\n';
+                }
+                return 0;
+            }};
+}
+
+}  // namespace
+
+std::vector<Command> add_score_commands(CLI::App& app) {
+    CLI::App* const group = app.add_subcommand("score", "Score sessions automatically, and learn to");
+    group->require_subcommand(1);
+    return {add_train(*group), add_apply(*group)};
+}
+
+}  // namespace eti::review

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "client/review/output.hpp"
+#include "client/review/score.hpp"
+#include "common/scenario/scenario.hpp"
+#include "common/scenario/yaml_map.hpp"
+
+namespace eti::review {
+
+namespace {
+
+const ParameterField& field_of(std::string_view key) {
+    return *std::ranges::find(parameter_fields, key, &ParameterField::key);
+}
+
+std::string label_of(const ScoreFeature& feature) {
+    const std::string label(field_of(feature.key).label);
+    return feature.less.empty() ? label : label + ", off the weight rule";
+}
+
+/// Features by how much they count, the most first.
+std::vector<std::size_t> by_size(const std::vector<double>& values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, std::ranges::greater{},
+                             [&](std::size_t i) { return std::abs(values[i]); });
+    return order;
+}
+
+std::vector<double> weights_of(const ScoreModel& model) {
+    std::vector<double> weights;
+    for (const ScoreModel::Weight& weight : model.weights) {
+        weights.push_back(weight.weight);
+    }
+    return weights;
+}
+
+}  // namespace
+
+std::string statement_of(const ScoreModel& model) {
+    const std::string learnt =
+        fmt::format("Learnt from {} sessions of {} operators with {} patients, graded by {}.", model.sessions,
+                    model.persons, model.patients, model.source);
+    return model.people ? learnt
+                        : learnt +
+                              " It has seen no human data: it says how near a session is to a practised "
+                              "script, not how good a person is.";
+}
+
+std::string to_yaml(const ScoreModel& model) {
+    std::string out = "# Written by `eti-review score train`; see docs/score.md.\n";
+    out += fmt::format("name: {}\nsource: \"{}\"\npeople: {}\n", model.name, model.source,
+                       model.people ? "on" : "off");
+    out += fmt::format("sessions: {}\npatients: {}\npersons: {}\npenalty: {:.6g}\n", model.sessions,
+                       model.patients, model.persons, model.penalty);
+    out += "thresholds:\n";
+    for (const double threshold : model.thresholds) {
+        out += fmt::format("  - {{above: {:.6f}}}\n", threshold);
+    }
+    out += "features:\n";
+    for (std::size_t j = 0; j < model.weights.size(); ++j) {
+        const ScoreModel::Weight& w = model.weights[j];
+        out += fmt::format(
+            "  - {{key: {}, mean: {:.6f}, deviation: {:.6f}, low: {:.6f}, high: {:.6f}, weight: {:.6f}}}\n",
+            score_features()[j].key, w.mean, w.deviation, w.low, w.high, w.weight);
+    }
+    const Judgement& j = model.judged;
+    out += fmt::format(
+        "judged:\n  sessions: {}\n  mean_error: {:.4f}\n  blind_error: {:.4f}\n  rank: {:.4f}\n  right: "
+        "{:.4f}\n"
+        "  blind_right: {:.4f}\n  brier: {:.4f}\n  calibration:\n",
+        j.sessions, j.mean_error, j.blind_error, j.rank, j.right, j.blind_right, j.brier);
+    for (const CalibrationBin& bin : j.calibration) {
+        out += fmt::format("    - {{count: {}, predicted: {:.4f}, observed: {:.4f}}}\n", bin.count,
+                           bin.predicted, bin.observed);
+    }
+    return out;
+}
+
+ScoreModel load_score(const std::filesystem::path& file) {
+    YamlMap root = YamlMap::parse(read_text_file(file), file.string());
+    constexpr int most = 1'000'000;
+    const Range any{-1e6f, 1e6f};
+    const auto number = [&](YamlMap& map, const std::string& key, const Range& range) {
+        if (!map.has(key)) {
+            map.refuse(key, "nothing", "a number; 'eti-review score train' writes it");
+        }
+        return static_cast<double>(map.number(key, 0.0f, range));
+    };
+    ScoreModel model;
+    model.name = root.name("name", file.stem().string());
+    model.source = root.text("source", "");
+    model.people = root.flag("people", false);
+    model.sessions = static_cast<std::size_t>(root.whole("sessions", 0, 0, most));
+    model.patients = static_cast<std::size_t>(root.whole("patients", 0, 0, most));
+    model.persons = static_cast<std::size_t>(root.whole("persons", 0, 0, most));
+    model.penalty = number(root, "penalty", {0, 1e6f});
+    std::vector<YamlMap> thresholds = root.list("thresholds");
+    if (thresholds.size() != model.thresholds.size()) {
+        root.refuse("thresholds", std::to_string(thresholds.size()),
+                    fmt::format("{} of them, between {} grades", model.thresholds.size(), grades));
+    }
+    for (std::size_t k = 0; k < thresholds.size(); ++k) {
+        model.thresholds[k] = number(thresholds[k], "above", any);
+        if (k > 0 && model.thresholds[k] < model.thresholds[k - 1]) {
+            thresholds[k].refuse("above", fmt::format("{:g}", model.thresholds[k]),
+                                 "at least the threshold before it");
+        }
+        thresholds[k].finish();
+    }
+    std::vector<YamlMap> features = root.list("features");
+    if (features.size() != score_features().size()) {
+        root.refuse(
+            "features", std::to_string(features.size()),
+            fmt::format("{} of them; train the score again with this version", score_features().size()));
+    }
+    for (std::size_t j = 0; j < features.size(); ++j) {
+        YamlMap& one = features[j];
+        if (const std::string key = one.name("key", ""); key != score_features()[j].key) {
+            one.refuse("key", key,
+                       fmt::format("{}; train the score again with this version", score_features()[j].key));
+        }
+        ScoreModel::Weight weight;
+        weight.mean = number(one, "mean", any);
+        weight.deviation = number(one, "deviation", {1e-6f, 1e6f});
+        weight.low = number(one, "low", any);
+        weight.high = number(one, "high", any);
+        weight.weight = number(one, "weight", any);
+        if (weight.high < weight.low) {
+            one.refuse("high", fmt::format("{:g}", weight.high), "at least 'low'");
+        }
+        one.finish();
+        model.weights.push_back(weight);
+    }
+    if (auto judged = root.map("judged")) {
+        Judgement& j = model.judged;
+        j.sessions = static_cast<std::size_t>(judged->whole("sessions", 0, 0, most));
+        j.mean_error = number(*judged, "mean_error", {0, grades});
+        j.blind_error = number(*judged, "blind_error", {0, grades});
+        j.rank = number(*judged, "rank", {-1, 1});
+        j.right = number(*judged, "right", {0, 1});
+        j.blind_right = number(*judged, "blind_right", {0, 1});
+        j.brier = number(*judged, "brier", {0, 1});
+        std::vector<YamlMap> bins = judged->list("calibration");
+        if (bins.size() != j.calibration.size()) {
+            judged->refuse("calibration", std::to_string(bins.size()), std::to_string(j.calibration.size()));
+        }
+        for (std::size_t i = 0; i < bins.size(); ++i) {
+            j.calibration[i] = {static_cast<std::size_t>(bins[i].whole("count", 0, 0, most)),
+                                number(bins[i], "predicted", {0, 1}), number(bins[i], "observed", {0, 1})};
+            bins[i].finish();
+        }
+        judged->finish();
+    }
+    root.finish();
+    return model;
+}
+
+nlohmann::ordered_json to_json(const Score& score, const ScoreModel& model) {
+    nlohmann::ordered_json out{{"grade", score.grade},
+                               {"of", grades},
+                               {"chance", score.chance},
+                               {"model", model.name},
+                               {"statement", statement_of(model)},
+                               {"contributions", nlohmann::ordered_json::array()}};
+    for (const std::size_t j : by_size(score.contributions)) {
+        out["contributions"].push_back({{"key", score_features()[j].key},
+                                        {"label", label_of(score_features()[j])},
+                                        {"measured", static_cast<bool>(score.measured[j])},
+                                        {"log_odds", score.contributions[j]}});
+    }
+    return out;
+}
+
+std::string to_table(const Score& score, const ScoreModel& model) {
+    std::string out = fmt::format("Score {:.1f} of {}, by '{}'\n", score.grade, grades, model.name);
+    out += "  chances of grades 1 to 5:";
+    for (const double chance : score.chance) {
+        out += fmt::format(" {:.0f} %", 100.0 * chance);
+    }
+    out += "\n";
+    for (const std::size_t j : by_size(score.contributions)) {
+        out += score.measured[j]
+                   ? fmt::format("  {:+7.2f}  {}\n", score.contributions[j], label_of(score_features()[j]))
+                   : fmt::format("  {:>7}  {}, not measured\n", "-", label_of(score_features()[j]));
+    }
+    return out + fmt::format("{}\n", statement_of(model));
+}
+
+std::string to_table(const ScoreModel& model) {
+    const Judgement& j = model.judged;
+    std::string out = fmt::format("{}\n", statement_of(model));
+    out += fmt::format(
+        "Judged on {} sessions, each by a model that saw neither its patient nor its operator:\n"
+        "  error {:.2f} grades (always the mean: {:.2f}); rank correlation {:.2f}; grade 4 or 5 told right "
+        "in {:.0f} % "
+        "(always the more frequent: {:.0f} %); Brier {:.3f}\n",
+        j.sessions, j.mean_error, j.blind_error, j.rank, 100.0 * j.right, 100.0 * j.blind_right, j.brier);
+    out += fmt::format("  {:>10}{:>12}{:>12}\n", "sessions", "predicted", "observed");
+    for (const CalibrationBin& bin : j.calibration) {
+        if (bin.count > 0) {
+            out += fmt::format("  {:>10}{:>10.0f} %{:>10.0f} %\n", bin.count, 100.0 * bin.predicted,
+                               100.0 * bin.observed);
+        }
+    }
+    out += "Weights, in log odds of a better grade for each deviation:\n";
+    for (const std::size_t i : by_size(weights_of(model))) {
+        out += fmt::format("  {:+7.2f}  {}\n", model.weights[i].weight, label_of(score_features()[i]));
+    }
+    return out;
+}
+
+std::string to_html(const ScoreModel& model) {
+    // The plot's place in user units of the drawing.
+    constexpr double left = 40, top = 10, size = 300;
+    std::string points;
+    for (const CalibrationBin& bin : model.judged.calibration) {
+        if (bin.count > 0) {
+            const double x = left + size * bin.predicted, y = top + size * (1.0 - bin.observed);
+            points += fmt::format(
+                "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"#00705c\"/>"
+                "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\">{}</text>\n",
+                x, y, x + 8, y + (bin.observed > 0.9 ? 14 : -6), bin.count);
+        }
+    }
+    return fmt::format(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Score {0}</title>\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+        "'unsafe-inline'\">\n"
+        "<style>body{{font:16px sans-serif;max-width:50em;margin:2em auto}}pre{{white-space:pre-"
+        "wrap}}</style></head><body>\n"
+        "<h1>Score {0}</h1>\n<pre>{1}</pre>\n<h2>Calibration</h2>\n"
+        "<svg viewBox=\"0 0 360 360\" width=\"480\" role=\"img\" aria-label=\"Predicted chance of grade 4 or "
+        "5 and the "
+        "share that had it\">\n"
+        "<rect x=\"{2}\" y=\"{3}\" width=\"{4}\" height=\"{4}\" fill=\"none\" stroke=\"#333\"/>\n"
+        "<line x1=\"{2}\" y1=\"{5}\" x2=\"{6}\" y2=\"{3}\" stroke=\"#999\" stroke-dasharray=\"4\"/>\n{7}"
+        "<text x=\"{8}\" y=\"345\" font-size=\"13\" text-anchor=\"middle\">predicted chance of grade 4 or "
+        "5</text>\n"
+        "<text x=\"20\" y=\"160\" font-size=\"13\" text-anchor=\"middle\" transform=\"rotate(-90 20 "
+        "160)\">share that had "
+        "it</text>\n</svg>\n<p>Numbers are sessions; on the broken line chance and share are the same.</p>\n"
+        "</body></html>\n",
+        html_text(model.name), html_text(to_table(model)), left, top, size, top + size, left + size, points,
+        left + size / 2);
+}
+
+}  // namespace eti::review

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/review/score.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numeric>
+
+#include "client/review/summary.hpp"
+#include "common/math/random.hpp"
+#include "common/scenario/scenario.hpp"
+
+namespace eti::review {
+namespace {
+
+std::size_t feature(std::string_view key) {
+    const auto found = std::ranges::find(score_features(), key, &ScoreFeature::key);
+    return static_cast<std::size_t>(found - score_features().begin());
+}
+
+Example example(double pitch_peaks, double time_s, int grade) {
+    Example one;
+    one.parameters = starting_parameters();
+    one.parameters.pitch_peaks = pitch_peaks;
+    one.parameters.time_s = time_s;
+    one.grade = grade;
+    return one;
+}
+
+const std::vector<Example> twelve = {example(0, 12, 5), example(1, 15, 5), example(1, 30, 4),
+                                     example(2, 14, 4), example(2, 22, 5), example(3, 28, 3),
+                                     example(3, 40, 2), example(4, 25, 3), example(4, 35, 4),
+                                     example(5, 50, 2), example(6, 33, 1), example(7, 60, 1)};
+
+// Closed form: where nothing tells sessions apart, the chance of each grade is its share.
+TEST(AutomaticScore, WithoutAnythingToTellThemApartChancesAreShares) {
+    std::vector<Example> examples;
+    for (const auto& [grade, count] : {std::pair{1, 2}, {2, 3}, {3, 5}, {4, 6}, {5, 4}}) {
+        examples.insert(examples.end(), static_cast<std::size_t>(count), example(2, 20, grade));
+    }
+    const ScoreModel model = fit(examples, 1.0);
+    const Score score = score_of(model, examples.front().parameters);
+    const double shares[] = {0.1, 0.15, 0.25, 0.3, 0.2};
+    for (std::size_t k = 0; k < score.chance.size(); ++k) {
+        EXPECT_NEAR(score.chance[k], shares[k], 1e-5) << "grade " << k + 1;
+    }
+    for (const double contribution : score.contributions) {
+        EXPECT_EQ(contribution, 0.0);
+    }
+}
+
+// Reference: the same likelihood written for SciPy 1.10, with thresholds that are sorted instead of built
+// from differences, minimised by BFGS from five starts (gradient below 1e-9).
+TEST(AutomaticScore, IsFittedAsBySciPy) {
+    const ScoreModel model = fit(twelve, 0.5);
+    const double thresholds[] = {-3.48353585, -1.34780605, 0.16917167, 2.56703372};
+    for (std::size_t k = 0; k < model.thresholds.size(); ++k) {
+        EXPECT_NEAR(model.thresholds[k], thresholds[k], 1e-4);
+    }
+    EXPECT_NEAR(model.weights[feature("pitch_peaks")].weight, -1.90076171, 1e-4);
+    EXPECT_NEAR(model.weights[feature("time_s")].weight, -1.08053385, 1e-4);
+    EXPECT_NEAR(model.weights[feature("attempts")].weight, 0.0, 1e-9) << "never varies";
+}
+
+TEST(AutomaticScore, ContributionsAddUpToIt) {
+    const ScoreModel model = fit(twelve, 0.5);
+    for (const Example& one : twelve) {
+        const Score score = score_of(model, one.parameters);
+        const double odds = std::accumulate(score.contributions.begin(), score.contributions.end(), 0.0);
+        // The chance of a grade above k by the definition of proportional odds.
+        double grade = 1.0;
+        for (const double threshold : model.thresholds) {
+            grade += 1.0 / (1.0 + std::exp(threshold - odds));
+        }
+        EXPECT_NEAR(score.grade, grade, 1e-9);
+    }
+}
+
+TEST(AutomaticScore, WhatIsMissingOrBeyondTrainingDoesNotRunAway) {
+    const ScoreModel model = fit(twelve, 0.5);
+    Parameters parameters = twelve[0].parameters;
+    parameters.pitch_peaks = 1000;
+    const Score far = score_of(model, parameters);
+    parameters.pitch_peaks = 7;
+    EXPECT_EQ(far.grade, score_of(model, parameters).grade) << "counts as the most that was seen";
+    parameters.pitch_peaks = std::numeric_limits<double>::quiet_NaN();
+    const Score without = score_of(model, parameters);
+    EXPECT_EQ(without.contributions[feature("pitch_peaks")], 0.0);
+    EXPECT_FALSE(without.measured[feature("pitch_peaks")]);
+}
+
+TEST(AutomaticScore, IsReadAsItWasWritten) {
+    ScoreModel model = fit(twelve, 0.5);
+    model.name = "lab";
+    model.source = "instructors' ratings of 'overall'";
+    model.people = true;
+    model.judged.rank = -0.25;
+    model.judged.calibration[1] = {3, 0.3, 0.3333};
+    const auto file =
+        std::filesystem::temp_directory_path() / ("eti_score_" + std::to_string(::getpid()) + ".yaml");
+    std::ofstream(file) << to_yaml(model);
+    const ScoreModel read = load_score(file);
+    std::filesystem::remove(file);
+    EXPECT_EQ(to_yaml(read), to_yaml(model));
+    EXPECT_NEAR(score_of(read, twelve[5].parameters).grade, score_of(model, twelve[5].parameters).grade,
+                1e-4);
+    EXPECT_EQ(statement_of(read).find("no human data"), std::string::npos);
+    model.people = false;
+    EXPECT_NE(statement_of(model).find("It has seen no human data"), std::string::npos);
+}
+
+TEST(AutomaticScore, TheShippedOneIsOfThisVersionAndSaysWhatItHasNotSeen) {
+    const ScoreModel shipped = load_score(find_data_file("scripted", "scores"));
+    EXPECT_NE(statement_of(shipped).find("It has seen no human data"), std::string::npos);
+    EXPECT_EQ(shipped.judged.sessions, shipped.sessions);
+}
+
+std::vector<Example> of_many(bool told_by_patient) {
+    Random random(4);
+    std::vector<Example> examples;
+    for (int person = 0; person < 20; ++person) {
+        for (int patient = 0; patient < 6; ++patient) {
+            const int grade = told_by_patient ? 1 + patient % grades : 1 + person % grades;
+            // What is seen of the grade through noise; or what is seen of the patient alone, whatever the
+            // grade.
+            const double seen =
+                told_by_patient ? 10.0 * patient : 6 - grade + 0.7 * static_cast<double>(random.normal());
+            examples.push_back(example(std::max(0.0, seen), 20, grade));
+            examples.back().patient = std::to_string(patient);
+            examples.back().person = std::to_string(person);
+        }
+    }
+    return examples;
+}
+
+TEST(AutomaticScore, IsJudgedOnWhatItHasNotSeen) {
+    const Judgement fair = judge_score(of_many(false), 1.0);
+    EXPECT_EQ(fair.sessions, 120u);
+    EXPECT_GT(fair.rank, 0.85);
+    EXPECT_LT(fair.mean_error, 0.6 * fair.blind_error);
+    EXPECT_GT(fair.right, fair.blind_right);
+    std::size_t in_bins = 0;
+    for (const CalibrationBin& bin : fair.calibration) {
+        in_bins += bin.count;
+    }
+    EXPECT_EQ(in_bins, 120u);
+    // A grade that hangs on the patient alone cannot be known of a patient that was held out: a judgement
+    // that let it be seen would find an error near zero.
+    EXPECT_GT(judge_score(of_many(true), 1.0).mean_error, 0.5);
+}
+
+TEST(AutomaticScore, RefusesWhatTeachesNothing) {
+    EXPECT_THROW((void)fit({}, 1.0), ScoreError);
+    const std::vector<Example> alike(5, example(1, 10, 3));
+    EXPECT_THROW((void)fit(alike, 1.0), ScoreError);
+    EXPECT_THROW((void)judge_score(twelve, 1.0), ScoreError) << "of one patient and one person";
+}
+
+}  // namespace
+}  // namespace eti::review
