@@ -146,7 +146,10 @@ void adjust(std::vector<MeasureRow>& rows) {
 }  // namespace
 
 double Measure::of(const StudySession& session) const {
-    return value == nullptr ? (session.success ? 100.0 : 0.0) : session.parameters.*value;
+    if (value != nullptr) {
+        return session.parameters.*value;
+    }
+    return !session.outcome.known ? no_value : session.outcome.success ? 100.0 : 0.0;
 }
 
 const std::vector<Measure>& measures() {
@@ -190,7 +193,7 @@ Comparison read_groups(const GroupFiles& files,
             const auto participant = summary.info.more.find("participant");
             group.sessions.push_back({path, summary.info,
                                       participant == summary.info.more.end() ? "" : participant->second,
-                                      summary.run.parameters, summary.run.outcome.success});
+                                      summary.run.parameters, summary.run.outcome});
         }
         if (group.sessions.empty()) {
             throw ComparisonError(

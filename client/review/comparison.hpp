@@ -22,7 +22,7 @@ struct StudySession {
     session::SessionInfo info;
     std::string participant;  ///< pseudonym; empty where the file names none
     Parameters parameters;    ///< of the run
-    bool success = false;
+    Outcome outcome;
 };
 
 struct StudyGroup {

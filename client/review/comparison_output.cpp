@@ -235,10 +235,12 @@ std::string to_csv(const Comparison& comparison) {
     out += "\r\n";
     for (const StudyGroup& group : comparison.groups) {
         for (const StudySession& session : group.sessions) {
-            out +=
-                fmt::format("{},{},{},{},{},{},{}", csv_text(session.file.string()), csv_text(group.name),
-                            csv_text(session.participant), csv_text(session.info.scenario),
-                            csv_text(session.info.operator_name), session.info.seed, session.success ? 1 : 0);
+            out += fmt::format("{},{},{},{},{},{},{}", csv_text(session.file.string()), csv_text(group.name),
+                               csv_text(session.participant), csv_text(session.info.scenario),
+                               csv_text(session.info.operator_name), session.info.seed,
+                               !session.outcome.known    ? ""
+                               : session.outcome.success ? "1"
+                                                         : "0");
             for (const ParameterField& field : parameter_fields) {
                 const double value = session.parameters.*field.value;
                 out += std::isfinite(value) ? fmt::format(",{:.9g}", value) : ",";
@@ -303,7 +305,7 @@ std::string to_html(const Comparison& comparison, std::string_view further) {
             out += fmt::format("<li>{}: {}{}{}</li>\n", html_text(group.name),
                                html_text(session.file.filename().string()),
                                session.participant.empty() ? "" : ", " + html_text(session.participant),
-                               session.success ? ", intubated" : "");
+                               session.outcome.success ? ", intubated" : "");
         }
     }
     for (const std::string& remark : comparison.remarks) {

@@ -27,7 +27,7 @@ struct Summary {
     std::vector<session::SummaryRecord> attempts;
     std::uint32_t open_attempt = 0;  ///< the attempt that went on as the recording ended; 0: none
     [[nodiscard]] bool outcome_known(const session::SummaryRecord& record) const {
-        return record.attempt == 0 ? has_run : record.attempt != open_attempt;
+        return record.outcome.known && (record.attempt == 0 ? has_run : record.attempt != open_attempt);
     }
     std::vector<session::EventRecord> remarks;  ///< what was written, pointed at and drawn, in words
     std::vector<session::Rating> ratings;       ///< of instructors, afterwards

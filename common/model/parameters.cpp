@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "common/model/parameters.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace eti {
@@ -130,6 +132,25 @@ std::string_view words_of(Combine combine) {
                                           "at the last passage",
                                           "at the end"};
     return words[static_cast<std::size_t>(combine)];
+}
+
+bool follows_from_tools(const ParameterField& field) {
+    constexpr std::string_view keys[] = {"blade_depth_cm.max",
+                                         "blade_depth_cm.mean",
+                                         "pitch_peaks",
+                                         "yaw_peaks",
+                                         "pitch_rocking_deg",
+                                         "yaw_rocking_deg",
+                                         "attempts",
+                                         "time_s",
+                                         "tube_speed_cm_per_s.max",
+                                         "tube_speed_cm_per_s.mean",
+                                         "over_time_limit",
+                                         "tube_grip_speed_cm_per_s.max",
+                                         "tube_grip_speed_cm_per_s.mean",
+                                         "blade_path_length_cm",
+                                         "blade_smoothness"};
+    return std::ranges::find(keys, field.key) != std::end(keys);
 }
 
 Parameters starting_parameters() {

@@ -71,6 +71,10 @@ struct ParameterField {
 /// table and that of docs/metrics.md all walk this list, so a parameter is added in one place.
 extern const std::span<const ParameterField> parameter_fields;
 
+/// Whether a value follows from where laryngoscope and tube are in a patient that does not give way; the
+/// others need tissue, a view or the tube's course within. Eight of the paper's twelve are of that kind.
+[[nodiscard]] bool follows_from_tools(const ParameterField& field);
+
 /// Every parameter as it is before anything has happened.
 [[nodiscard]] Parameters starting_parameters();
 
@@ -78,6 +82,7 @@ extern const std::span<const ParameterField> parameter_fields;
 struct Outcome {
     bool success = false;
     std::string reason;  ///< one sentence, also on success
+    bool known = true;   ///< whether anything measured it; else `success` says nothing
 };
 
 }  // namespace eti

@@ -207,6 +207,11 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
     static constexpr std::array<std::string_view, 2> switches = {"off", "on"};
     s.vital_signs = root.choice("vital_signs", 0, switches) == 1;
+    s.manikin = root.choice("manikin", 0, switches) == 1;
+    if (s.manikin && (s.saliva || s.vital_signs)) {
+        root.refuse("manikin", fmt::format("'on' beside '{}'", s.saliva ? "saliva" : "vital_signs"),
+                    "one of the two; a manikin has neither");
+    }
     s.inspired_oxygen = root.number("inspired_oxygen_percent", s.inspired_oxygen, {21, 100, 0.01f});
     s.seed = root.seed("seed", s.seed);
     root.finish();

@@ -46,8 +46,9 @@ struct Scenario {
     bool saliva = false;                     ///< whether there may be secretions
     bool saliva_standby = false;             ///< with saliva: none before someone switches them on
     LiquidKind liquid = LiquidKind::saliva;  ///< what the secretions are
-    float time_limit = 30.0f;                ///< [s], per attempt
-    bool vital_signs = false;                ///< whether saturation and heart rate are simulated
+    bool manikin = false;  ///< a real one takes the patient's place; only where the tools are is simulated
+    float time_limit = 30.0f;      ///< [s], per attempt
+    bool vital_signs = false;      ///< whether saturation and heart rate are simulated
     float inspired_oxygen = 0.3f;  ///< share, of what the newborn is ventilated with beside the attempts
     bool freeze_on_silence =
         false;  ///< time stands still while a device that was there is silent; else it goes on

@@ -284,7 +284,9 @@ std::vector<SummaryRecord> SessionReader::summaries() const {
         last[record.attempt] = std::move(record);
     }
     std::vector<SummaryRecord> records;
+    const bool known = !info().more.contains(manikin_text);
     for (auto& [attempt, record] : last) {
+        record.outcome.known = known;
         records.push_back(std::move(record));
     }
     return records;

@@ -24,6 +24,7 @@ namespace eti::session {
 
 /// Names of further texts of a session, see SessionInfo::more.
 inline constexpr const char* participant_text = "participant";  ///< pseudonym
+inline constexpr const char* manikin_text = "manikin";          ///< there where tools went into one
 inline constexpr const char* skill_text = "operator_skill";     ///< of a scripted operator, 0 to 1
 // What bits depend on beside the build.
 inline constexpr const char* processor_text = "processor";

@@ -450,7 +450,11 @@ class Session {
         }
         if (!options_.json) {
             const metrics::AttemptSummary run = simulation_->metrics().run();
-            spdlog::info("{}: {}", run.outcome.success ? "success" : "no success", run.outcome.reason);
+            spdlog::info("{}: {}",
+                         !run.outcome.known    ? "outcome unknown"
+                         : run.outcome.success ? "success"
+                                               : "no success",
+                         run.outcome.reason);
             return;
         }
         nlohmann::ordered_json out = result_json(summaries_of(simulation_->metrics()));

@@ -46,6 +46,9 @@ session::SessionInfo session_info(const Scenario& scenario, const anatomy::Patie
     info.more[libraries_text] =
         fmt::format("glibc {}, Bullet {}", ::gnu_get_libc_version(), rigid::library_version());
     info.more[patient_hash_text] = fmt::format("{:016x}", anatomy::hash_of(patient));
+    if (scenario.manikin) {
+        info.more[session::manikin_text] = "on";
+    }
     if (!scenario.patient.model.empty()) {
         info.more[scenario_folder_text] = std::filesystem::absolute(scenario.folder).string();
     }
@@ -79,9 +82,11 @@ std::vector<session::SummaryRecord> summaries_of(const metrics::Metrics& metrics
 
 nlohmann::ordered_json result_json(std::span<const session::SummaryRecord> summaries) {
     const auto object = [](const session::SummaryRecord& summary) {
-        return nlohmann::ordered_json{{"success", summary.outcome.success},
-                                      {"reason", summary.outcome.reason},
-                                      {"parameters", parameters_to_json(summary.parameters)}};
+        return nlohmann::ordered_json{
+            {"success", summary.outcome.known ? nlohmann::ordered_json(summary.outcome.success)
+                                              : nlohmann::ordered_json()},
+            {"reason", summary.outcome.reason},
+            {"parameters", parameters_to_json(summary.parameters)}};
     };
     nlohmann::ordered_json out = object(summaries.front());
     out["attempts"] = nlohmann::ordered_json::array();

@@ -55,7 +55,8 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
             .saliva = scenario.saliva,
             .liquid = scenario.liquid,
             .dry_start = scenario.saliva_standby,
-            .seed = scenario.seed};
+            .seed = scenario.seed,
+            .manikin = scenario.manikin};
 }
 
 }  // namespace
@@ -100,13 +101,13 @@ anatomy::Patient patient_of(const Scenario& scenario) {
 }
 
 Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario)
-    : viewer_(patient, scope, {.tube_radius = scenario.tube.outer_radius()}) {
-    metrics_.begin(patient, scope, static_cast<double>(scenario.time_limit),
-                   physiology_of(scenario, patient));
+    : manikin_(scenario.manikin), viewer_(patient, scope, {.tube_radius = scenario.tube.outer_radius()}) {
+    metrics_.begin(patient, scope, static_cast<double>(scenario.time_limit), physiology_of(scenario, patient),
+                   manikin_ ? metrics::Patient::manikin : metrics::Patient::newborn);
 }
 
 void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye) {
-    looked_ = snapshot.step % steps_per_look == 0;
+    looked_ = !manikin_ && snapshot.step % steps_per_look == 0;
     if (looked_) {
         eye_ = eye ? *eye : best_eye(snapshot.landmarks);
         view_ = viewer_.look(snapshot, eye_);

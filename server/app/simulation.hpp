@@ -52,6 +52,7 @@ class Assessor {
     [[nodiscard]] const metrics::Metrics& metrics() const { return metrics_; }
 
   private:
+    bool manikin_;  // nothing there gives way, so there is no view to judge
     metrics::GlotticViewer viewer_;
     metrics::GlotticView view_;
     metrics::Metrics metrics_;

@@ -33,8 +33,9 @@ double unknown() {
 }  // namespace
 
 void Metrics::begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit,
-                    const std::optional<Physiology>& physiology) {
+                    const std::optional<Physiology>& physiology, Patient of) {
     *this = Metrics{};
+    of_ = of;
     scope_ = scope;
     weight_ = static_cast<double>(patient.weight);
     time_limit_ = time_limit;
@@ -116,7 +117,9 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
         entries_between_ += changes.oesophagus == Passage::Change::in ? 1 : 0;
         main_stem_between_ += changes.main_stem == Passage::Change::in ? 1 : 0;
     }
-    note_changes(changes);
+    if (of_ == Patient::newborn) {
+        note_changes(changes);
+    }
     if (blade == Passage::Change::out && attempt_) {
         end_attempt();
     }
@@ -206,9 +209,8 @@ void Metrics::end_attempt() {
     }
     attempt_->refresh_curves();
     attempt_story_.duration = attempt_->parameters().time_s;
-    AttemptSummary summary{live_.attempt, attempt_began_, now_,
-                           judge(attempt_story_, tube_, trachea_length_, time_limit_),
-                           attempt_->parameters()};
+    AttemptSummary summary{live_.attempt, attempt_began_, now_, outcome(attempt_story_),
+                           measured(attempt_->parameters())};
     note(fmt::format("attempt {} ended: {}", summary.number, summary.outcome.reason));
     attempts_.push_back(std::move(summary));
     weights_.push_back(attempt_->weights());
@@ -224,7 +226,25 @@ void Metrics::finish() {
 }
 
 Parameters Metrics::live_parameters() const {
-    return attempt_ ? attempt_->parameters() : run().parameters;
+    return attempt_ ? measured(attempt_->parameters()) : run().parameters;
+}
+
+Parameters Metrics::measured(Parameters parameters) const {
+    for (const ParameterField& field : parameter_fields) {
+        if (of_ == Patient::manikin && !follows_from_tools(field)) {
+            parameters.*field.value = unknown();
+        }
+    }
+    return parameters;
+}
+
+Outcome Metrics::outcome(const Story& story) const {
+    if (of_ == Patient::manikin) {
+        return {false,
+                "on a manikin nothing measures whether the trachea was intubated; whoever looks can tell",
+                false};
+    }
+    return judge(story, tube_, trachea_length_, time_limit_);
 }
 
 AttemptSummary Metrics::run() const {
@@ -250,7 +270,8 @@ AttemptSummary Metrics::run() const {
     for (const RunPart& part : parts) {
         story.duration = std::max(story.duration, part.parameters.time_s);
     }
-    summary.outcome = judge(story, tube_, trachea_length_, time_limit_);
+    summary.parameters = measured(summary.parameters);
+    summary.outcome = outcome(story);
     return summary;
 }
 

@@ -51,13 +51,16 @@ struct Event {
     std::string text;
 };
 
+/// What is measured on. A manikin says where the tools are, and nothing of tissue, view and airway.
+enum class Patient : std::uint8_t { newborn, manikin };
+
 /// The performance parameters of a run, attempt by attempt, from snapshots. Definitions: docs/metrics.md.
 /// An attempt begins when the blade's tip passes the mouth opening inwards and ends when it is out again.
 class Metrics {
   public:
     /// Starts a run. `time_limit` [s] per attempt. Without a physiology, vital signs are not simulated.
     void begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit = 30.0,
-               const std::optional<Physiology>& physiology = std::nullopt);
+               const std::optional<Physiology>& physiology = std::nullopt, Patient of = Patient::newborn);
 
     /// Takes in the next snapshot; one that is not newer than the last is ignored. `view` is the newest
     /// result of GlotticViewer, which may be older than the snapshot.
@@ -86,8 +89,12 @@ class Metrics {
     void note_changes(const AirwayWatch::Changes& changes);
     void note_vital_signs(double seconds);
     [[nodiscard]] Ventilation ventilation() const;
+    /// What of these is measured here.
+    [[nodiscard]] Parameters measured(Parameters parameters) const;
+    [[nodiscard]] Outcome outcome(const Story& story) const;
     void note(std::string text);
 
+    Patient of_ = Patient::newborn;
     Laryngoscope scope_;
     double weight_ = 0.0;       // [kg]
     double time_limit_ = 30.0;  // [s]

@@ -188,6 +188,10 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     }
     follow(inputs.live);
     shell_.advance();
+    if (settings_.manikin) {
+        follow_tools(inputs, proxy_moved);
+        return;
+    }
 
     const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
     ++snapshot_.step;
@@ -276,6 +280,20 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         saliva_->end_step();
         fill_saliva();
     }
+}
+
+void Scene::follow_tools(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved) {
+    rigid_.reset(inputs.laryngoscope);
+    tube_.reset(inputs.tube_grip);
+    blade_pose_ = inputs.laryngoscope;
+    grip_ = inputs.tube_grip;
+    ++snapshot_.step;
+    snapshot_.time_ns = time_ns_of(snapshot_.step);
+    fill_proxy(inputs);
+    if (proxy_moved) {
+        proxy_moved(snapshot_);
+    }
+    fill_snapshot(inputs);
 }
 
 SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suction) const {

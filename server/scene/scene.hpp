@@ -47,6 +47,8 @@ struct Settings {
     LiquidKind liquid = LiquidKind::saliva;  ///< what the secretions are
     bool dry_start = false;                  ///< with saliva: none before glands are told to give some
     std::uint64_t seed = 1;                  ///< of what the glands give
+    /// Only where the tools are counts: the manikin stops them, and nothing here does.
+    bool manikin = false;
 };
 
 /// Patient, laryngoscope, tube and saliva in one simulation: particles, rod and liquid from the particle
@@ -82,6 +84,8 @@ class Scene {
     void place_tube(const RigidTransform& grip);
 
   private:
+    /// A step in which both tools are where their devices are, and nothing gives way.
+    void follow_tools(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved);
     /// Carries on what lives towards what is wanted, by what may change in a step.
     void follow(const LiveValues& wanted);
     /// What the solver bears of what is wanted. Stiffness and size of the tongue wait for each other.

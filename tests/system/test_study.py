@@ -88,6 +88,39 @@ class Study(support.Case):
         self.assertAlmostEqual(entry["hedges_g"], unbiased * standardised, places=9)
         numpy.testing.assert_allclose(entry["hedges_g_interval"], unbiased * numpy.array(ends), rtol=1e-5, atol=1e-6)
 
+    def test_a_manikin_is_measured_by_its_tools(self):
+        file = self.folder / "manikin.eti.h5"
+        done = support.run("eti-server", "--scenario", "manikin", "--operator", "oesophageal", "--no-dds", "--fast", "--json",
+                           "--record", file, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertIsNone(result["success"])
+        parameters = result["parameters"]
+        for name in ("blade_depth_cm", "tube_speed_cm_per_s"):
+            self.assertGreater(parameters[name]["max"], 0)
+        for name in ("pitch_peaks", "yaw_peaks", "pitch_rocking_deg", "yaw_rocking_deg", "attempts", "time_s"):
+            self.assertIsNotNone(parameters[name])
+        for name in ("gum_force_n", "glottic_opening_percent"):
+            self.assertEqual(parameters[name], {"max": None, "mean": None})
+        self.assertIsNone(parameters["oesophageal_entries"])
+        with h5py.File(file) as session:  # the blade is where the hand's device is, to the bit
+            numpy.testing.assert_array_equal(session["tools/proxy_pose"], session["inputs/laryngoscope_pose"])
+            self.assertEqual(numpy.abs(session["tools/shell_force"][:]).max(), 0)
+        summary = json.loads(self.review("summary", file, "--json").stdout)
+        self.assertIsNone(summary["success"])
+        self.assertIn("on a manikin", summary["reason"])
+        refused = self.review("score", "apply", file, status=1)
+        self.assertIn("no score, as its outcome is unknown", refused.stderr)
+        again = support.run("eti-server", "--resimulate", file, timeout=300)
+        self.assertEqual(again.returncode, 0, again.stderr + again.stdout)
+
+    def test_skill_goes_from_the_study_into_the_file(self):
+        self.study.write_text(STUDY.replace("no_lift}", "expert, skill: 0.25, skill_to: 0.75, attempts: 2}"))
+        self.run_study(*SHORT)
+        self.assertEqual([row["skill"] for row in read_plan(self.out)], ["0.25", "0.25", "0.75", "0.75"])
+        with h5py.File(self.out / "one" / "P02.eti.h5") as session:
+            self.assertEqual(session["meta/more"].attrs.get("operator_skill", None), "0.75")
+
     def test_a_comparison_is_that_of_scipy(self):
         random = numpy.random.default_rng(4)
         first, second = random.gamma(9, 1.5, 14), random.gamma(9, 2.0, 11)
