@@ -27,22 +27,34 @@ float blade_outline(float along) {
     float to_tip = clamp((blade_plate.x - along) / rounding, 0.0, 1.0);
     return 0.5 * blade_width(along) * (tip_width + (1.0 - tip_width) * sqrt(to_tip * (2.0 - to_tip)));
 }
+float behind_the_face(vec3 p) {
+    float half_width = 0.5 * blade_width(p.z);
+    float from_middle = min(abs(p.x) / half_width, 1.0);
+    return blade_height(p.z) - blade_plate.w * 2.0 * half_width / blade_plate.y * from_middle * from_middle +
+           clearance - p.y;
+}
+float past_the_tip(vec3 p) {
+    float half_width = 0.5 * blade_width(p.z);
+    float depth = behind_the_face(p);
+    float away = p.z - blade_plate.x;
+    return tip_past * smoothstep(tip_from, deepest, depth) *
+           (1.0 - smoothstep(tip_until, tip_ends, depth)) *
+           (1.0 - smoothstep(half_width, half_width + tip_beside, abs(p.x))) *
+           smoothstep(-tip_begins, -tip, away) * (1.0 - smoothstep(-tip, gathers * tip_past, away));
+}
 vec3 off_the_face(vec3 p) {
     float half_width = 0.5 * blade_width(p.z);
     float across = abs(p.x);
     float on_plate = (1.0 - smoothstep(half_width, half_width + beside, across)) *
                      (1.0 - smoothstep(blade_plate.x, blade_plate.x + beside, p.z));
-    float from_middle = min(across / half_width, 1.0);
-    float face = blade_height(p.z) - blade_plate.w * 2.0 * half_width / blade_plate.y * from_middle * from_middle +
-                 clearance;
-    float depth = face - p.y;
+    float depth = behind_the_face(p);
     if (depth <= softness) {
         float deeper = max(depth + softness, 0.0);
         return p + vec3(0.0, on_plate * deeper * deeper / (4.0 * softness), 0.0);
     }
     float beyond = max(depth - deepest, 0.0);
     float left = steepest * (beyond < easing ? beyond * beyond / (2.0 * easing) : beyond - 0.5 * easing);
-    float lens_depth = face - blade_lens.y + lens_spare;
+    float lens_depth = depth + p.y - blade_lens.y + lens_spare;
     float from = deepest + 0.5 * easing + lens_depth / steepest;
     float down = lens_depth - from;
     float stays = depth + down * (1.0 - smoothstep(from, from + gathers * down, depth)) *
@@ -58,20 +70,22 @@ vec3 give_way(vec3 point) {
     vec3 p = start;
     float along = smoothstep(heel, heel + beside, p.z);
     float crown = blade_height(p.z);
-    float past_tip = p.z - blade_plate.x;
     float off = max(max(p.y - crown, crown - under - p.y), 0.0);
     float of_lips = 0.0;
     float aside = mouth.z;
     if (aside > 0.0) {
         of_lips = smoothstep(heel, heel + lips_fade, p.z) *
                   (1.0 - smoothstep(mouth.w, mouth.w + lips_fade, p.z)) *
-                  (1.0 - smoothstep(0.0, lips_fade, past_tip));
+                  (1.0 - smoothstep(0.0, lips_fade, p.z - blade_plate.x));
         float away = mouth.x * p.x - mouth.y;
         p.x += mouth.x * aside * of_lips * (1.0 - smoothstep(0.0, 1.5 * lips_fade, off)) *
                smoothstep(-3.0 * aside - 0.5 * spare, -0.5 * spare, away) *
                (1.0 - smoothstep(0.0, gathers * aside, away));
         of_lips *= min(aside / spare, 1.0);
     }
+    p.z += (1.0 - of_lips) * past_the_tip(p);
+    p.y += blade_height(p.z) - crown;
+    float past_tip = p.z - blade_plate.x;
     float outline = blade_outline(min(p.z, blade_plate.x - before_tip));
     float share = min(outline / edge_begins, 1.0);
     float away = (abs(p.x) - outline) / share;
@@ -103,6 +117,13 @@ std::string give_way_source() {
     constant("edge_begins", GiveWay::edge_begins);
     constant("edge_aside", GiveWay::edge_aside);
     constant("before_tip", GiveWay::before_tip);
+    constant("tip", GiveWay::tip);
+    constant("tip_past", GiveWay::tip_past);
+    constant("tip_begins", GiveWay::tip_begins);
+    constant("tip_from", GiveWay::tip_from);
+    constant("tip_until", GiveWay::tip_until);
+    constant("tip_ends", GiveWay::tip_ends);
+    constant("tip_beside", GiveWay::tip_beside);
     constant("spare", GiveWay::spare);
     constant("lips_fade", GiveWay::lips_fade);
     constant("lens_spare", GiveWay::lens_spare);

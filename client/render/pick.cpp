@@ -26,7 +26,7 @@ class Corners {
           skinned_(surface.vertices()),
           blade_(is_bone(surface.model().tissue) ? std::nullopt : blade),
           lips_(lips),
-          most_((blade_ ? GiveWay::most : 0.0f) + (lips_ != nullptr ? lips_->reach() : 0.0f)) {}
+          most_((blade_ ? blade_->give_way.reach() : 0.0f) + (lips_ != nullptr ? lips_->reach() : 0.0f)) {}
 
     [[nodiscard]] std::span<const Triangle> triangles() const { return mesh_.triangles; }
     /// Lips as they lie.
@@ -154,7 +154,7 @@ std::optional<Picked> pick(const View& view, const view::SceneView& scene, const
     const LipRetraction lips = lip_retraction(from.eye.position(scene.landmarks()), scene.landmarks());
     std::optional<PlacedGiveWay> blade;
     if (scene.laryngoscope_pose() && scene.keys()) {
-        blade = PlacedGiveWay{{plate_of(scene.keys()->laryngoscope())}, *scene.laryngoscope_pose()};
+        blade = give_way_to(scene.keys()->laryngoscope(), *scene.laryngoscope_pose(), scene.landmarks());
     }
     Ray ray(sight->from, sight->to);
     std::optional<Picked> met, on_face;

@@ -45,12 +45,13 @@ Eigen::AlignedBox3f GiveWay::where() const {
     const bool parts = aside > 0.0f;
     const float far = parts ? lips_fade : beside;
     const float widest =
-        std::max({0.5f * std::max(plate.wide, plate.narrow) + gathers * edge_aside,
+        std::max({0.5f * std::max(plate.wide, plate.narrow) + std::max(gathers * edge_aside, tip_beside),
                   parts ? corner + gathers * aside : 0.0f, parts ? 3.0f * aside + spare - corner : 0.0f});
     const float lowest =
         std::min({plate.high - under, plate.low - under, lens.y() - gathers * most}) - 1.5f * far;
     const float highest = std::max(plate.high, plate.low) + lip + 1.5f * far;
-    return {Vec3f(-widest, lowest, heel), Vec3f(widest, highest, plate.length + far)};
+    const float ahead = std::max(far, gathers * tip_past);
+    return {Vec3f(-widest, lowest, heel), Vec3f(widest, highest, plate.length + ahead)};
 }
 
 bool GiveWay::moves(const Vec3f& centre, float radius) const {
@@ -64,19 +65,21 @@ Vec3f GiveWay::operator()(const Vec3f& point) const {
     Vec3f p = point;
     const float along = smoothstep(heel, heel + beside, p.z());
     const float crown = plate.height(p.z());
-    const float past_tip = p.z() - plate.length;
     const float off = std::max({p.y() - crown, crown - under - p.y(), 0.0f});  // above or below
     float of_lips = 0.0f;
     if (aside > 0.0f) {
         of_lips = smoothstep(heel, heel + lips_fade, p.z()) *
                   (1.0f - smoothstep(lips_end, lips_end + lips_fade, p.z())) *
-                  (1.0f - smoothstep(0.0f, lips_fade, past_tip));
+                  (1.0f - smoothstep(0.0f, lips_fade, p.z() - plate.length));
         const float out = side * p.x() - corner;
         p.x() += side * aside * of_lips * (1.0f - smoothstep(0.0f, 1.5f * lips_fade, off)) *
                  smoothstep(-3.0f * aside - 0.5f * spare, -0.5f * spare, out) *
                  (1.0f - smoothstep(0.0f, gathers * aside, out));
         of_lips *= std::min(aside / spare, 1.0f);
     }
+    p.z() += (1.0f - of_lips) * past_the_tip(p);
+    p.y() += plate.height(p.z()) - crown;  // along the face
+    const float past_tip = p.z() - plate.length;
     const float outline = plate.outline(std::min(p.z(), plate.length - before_tip));
     const float share = std::min(outline / edge_begins, 1.0f);
     const float out = (std::fabs(p.x()) - outline) / share;
@@ -89,15 +92,28 @@ Vec3f GiveWay::operator()(const Vec3f& point) const {
     return p + (1.0f - of_lips) * along * (lifted - p);
 }
 
+float GiveWay::behind_the_face(const Vec3f& p) const {
+    const float half = 0.5f * plate.width(p.z());
+    const float from_middle = std::min(std::fabs(p.x()) / half, 1.0f);
+    return plate.height(p.z()) - plate.crown * 2.0f * half / plate.wide * from_middle * from_middle +
+           clearance - p.y();
+}
+
+float GiveWay::past_the_tip(const Vec3f& p) const {
+    const float half = 0.5f * plate.width(p.z());
+    const float in = behind_the_face(p);
+    const float out = p.z() - plate.length;
+    return tip_past * smoothstep(tip_from, deepest, in) * (1.0f - smoothstep(tip_until, tip_ends, in)) *
+           (1.0f - smoothstep(half, half + tip_beside, std::fabs(p.x()))) *
+           smoothstep(-tip_begins, -tip, out) * (1.0f - smoothstep(-tip, gathers * tip_past, out));
+}
+
 Vec3f GiveWay::off_the_face(Vec3f p) const {
     const float half = 0.5f * plate.width(p.z());
     const float across = std::fabs(p.x());
     const float on_plate = (1.0f - smoothstep(half, half + beside, across)) *
                            (1.0f - smoothstep(plate.length, plate.length + beside, p.z()));
-    const float from_middle = std::min(across / half, 1.0f);
-    const float face =
-        plate.height(p.z()) - plate.crown * 2.0f * half / plate.wide * from_middle * from_middle + clearance;
-    const float in = face - p.y();
+    const float in = behind_the_face(p);
     if (in <= softness) {
         const float deeper = std::max(in + softness, 0.0f);
         p.y() += on_plate * deeper * deeper / (4.0f * softness);
@@ -108,7 +124,7 @@ Vec3f GiveWay::off_the_face(Vec3f p) const {
     const float beyond = std::max(in - deepest, 0.0f);
     const float left =
         steepest * (beyond < easing ? beyond * beyond / (2.0f * easing) : beyond - 0.5f * easing);
-    const float lens_depth = face - lens.y() + lens_spare;
+    const float lens_depth = in + p.y() - lens.y() + lens_spare;
     const float from = deepest + 0.5f * easing + lens_depth / steepest;
     const float down = lens_depth - from;
     const float stays =

@@ -34,6 +34,9 @@ struct BladePlate {
 /// two; lips follow bones and are not kept off at all (docs/decisions/0096-drawn-tissue-gives-way.md,
 /// 0153-the-whole-blade-is-given-way-to.md). In this order:
 /// - Where the blade passes the corner of the mouth, that goes aside as a whole.
+/// - What stands across the tip, too deep to come out over the face, goes on past it if the tip is in it by
+/// up
+///   to `tip`: the capsule that keeps particles off is rounder there.
 /// - What comes over an edge of plate or flange by up to `edge` goes aside to `clearance` beyond it.
 /// - What lies on the other side of the contact face, or is no deeper in than `deepest`, goes out along the
 ///   blade's +y until it is `clearance` before the face; it comes to that smoothly over `softness`. Farther
@@ -51,6 +54,12 @@ struct GiveWay {
     /// [m], and where it begins, and how far what lies there goes: less where the plate is narrower than
     /// that, so that its middle stays.
     static constexpr float edge = 1.6e-3f, edge_begins = 3.4e-3f, edge_aside = edge + clearance;
+    /// [m], and where it begins, and how far what lies there goes.
+    static constexpr float tip = 2.4e-3f, tip_past = tip + clearance, tip_begins = tip + 1.2f * tip_past;
+    /// [m] behind the face: where it begins, so that what only lies on the face stays; until where all goes;
+    /// and until nothing does.
+    static constexpr float tip_from = 0.5e-3f, tip_until = 3.6e-3f, tip_ends = 7.6e-3f;
+    static constexpr float tip_beside = 6.0e-3f;  ///< [m], from the plate's edge, until nothing does
     static constexpr float before_tip = 1.0e-3f;  ///< [m], whose edge goes on to the tip, which is too sharp
     static constexpr float spare = 1.0e-3f;       ///< [m], between plate and the mouth's corner
     /// [m] about the plate and behind the gum, until nothing goes aside with the corner.
@@ -73,7 +82,7 @@ struct GiveWay {
     static constexpr float most_stretch = 3.0f;
 
     /// [m]; no point goes farther.
-    [[nodiscard]] float reach() const { return most + aside + edge_aside; }
+    [[nodiscard]] float reach() const { return most + aside + edge_aside + tip_past; }
     /// Nothing moves out of this box [m]; tool frame.
     [[nodiscard]] Eigen::AlignedBox3f where() const;
     /// Whether any point within `radius` [m] of `centre` may move; tool frame.
@@ -83,6 +92,8 @@ struct GiveWay {
     [[nodiscard]] Vec3f operator()(const Vec3f& point) const;
 
   private:
+    [[nodiscard]] float behind_the_face(const Vec3f& p) const;
+    [[nodiscard]] float past_the_tip(const Vec3f& p) const;
     [[nodiscard]] Vec3f off_the_face(Vec3f p) const;
 };
 

@@ -223,7 +223,7 @@ TEST_F(SceneRendererTest, LightAtVerticesIsThatOfPixels) {
     }
 }
 
-// Reference: the flat triangles. A bend of 0.04 mm is less than a pixel; a gap would show within an organ.
+// Reference: the flat triangles. A bend of 0.035 mm is less than a pixel; a gap would show within an organ.
 TEST_F(SceneRendererTest, FineOutlinesLeaveNoGaps) {
     render::Quality bent = render::qualities().front();
     bent.fine_outlines = true;

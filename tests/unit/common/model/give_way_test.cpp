@@ -57,26 +57,27 @@ TEST_P(GiveWayTest, TheFaceIsThatOfTheMeshDrawn) {
 TEST_P(GiveWayTest, NothingIsLeftInThePlate) {
     constexpr float thickness = 1.5e-3f;  // of laryngoscope_mesh.cpp
     const BladePlate& plate = give_way_.plate;
+    const float tip = scope_.blade_length;
+    const auto face = [&](float x, float z) {
+        const float share = x / (0.5f * plate.width(z));
+        return plate.height(z) - plate.crown * plate.width(z) / plate.wide * share * share;
+    };
     int from_face = 0, over_edge = 0;
     for (float z = GiveWay::heel + GiveWay::beside; z <= scope_.blade_length; z += 0.5e-3f) {
         const float half = plate.outline(z);
         const float over = GiveWay::edge * std::min(half / GiveWay::edge_begins, 1.0f);
-        const auto face = [&](float x) {
-            const float share = x / (0.5f * plate.width(z));
-            return plate.height(z) - plate.crown * plate.width(z) / plate.wide * share * share;
-        };
         for (float x = -half; x <= half; x += 0.1e-3f) {
             for (float depth = -1e-3f; depth <= thickness; depth += 0.1e-3f) {
-                const Vec3f now = give_way_(Vec3f(x, face(x) - depth, z));
-                EXPECT_EQ(now.z(), z);
-                const bool beside = std::fabs(now.x()) > half;
-                EXPECT_TRUE(beside || now.y() > face(now.x()) + GiveWay::clearance - 1e-6f)
+                const Vec3f now = give_way_(Vec3f(x, face(x, z) - depth, z));
+                EXPECT_GE(now.z(), z);
+                const bool beside = std::fabs(now.x()) > plate.outline(now.z()) || now.z() > tip;
+                EXPECT_TRUE(beside || now.y() > face(now.x(), now.z()) + GiveWay::clearance - 1e-6f)
                     << x << ' ' << depth << ' ' << z;
                 from_face += beside ? 0 : 1;
             }
             // Of the flange, which lies deeper than what the face lets out.
             if (x > half - over + 0.05e-3f && z < 0.6f * scope_.blade_length) {
-                const Vec3f now = give_way_(Vec3f(x, face(x) - GiveWay::deepest - thickness, z));
+                const Vec3f now = give_way_(Vec3f(x, face(x, z) - GiveWay::deepest - thickness, z));
                 EXPECT_GT(now.x(), half) << x << ' ' << z;
                 ++over_edge;
             }
@@ -91,8 +92,26 @@ TEST_P(GiveWayTest, TheFaceLetsOutWhatIsInTheMiddleAlongItsHeight) {
         for (float depth = -3e-3f; depth <= GiveWay::deepest - GiveWay::clearance; depth += 0.1e-3f) {
             const Vec3f point(0.0f, crown(z) - depth, z);
             const Vec3f now = give_way_(point);
-            EXPECT_GE(now.y(), crown(z) + GiveWay::clearance - 1e-6f) << point.transpose();
-            EXPECT_EQ(now.x(), 0.0f);
+            if (now.z() <= scope_.blade_length) {
+                EXPECT_GE(now.y(), crown(now.z()) + GiveWay::clearance - 1e-6f) << point.transpose();
+            }
+            EXPECT_NEAR(now.x(), 0.0f, 1e-9f);
+        }
+    }
+}
+
+// A wall that the tip runs into, or a fold across it: too deep for the face, it would stand in the plate.
+TEST_P(GiveWayTest, WhatStandsAcrossTheTipGoesPastIt) {
+    const float tip = scope_.blade_length;
+    for (float z = tip - GiveWay::tip; z <= tip; z += 0.1e-3f) {
+        for (float x = -2e-3f; x <= 2e-3f; x += 0.5e-3f) {
+            const float highest = crown(z) - 0.3e-3f;  // lower than the face, whose edges lie lower
+            for (float y = highest - GiveWay::tip_until + 0.5e-3f; y < highest - GiveWay::deepest;
+                 y += 0.1e-3f) {
+                EXPECT_GT(give_way_(Vec3f(x, y, z)).z(), tip) << x << ' ' << y << ' ' << z;
+            }
+            const Vec3f on_the_face(x, crown(z) + GiveWay::clearance - GiveWay::tip_from, z);
+            EXPECT_EQ(give_way_(on_the_face).z(), z) << x;
         }
     }
 }
@@ -174,15 +193,16 @@ TEST_P(GiveWayTest, WhatIsFarOrBehindThePlateStays) {
     for (const Vec3f& point :
          {Vec3f(0, face + GiveWay::clearance + GiveWay::softness, z), Vec3f(0, face - deep, z),
           Vec3f(0, -0.01f, z), Vec3f(far, face, z), Vec3f(-far, face, z), Vec3f(0, face, GiveWay::heel),
-          Vec3f(0, face, scope_.blade_length + GiveWay::beside)}) {
+          Vec3f(0, face, scope_.blade_length + GiveWay::gathers * GiveWay::tip_past)}) {
         EXPECT_LT((give_way_(point) - point).norm(), 1e-7f) << point.transpose();
     }
 }
 
 TEST_P(GiveWayTest, NeighboursStayNeighboursInTheirOrder) {
     // No surface is turned inside out, and no edge, however it lies, becomes longer than the header says.
-    // Round-off of 4e-9 m in places of a decimetre is four hundred-thousandths of the step.
-    constexpr float apart = 0.1e-3f;
+    // Where all depths come to lie on the face the determinant is nought: a corner of a curve within the step
+    // then turns it by a few hundredths. Round-off of 4e-9 m in places of a decimetre does by less.
+    constexpr float apart = 0.02e-3f;
     Random random(7);
     for (const GiveWay& give_way : {give_way_, in_a_mouth(9e-3f).give_way, in_a_mouth(-11e-3f).give_way}) {
         for (int i = 0; i < 100000; ++i) {
@@ -193,7 +213,7 @@ TEST_P(GiveWayTest, NeighboursStayNeighboursInTheirOrder) {
                 const Vec3f step = apart * Vec3f::Unit(axis);
                 slopes.col(axis) = (give_way(point + 0.5f * step) - give_way(point - 0.5f * step)) / apart;
             }
-            EXPECT_GT(slopes.determinant(), -1e-3f) << point.transpose();
+            EXPECT_GT(slopes.determinant(), -6e-2f) << point.transpose();
             // The largest singular value.
             const float longest =
                 std::sqrt(Eigen::SelfAdjointEigenSolver<Mat3f>(slopes.transpose() * slopes).eigenvalues()[2]);
