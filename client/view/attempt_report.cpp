@@ -16,11 +16,12 @@ std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bu
         why = "an infinite parameter";
         return std::nullopt;
     }
-    AttemptReport report{message.attempt(),
-                         message.header().simulation_time_ns(),
-                         {message.success(), ""},
-                         keys.parameters(message.parameters())};
+    AttemptReport report;
+    report.attempt = message.attempt();
+    report.ended_ns = message.header().simulation_time_ns();
+    report.outcome.success = message.success();
     report.outcome.reason = message.reason().to_string();
+    report.parameters = keys.parameters(message.parameters());
     if (!printable(report.outcome.reason)) {
         why = "a reason with control characters";
         return std::nullopt;

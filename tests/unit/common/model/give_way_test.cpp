@@ -200,26 +200,39 @@ TEST_P(GiveWayTest, WhatIsFarOrBehindThePlateStays) {
 
 TEST_P(GiveWayTest, NeighboursStayNeighboursInTheirOrder) {
     // No surface is turned inside out, and no edge, however it lies, becomes longer than the header says.
-    // Where all depths come to lie on the face the determinant is nought: a corner of a curve within the step
-    // then turns it by a few hundredths. Round-off of 4e-9 m in places of a decimetre does by less.
+    // Round-off of 4e-9 m in places of a decimetre is two ten-thousandths of the step.
     constexpr float apart = 0.02e-3f;
+    const auto slopes = [apart](const GiveWay& give_way, const Vec3f& point) {
+        Mat3f of;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Vec3f step = apart * Vec3f::Unit(axis);
+            of.col(axis) = (give_way(point + 0.5f * step) - give_way(point - 0.5f * step)) / apart;
+        }
+        return of;
+    };
     Random random(7);
+    int at_corners = 0;
     for (const GiveWay& give_way : {give_way_, in_a_mouth(9e-3f).give_way, in_a_mouth(-11e-3f).give_way}) {
         for (int i = 0; i < 100000; ++i) {
             const Vec3f point(0.030f * (random.uniform() - 0.5f), 0.024f * (random.uniform() - 0.5f),
                               (scope_.blade_length + 0.01f) * random.uniform());
-            Mat3f slopes;
-            for (int axis = 0; axis < 3; ++axis) {
-                const Vec3f step = apart * Vec3f::Unit(axis);
-                slopes.col(axis) = (give_way(point + 0.5f * step) - give_way(point - 0.5f * step)) / apart;
+            const Mat3f here = slopes(give_way, point);
+            // Where all depths come to lie on the face the determinant is nought, and where a curve has a
+            // corner within the step the mean of both sides may be below it. A fold is wider than a corner.
+            if (here.determinant() < -1e-3f) {
+                ++at_corners;
+                const Vec3f aside = Vec3f::Constant(2.0f * apart);
+                EXPECT_TRUE(slopes(give_way, point + aside).determinant() > -1e-3f ||
+                            slopes(give_way, point - aside).determinant() > -1e-3f)
+                    << here.determinant() << " at " << point.transpose();
             }
-            EXPECT_GT(slopes.determinant(), -6e-2f) << point.transpose();
             // The largest singular value.
             const float longest =
-                std::sqrt(Eigen::SelfAdjointEigenSolver<Mat3f>(slopes.transpose() * slopes).eigenvalues()[2]);
+                std::sqrt(Eigen::SelfAdjointEigenSolver<Mat3f>(here.transpose() * here).eigenvalues()[2]);
             EXPECT_LT(longest, GiveWay::most_stretch + 1e-2f) << point.transpose();
         }
     }
+    EXPECT_LT(at_corners, 100);  // of 300 thousand
 }
 
 TEST_P(GiveWayTest, GoesWithTheTool) {

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <set>
+#include <string_view>
 
 #include "common/math/units.hpp"
 #include "played_session.hpp"
@@ -227,6 +230,48 @@ TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
     EXPECT_NEAR(p.time_to_first_view_s, 2.0, 2 * step);  // the blade is in from the first step on
     EXPECT_NEAR(p.head_elevation_deg, 12.0, 1e-4);       // at passage, not at the end
     EXPECT_EQ(p.cormack_lehane_grade, 1);
+}
+
+// The same ways of the tools in a newborn and in a manikin: what follows from them is the same to the bit,
+// and nothing else exists. The paper's eight are counted by their names, as two of them are a maximum and a
+// mean.
+TEST(Metrics, OnAManikinWhatFollowsFromTheToolsAlone) {
+    const auto play = [](Patient of) {
+        auto run = std::make_unique<Session>();
+        run->metrics.begin(run->patient, run->scope, 30.0, std::nullopt, of);
+        const test::Path path = test::tracheal_path();
+        run->play(2.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
+            place_blade(s, run->scope, static_cast<float>(0.03 - 0.01 * t));
+            view.opening_percent = of == Patient::newborn ? 60.0f : 0.0f;
+            s.tube_nodes = test::tube_on(path, path.length_to(2) + static_cast<float>(0.01 * t));
+        });
+        run->metrics.finish();
+        return run;
+    };
+    const auto newborn = play(Patient::newborn), manikin = play(Patient::manikin);
+    ASSERT_EQ(manikin->metrics.attempts().size(), 1u);
+    const Parameters in_newborn = newborn->metrics.run().parameters;
+    std::set<std::string_view> of_paper;
+    for (const Parameters& p : {manikin->metrics.run().parameters, manikin->metrics.attempts()[0].parameters,
+                                manikin->metrics.live_parameters()}) {
+        for (const ParameterField& field : parameter_fields) {
+            const double value = p.*field.value;
+            EXPECT_EQ(std::isnan(value), !follows_from_tools(field)) << field.key;
+            if (follows_from_tools(field)) {
+                EXPECT_EQ(value, in_newborn.*field.value) << field.key;
+                if (field.in_paper) {
+                    of_paper.insert(field.key.substr(0, field.key.find('.')));
+                }
+            }
+        }
+    }
+    EXPECT_EQ(of_paper.size(), 8u);
+    EXPECT_TRUE(newborn->metrics.run().outcome.known);
+    EXPECT_FALSE(manikin->metrics.run().outcome.known);
+    EXPECT_FALSE(manikin->metrics.attempts()[0].outcome.known);
+    for (const Event& event : manikin->metrics.events()) {
+        EXPECT_EQ(event.text.find("the tube"), std::string::npos) << event.text;
+    }
 }
 
 TEST(Metrics, SuccessfulIntubation) {

@@ -57,6 +57,38 @@ class SceneTest : public ::testing::Test {
     Vec3f tongue_ = Vec3f::Zero();
 };
 
+// Nothing simulated stops a tool or gives way in a manikin's place, wherever the tools go.
+TEST_F(SceneTest, OnAManikinToolsAreWhereTheirDevicesAre) {
+    Settings settings;
+    settings.manikin = true;
+    Scene scene = make(settings);
+    const Snapshot before = scene.snapshot();
+    Inputs inputs = away_;
+    for (int k = 0; k < 40; ++k) {
+        inputs = pressing(0.5e-3f * static_cast<float>(k));
+        inputs.tube_grip.translation = tongue_ + Vec3f(0.0f, -0.05f, 1e-3f * static_cast<float>(k));
+        scene.step(inputs);
+        const Snapshot& s = scene.snapshot();
+        ASSERT_EQ(s.proxy.translation, inputs.laryngoscope.translation);
+        ASSERT_EQ(s.proxy.rotation.coeffs(), inputs.laryngoscope.rotation.coeffs());
+        ASSERT_TRUE(s.shell_contacts.empty());
+        ASSERT_TRUE(s.tissue_contacts.empty());
+        ASSERT_EQ(s.tissue_force, Vec3f(Vec3f::Zero()));
+        ASSERT_EQ(s.shell_force, Vec3f(Vec3f::Zero()));
+        // The tube on its arc: its tip is where an arc of that radius takes it from the grip.
+        const Tube tube;
+        const Vec3f tip =
+            (inputs.tube_grip * along_arc(1.0f / tube.curve_radius, tube.grip_from_tip)).translation;
+        // The rod's segments are chords of the arc: sixteen of them leave its end by less than a tenth of a
+        // mm.
+        ASSERT_LT((s.tube_nodes.back() - tip).norm(), 1e-4f);
+    }
+    EXPECT_EQ(scene.snapshot().step, 40u);
+    for (std::size_t i = 0; i < before.frames.size(); ++i) {
+        ASSERT_EQ(scene.snapshot().frames[i].centre, before.frames[i].centre) << "frame " << i;
+    }
+}
+
 TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
     Scene scene = make();
     const std::vector<FramePose> before = scene.snapshot().frames;
