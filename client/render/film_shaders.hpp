@@ -53,7 +53,7 @@ void main() {
         }
     }
     // Where one cell alone is marked, this share's border is round: a lower one's has corners.
-    wetted = max(film * stays, smoothstep(0.08, 0.3, touched));
+    wetted = max(film * stays, smoothstep(0.08, 0.135, touched));
 }
 )";
 

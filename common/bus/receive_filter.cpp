@@ -48,9 +48,12 @@ void end_stuck() {
     std::_Exit(stuck_status);
 }
 
+/// Of the whole process, and never taken down: threads that the library leaves behind may still be in it as
+/// the process ends, and waiting for it there gave them the time to use what was gone.
 StuckWatch& watch() {
-    static StuckWatch one(std::chrono::seconds(1), static_cast<int>(stuck_after.count()), end_stuck);
-    return one;
+    static auto* const one =
+        new StuckWatch(std::chrono::seconds(1), static_cast<int>(stuck_after.count()), end_stuck);
+    return *one;
 }
 
 /// What the filters of one participant ask.

@@ -256,9 +256,13 @@ TEST(Metrics, OnAManikinWhatFollowsFromTheToolsAlone) {
                                 manikin->metrics.live_parameters()}) {
         for (const ParameterField& field : parameter_fields) {
             const double value = p.*field.value;
-            EXPECT_EQ(std::isnan(value), !follows_from_tools(field)) << field.key;
-            if (follows_from_tools(field)) {
-                EXPECT_EQ(value, in_newborn.*field.value) << field.key;
+            if (!follows_from_tools(field)) {
+                EXPECT_TRUE(std::isnan(value)) << field.key;
+            } else {
+                // The tube's speeds exist in neither: this tube is not moved by a grip.
+                const double usual = in_newborn.*field.value;
+                EXPECT_TRUE(value == usual || (std::isnan(value) && std::isnan(usual)))
+                    << field.key << ": " << value << " and " << usual;
                 if (field.in_paper) {
                     of_paper.insert(field.key.substr(0, field.key.find('.')));
                 }
