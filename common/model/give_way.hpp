@@ -34,9 +34,8 @@ struct BladePlate {
 /// two; lips follow bones and are not kept off at all (docs/decisions/0096-drawn-tissue-gives-way.md,
 /// 0153-the-whole-blade-is-given-way-to.md). In this order:
 /// - Where the blade passes the corner of the mouth, that goes aside as a whole.
-/// - What stands across the tip, too deep to come out over the face, goes on past it if the tip is in it by
-/// up
-///   to `tip`: the capsule that keeps particles off is rounder there.
+/// - What stands across the tip, too deep to come out over the face, goes on past it if the tip is in it
+///   by up to `tip`: the capsule that keeps particles off is rounder there.
 /// - What comes over an edge of plate or flange by up to `edge` goes aside to `clearance` beyond it.
 /// - What lies on the other side of the contact face, or is no deeper in than `deepest`, goes out along the
 ///   blade's +y until it is `clearance` before the face; it comes to that smoothly over `softness`. Farther

@@ -85,11 +85,10 @@ class Session {
     /// `followed`: another session comes after this one.
     Session(const Options& options, const Scenario& scenario, bool followed)
         : options_(options), scenario_(scenario), live_(options.with_bus && !options.fast) {
-        std::optional<OperatorScript>& script = script_;
         if (!options.operator_name.empty()) {
-            script = load_operator(find_data_file(options.operator_name, "operators"));
-            script->skill = options.skill.value_or(script->skill);
-            script->attempts = options.attempts.value_or(script->attempts);
+            script_ = load_operator(find_data_file(options.operator_name, "operators"));
+            script_->skill = options.skill.value_or(script_->skill);
+            script_->attempts = options.attempts.value_or(script_->attempts);
         }
         if (options.with_bus) {
             const RealTimeThreads real_time(priority::bus, live_);
@@ -104,20 +103,20 @@ class Session {
         inputs_ = parked(scenario_, patient_);
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
         desk_ = CommandDesk(limits_of(scenario_, patient_), inputs_.live, followed);
-        if (script) {
+        if (script_) {
             put_operator();
             simulation_->scene().reset(inputs_);
         }
         if (!options.record.empty()) {
             session::SessionInfo info = session_info(scenario_, patient_);
             info.session = options.bus.session;
-            info.operator_name = script ? script->name : "";
+            info.operator_name = script_ ? script_->name : "";
             info.operator_text =
-                script ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
+                script_ ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
             info.more[session::participant_text] = options.participant;
-            if (script) {
-                info.more[session::skill_text] = fmt::format("{:g}", script->skill);
+            if (script_) {
+                info.more[session::skill_text] = fmt::format("{:g}", script_->skill);
             }
             recorder_.emplace(options.record, std::move(info), patient_, simulation_->scope(), scenario_,
                               simulation_->snapshot(), options.fast);

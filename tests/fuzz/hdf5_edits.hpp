@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/hdf5/handle.hpp"
+#include "memory_file.hpp"
 #include "reader.hpp"
 
 namespace eti::fuzz {
@@ -207,5 +208,14 @@ class Hdf5Edits {
     Bytes bytes_;
     std::vector<std::string> names_;
 };
+
+/// Puts a sound file into `file`, with the changes that `data` stands for.
+inline void hold_changed(const MemoryFile& file, const std::vector<char>& sound, const std::uint8_t* data,
+                         std::size_t size) {
+    file.hold(sound.data(), sound.size());
+    const hdf5::Handle opened(H5Fopen(file.path().c_str(), H5F_ACC_RDWR, H5P_DEFAULT), &H5Fclose);
+    require(static_cast<bool>(opened), "the sound file cannot be opened");
+    Hdf5Edits(opened.get(), Bytes(data, size)).make();
+}
 
 }  // namespace eti::fuzz

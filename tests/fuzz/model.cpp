@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include "hdf5_edits.hpp"
-#include "memory_file.hpp"
 #include "server/patient/model/model_file.hpp"
 #include "tests/unit/server/patient/model/random_patient.hpp"
 
@@ -58,12 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const std::vector<char> sound = anatomy::saved();
     static const fuzz::MemoryFile file;
     const std::filesystem::path path = file.path();
-    file.hold(sound.data(), sound.size());
-    {
-        const hdf5::Handle opened(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), &H5Fclose);
-        fuzz::require(static_cast<bool>(opened), "the sound model cannot be opened");
-        fuzz::Hdf5Edits(opened.get(), fuzz::Bytes(data, size)).make();
-    }
+    fuzz::hold_changed(file, sound, data, size);
     fuzz::read_or_refuse<hdf5::Error>(path.string(),
                                       [&] { anatomy::require_usable(anatomy::load_patient(path)); });
     fuzz::read_or_refuse<hdf5::Error>(path.string(), [&] { (void)anatomy::load_provenance(path); });

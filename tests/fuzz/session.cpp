@@ -13,7 +13,6 @@
 #include "common/session/reader.hpp"
 #include "common/session/writer.hpp"
 #include "hdf5_edits.hpp"
-#include "memory_file.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::session {
@@ -74,12 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const std::vector<char> sound = session::recorded();
     static const fuzz::MemoryFile file;
     const std::filesystem::path path = file.path();
-    file.hold(sound.data(), sound.size());
-    {
-        const hdf5::Handle opened(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), &H5Fclose);
-        fuzz::require(static_cast<bool>(opened), "the sound session cannot be opened");
-        fuzz::Hdf5Edits(opened.get(), fuzz::Bytes(data, size)).make();
-    }
+    fuzz::hold_changed(file, sound, data, size);
     fuzz::read_or_refuse<hdf5::Error>(path.string(), [&] { session::read_all(path); });
     fuzz::read_or_refuse<hdf5::Error>(path.string(), [&] { (void)session::check(path); });
     return 0;

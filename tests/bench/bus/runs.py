@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "deploy/lab"), str(ROOT / "deploy")]
+sys.path[:0] = [str(ROOT / "deploy/lab"), str(ROOT / "deploy"), str(ROOT / "tests/bench")]
 import hosts  # noqa: E402
 from session_run import die_with_parent  # noqa: E402
 

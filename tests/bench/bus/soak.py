@@ -5,22 +5,13 @@
 import random
 import signal
 import time
-from pathlib import Path
 
-import runs
+import runs  # finds the next, too
+from of_process import of_process
 
 SAMPLE_EVERY = 5.0      # [s]
 TURN = 1.0              # [s] between two comings or goings
 COMPANY = 4             # programs that are there at a time
-
-
-def of_process(pid):
-    status = Path(f"/proc/{pid}/status").read_text()
-
-    def field(name):
-        return int(status.split(f"{name}:")[1].split()[0])
-    return {"memory_mb": round(field("VmRSS") / 1024, 2), "threads": field("Threads"),
-            "files": len(list(Path(f"/proc/{pid}/fd").iterdir()))}
 
 
 def measure(bin_folder, minutes, log):

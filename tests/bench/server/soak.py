@@ -17,21 +17,14 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests/bench"))
+from of_process import of_process  # noqa: E402
+
 COLUMNS = ("pass", "time_s", "simulated_s", "steps", "step_p50_ms", "step_p99_ms", "behind_s", "attempts",
            "memory_mb", "threads", "files", "record_mb")
 PASS = re.compile(r"pass (\d+) ended at ([\d.]+) s after (\d+) steps of ([\d.]+) ms, 99 % within ([\d.]+) ms; "
                   r"state \w+; (\d+) attempts")
 PACE = re.compile(r"simulation time \d+ s, ([\d.]+) s behind the clock")
-
-
-def of_process(pid):
-    """Resident memory [MB], threads and open files of a process."""
-    status = Path(f"/proc/{pid}/status").read_text()
-
-    def field(name):
-        return int(status.split(f"{name}:")[1].split()[0])
-    return {"memory_mb": round(field("VmRSS") / 1024, 2), "threads": field("Threads"),
-            "files": len(list(Path(f"/proc/{pid}/fd").iterdir()))}
 
 
 def passes(lines, pid, record):

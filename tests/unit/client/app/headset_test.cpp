@@ -36,6 +36,14 @@ using synthetic::SyntheticServer;
 
 constexpr const char* right_trigger = "/user/hand/right/input/trigger/value";
 
+json pictures_of_frames() {
+    json frames = json::array();
+    for (int frame = 10; frame < 20000; frame += 10) {
+        frames.push_back(frame);
+    }
+    return frames;
+}
+
 class HeadsetTest : public ::testing::Test {
   protected:
     enum class Screen { window, none };
@@ -98,6 +106,15 @@ class HeadsetTest : public ::testing::Test {
         std::stringstream said;
         said << std::ifstream(folder_ / "validation.txt").rdbuf();
         EXPECT_EQ(said.str(), "");
+    }
+
+    // A head that bends over the patient: what each eye saw last is report_["pictures"].back().
+    void look_down() {
+        ASSERT_EQ(wear({{"pictures", pictures_of_frames()},
+                        {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
+                  0);
+        expect_no_fault();
+        ASSERT_FALSE(report_["pictures"].empty());
     }
 
     int side = 240;  // pixels
@@ -188,14 +205,6 @@ void expect_close(const Extent& drawn, const Extent& expected, float pixels) {
     EXPECT_NEAR(drawn.right, expected.right, pixels);
     EXPECT_NEAR(drawn.top, expected.top, pixels);
     EXPECT_NEAR(drawn.bottom, expected.bottom, pixels);
-}
-
-json pictures_of_frames() {
-    json frames = json::array();
-    for (int frame = 10; frame < 20000; frame += 10) {
-        frames.push_back(frame);
-    }
-    return frames;
 }
 
 TEST_F(HeadsetTest, BothEyesSeeThePatientWhereCameraMathematicsHasIt) {
@@ -293,11 +302,7 @@ TEST_F(HeadsetTest, MarksLieInBothEyesOnWhatTheyMark) {
     marked.view_gum_force = 1.0f;
     SyntheticServer server(1e9, 0, marked);
     options_.frames = 60;
-    ASSERT_EQ(
-        wear({{"pictures", pictures_of_frames()}, {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
-        0);
-    expect_no_fault();
-    ASSERT_FALSE(report_["pictures"].empty());
+    ASSERT_NO_FATAL_FAILURE(look_down());
     const json& last = report_["pictures"].back();
     const Vec3f gum = at(synthetic::make_scene().landmarks, Landmark::upper_gum);
     for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -330,11 +335,7 @@ TEST_F(HeadsetTest, AxesOfTheAirwayLieInSpaceInBothEyes) {
     SyntheticServer server(1e9, 0, shown);
     options_.frames = 20;
     side = 480;  // names leave more of the lines to be seen
-    ASSERT_EQ(
-        wear({{"pictures", pictures_of_frames()}, {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
-        0);
-    expect_no_fault();
-    ASSERT_FALSE(report_["pictures"].empty());
+    ASSERT_NO_FATAL_FAILURE(look_down());
     const json& last = report_["pictures"].back();
     const synthetic::Scene source = synthetic::make_scene();
     const view::AirwayAxes axes = view::airway_axes(source.landmarks, shown.head_elevation);
