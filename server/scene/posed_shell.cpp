@@ -28,16 +28,20 @@ DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
 
 }  // namespace
 
-PosedShell::PosedShell(const anatomy::Patient& patient) : patient_(patient) {
-    pose_now(anatomy::pose_bones(patient.skeleton, {}));
+PosedShell::PosedShell(const anatomy::Patient& patient, const anatomy::BonePoses& bones) : patient_(patient) {
+    pose_now(bones);
 }
 
-void PosedShell::pose(const anatomy::BonePoses& bones) {
+void PosedShell::move(const anatomy::BonePoses& bones) {
     vertices_.resize(patient_.shell.mesh.vertices.size());
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
         vertices_[i] =
             anatomy::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
     }
+}
+
+void PosedShell::pose(const anatomy::BonePoses& bones) {
+    move(bones);
     stale_ = true;
     if (!pending_.valid()) {
         start();
@@ -58,12 +62,18 @@ void PosedShell::take() {
 }
 
 void PosedShell::pose_now(const anatomy::BonePoses& bones) {
-    pose(bones);
-    take();
-    if (stale_) {
-        start();
-        take();
+    const bool grid_is_of_mesh = revision_ != 0 && !pending_.valid();
+    const std::vector<Vec3f> before = vertices_;
+    move(bones);
+    if (grid_is_of_mesh && vertices_ == before) {  // as at a reset: nothing to compute
+        ++revision_;
+        return;
     }
+    if (pending_.valid()) {
+        pending_.get();
+    }
+    start();
+    take();
 }
 
 void PosedShell::advance() {

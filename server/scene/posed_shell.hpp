@@ -18,12 +18,12 @@ namespace eti::scene {
 /// early or must be waited for, so that a session re-runs to the same bits.
 class PosedShell {
   public:
-    explicit PosedShell(const anatomy::Patient& patient);
+    PosedShell(const anatomy::Patient& patient, const anatomy::BonePoses& bones);
 
     /// Moves the mesh. The distance grid follows `grid_delay` steps later; a further move meanwhile is
     /// picked up after that.
     void pose(const anatomy::BonePoses& bones);
-    /// Moves mesh and grid, and waits for it.
+    /// Moves mesh and grid, and waits for the grid where it has changed.
     void pose_now(const anatomy::BonePoses& bones);
     /// Once per step; takes over a finished grid.
     void advance();
@@ -37,6 +37,7 @@ class PosedShell {
     static constexpr float band = 4e-3f;    ///< [m], distances are exact within it
 
   private:
+    void move(const anatomy::BonePoses& bones);
     void start();
     void take();
 

@@ -39,7 +39,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
             .tongue_scale = settings.tongue_scale,
             .tissue_stiffness = patient.tissue_stiffness},
       tissue_(patient, settings.tissue_method, step_duration / static_cast<float>(settings.substeps)),
-      shell_(patient),
+      shell_(patient, bones_at(clamped(start.live))),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
       blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),
       made_(tube),
@@ -91,7 +91,7 @@ void Scene::reset(const Inputs& start) {
         tissue_.set_stiffness(live_.tissue_stiffness);
     }
     tube_.set_material(tube_as(made_, live_));
-    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture());
+    const anatomy::BonePoses bones = bones_at(live_);
     tissue_.pose(bones);
     tissue_.reset();
     shell_.pose_now(bones);
@@ -144,7 +144,7 @@ void Scene::follow(const LiveValues& wanted) {
     if (!bones_move && !tongue_grows) {
         return;
     }
-    const anatomy::BonePoses bones = anatomy::pose_bones(patient_.skeleton, posture());
+    const anatomy::BonePoses bones = bones_at(live_);
     tissue_.pose(bones);
     if (bones_move) {
         shell_.pose(bones);
@@ -302,7 +302,7 @@ SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suc
     return {shell_.distance(),
             shell_.revision(),
             tissue_.body().particles,
-            anatomy::pose_bones(patient_.skeleton, posture()),
+            bones_at(live_),
             snapshot_.landmarks,
             blade_pose_,
             blade_to,

@@ -98,8 +98,9 @@ class Scene {
     /// Sizes of cranium and tongue against the built ones.
     [[nodiscard]] float head() const { return live_.head_scale / settings_.head_scale; }
     [[nodiscard]] float growth() const { return live_.tongue_scale / settings_.tongue_scale; }
-    [[nodiscard]] anatomy::Posture posture() const {
-        return {live_.head_elevation, live_.jaw_opening, live_.table_angle};
+    [[nodiscard]] anatomy::BonePoses bones_at(const LiveValues& live) const {
+        return anatomy::pose_bones(patient_.skeleton,
+                                   {live.head_elevation, live.jaw_opening, live.table_angle});
     }
     /// The tongue does not go through palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles);

@@ -55,7 +55,11 @@ nlohmann::json write_poses(const PartOptions& options) {
 nlohmann::json read_poses(const PartOptions& options) {
     const RealTimeThreads real_time(priority::bus);
     bus::Node node(options.bus);
-    bus::Subscriber<msg::ToolPose> topic(node, bus::topics::laryngoscope_pose);
+    // The server keeps the newest alone. Here all are kept, so that what is missing was lost, and not replaced by a
+    // newer one while this reader waited for a processor.
+    auto all = bus::topics::laryngoscope_pose;
+    all.quality.depth = 4096;
+    bus::Subscriber<msg::ToolPose> topic(node, all);
     if (!meets(topic, options.wait_s)) {
         return {{"matched", false}};
     }

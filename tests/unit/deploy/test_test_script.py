@@ -82,6 +82,23 @@ class TestScript(unittest.TestCase):
         self.assert_ends_with(done, "1 passed, 1 failed", 1)
         self.assertIn("Failed: broken", done.stderr)
 
+    def test_tests_of_whole_programs_have_a_second_try_and_it_is_said(self):
+        disturbed = f"test -e {self.root}/tried || ! touch {self.root}/tried"
+        done = self.run_tests(f'case(a unit "true")\ncase(b.c+ bench "{disturbed}")\ncase(d system "exit 1")\n')
+        self.assert_ends_with(done, "2 passed, 1 failed", 1)
+        self.assertIn("Passed at the second try alone: b.c+", done.stderr)
+        self.assertIn("Failed: d", done.stderr)
+
+    def test_unit_tests_have_one_try(self):
+        done = self.run_tests(f'case(a unit "test -e {self.root}/tried || ! touch {self.root}/tried")\n')
+        self.assert_ends_with(done, "0 passed, 1 failed", 1)
+
+    def test_many_failures_are_no_disturbance(self):
+        done = self.run_tests("".join(f'case({name} bench "echo {name} >> {self.root}/tries; exit 1")\n'
+                                      for name in "abcd"))
+        self.assert_ends_with(done, "0 passed, 4 failed", 1)
+        self.assertEqual(len((self.root / "tries").read_text().split()), 4)
+
     def test_skipped_test_is_named_and_not_counted(self):
         done = self.run_tests('case(good unit "true")\ncase(idle unit "echo skipped: no display; exit 4")\n', "--quick")
         self.assert_ends_with(done, "1 passed, 0 failed", 0)

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/patient/newborn/build.hpp"
+#include "server/app/patient_cache.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
 
@@ -19,7 +19,7 @@ constexpr float dt = step_duration / substeps;
 class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
   protected:
     EpiglottisTest()
-        : patient_(anatomy::build_patient(
+        : patient_(app::cached_patient(
               NewbornShape(), {.spacing = 2.5e-3f, .fine_spacing = 1.25e-3f, .surface_spacing = 2.5e-3f})) {
         const Vec3f tip = patient_.landmarks[static_cast<std::size_t>(Landmark::epiglottis_tip)].rest;
         float nearest = 1.0f;

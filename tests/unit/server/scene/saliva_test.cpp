@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "common/math/units.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/app/patient_cache.hpp"
 #include "server/scene/posed_shell.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 /// The newborn of the premature scenarios; only its skin is coarser.
 const anatomy::Patient& premature() {
-    static const anatomy::Patient patient = anatomy::build_patient(
+    static const anatomy::Patient patient = app::cached_patient(
         {.weight = 1.1f, .gestational_age = 28.0f, .tongue_scale = 1.15f}, {.surface_spacing = 2.5e-3f});
     return patient;
 }
@@ -31,11 +31,10 @@ class Mouth {
     explicit Mouth(const anatomy::Posture& posture, LiquidKind kind = LiquidKind::saliva)
         : bones(anatomy::pose_bones(premature().skeleton, posture)),
           tissue(premature(), TissueMethod::clusters, step_duration / 8),
-          shell(premature()),
+          shell(premature(), bones),
           saliva(premature(), make_laryngoscope(Blade::miller_0), 1.8e-3f, 1, kind) {
         tissue.pose(bones);
         tissue.reset();
-        shell.pose_now(bones);
         std::vector<FramePose> frames;
         tissue.frames(frames);
         for (std::size_t i = 0; i < landmark_count; ++i) {

@@ -259,7 +259,8 @@ class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Ly
     PushedOn() {
         tube_ = Tube{};
         tube_.grip_from_tip = 60e-3f;
-        scene::PosedShell shell(test::coarse_newborn());
+        const scene::PosedShell shell(test::coarse_newborn(),
+                                      anatomy::pose_bones(test::coarse_newborn().skeleton, {}));
         shell_ = shell.distance();
     }
     /// The greatest speed [m/s] of the tip in the third second after the grip has gone to `to` at 0.2 m/s.
