@@ -127,11 +127,13 @@ Command add_apply(CLI::App& app) {
                     }
                     const Score score = score_of(model, summary.run.parameters);
                     if (json) {
-                        nlohmann::ordered_json one{{"file", file.string()}};
+                        nlohmann::ordered_json one{{"file", file.string()},
+                                                   {"success", summary.run.outcome.success}};
                         one.update(to_json(score, model));
                         out.push_back(std::move(one));
                     } else {
-                        std::cout << fmt::format("{}\n{}", file.string(), to_table(score, model));
+                        std::cout << fmt::format("{}: outcome {}\n{}", file.string(),
+                                                 outcome_word(summary, summary.run), to_table(score, model));
                     }
                 }
                 if (json) {

@@ -135,8 +135,7 @@ bool ready(const PlannedSession& session) {
 
 std::string outcome_of(const std::filesystem::path& file) {
     const Summary summary = summarise(file);
-    return fmt::format("{}, {:.1f} s", summary.run.outcome.success ? "intubated" : "not intubated",
-                       summary.duration);
+    return fmt::format("outcome {}, {:.1f} s", outcome_word(summary, summary.run), summary.duration);
 }
 
 }  // namespace

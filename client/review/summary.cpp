@@ -144,6 +144,10 @@ nlohmann::ordered_json answers_json(const std::vector<session::Answer>& answers)
     return out;
 }
 
+std::string_view outcome_word(const Summary& summary, const session::SummaryRecord& record) {
+    return !summary.outcome_known(record) ? "unknown" : record.outcome.success ? "success" : "no success";
+}
+
 nlohmann::ordered_json to_json(const Summary& summary) {
     nlohmann::ordered_json out = outcome_json(summary, summary.run);
     out["attempts"] = nlohmann::ordered_json::array();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/session/opinions.hpp"
@@ -39,6 +40,9 @@ struct Summary {
 
 /// What a session was, into an object: its names, version, length and how far it is recorded.
 void put_session(nlohmann::ordered_json& into, const Summary& summary);
+
+/// "success", "no success" or "unknown".
+[[nodiscard]] std::string_view outcome_word(const Summary& summary, const session::SummaryRecord& record);
 
 /// One object; NaN becomes null, and so does the success of what is not known.
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);

@@ -28,10 +28,6 @@ std::string column_title(const session::SummaryRecord& record) {
     return record.attempt == 0 ? "run" : fmt::format("attempt {}", record.attempt);
 }
 
-std::string_view outcome_word(const Summary& summary, const session::SummaryRecord& record) {
-    return !summary.outcome_known(record) ? "unknown" : record.outcome.success ? "success" : "no success";
-}
-
 void add_rows(std::string& out, std::span<const session::SummaryRecord* const> columns,
               std::size_t label_width, bool in_paper) {
     for (const ParameterField& field : parameter_fields) {

@@ -162,6 +162,50 @@ class Report(support.Case):
         with Image.open(self.keep("desktop")) as picture:
             self.assertGreater(numpy.asarray(picture.convert("L")).std(), 10)
 
+    def contributions(self, column):
+        """Of a session's score, by key and in the order of the page: label and log odds."""
+        cells = [(row.get_attribute("data-contribution"), row.find_elements(By.CSS_SELECTOR, "td"))
+                 for row in column.find_elements(By.CSS_SELECTOR, "tr")]
+        return {key: (label.text, float(odds.text.replace("−", "-"))) for key, (label, odds) in cells}
+
+    def test_a_score_shows_what_it_is_made_of(self):
+        scored = [recording("expert"), recording("no_lift")]  # whoever does not lift never sees the glottis
+        self.page(*scored, killed())
+        columns = self.find("#score .columns > div")
+        expected = json.loads(support.run("eti-review", "score", "apply", *scored, "--json").stdout)
+        self.assertEqual((len(columns), len(expected)), (3, 2))
+        for column, score in zip(columns, expected):
+            self.assertIn(f"{score['grade']:.1f} of 5\n", column.text)
+            self.assertIn("It has seen no human data", column.text)
+            self.assertIn(score["statement"], column.text)
+            shown = self.contributions(column)
+            self.assertGreater(len(shown), 3)
+            sizes = [abs(odds) for _, odds in shown.values()]
+            self.assertEqual(sizes, sorted(sizes, reverse=True))
+            small, absent = 0, []
+            for one in score["contributions"]:
+                if not one["measured"]:
+                    absent.append(one["label"])
+                elif abs(one["log_odds"]) < 0.05:
+                    small += 1
+                else:
+                    label, odds = shown.pop(one["key"])
+                    self.assertEqual(label, one["label"])
+                    self.assertAlmostEqual(odds, one["log_odds"], delta=0.005 + 1e-9)
+            self.assertEqual(shown, {})
+            for label in absent:
+                self.assertIn(label, column.text.split("Not measured")[1])
+            self.assertEqual(f"{small} more contribute less than 0.05 each" in column.text, small > 0)
+        self.assertIn("\nIntubated\n", columns[0].text)
+        self.assertIn("\nNot intubated\n", columns[1].text)
+        self.assertIn("Not measured", columns[1].text)
+        # No grade stands beside an outcome that nobody knows.
+        self.assertIn("Not scored, as the outcome is unknown", columns[2].text)
+        self.assertEqual(columns[2].find_elements(By.CSS_SELECTOR, "[data-grade], tr"), [])
+        columns[0].location_once_scrolled_into_view
+        self.keep("score")
+        self.assert_quiet()
+
     def test_a_click_on_an_event_shows_its_moment(self):
         self.page(recording("expert"))
         event = self.find("#events button.moment")[1]

@@ -58,6 +58,8 @@ export function practice({ sessions, fields }, seek) {
   return section;
 }
 
+const worthListing = 0.05;  // log odds, of a contribution
+
 /// What the automatic score makes of each session, and from what.
 export function scores({ sessions }) {
   const columns = element("div", { class: "columns" });
@@ -69,13 +71,20 @@ export function scores({ sessions }) {
       column.append(element("p", {}, "Not scored, as the outcome is unknown."));
       return;
     }
-    const shown = score.contributions.filter((one) => one.measured && Math.abs(one.log_odds) >= 0.05);
+    const measured = score.contributions.filter((one) => one.measured);
+    const shown = measured.filter((one) => Math.abs(one.log_odds) >= worthListing);
+    const small = measured.length - shown.length;
+    const absent = score.contributions.filter((one) => !one.measured).map((one) => one.label);
     column.append(
       element("p", { class: "outcome", "data-grade": score.grade }, `${score.grade.toFixed(1)} of ${score.of}`),
+      element("p", {}, outcomeLight(session.run), " ", outcomeWord(session.run)),  // which the score does not look at
       element("p", { class: "soft" }, score.statement),
       element("table", {}, element("tbody", {}, ...shown.map((one) => element("tr", { "data-contribution": one.key },
         element("td", {}, one.label),
-        element("td", { class: "number" }, `${one.log_odds < 0 ? "−" : "+"}${Math.abs(one.log_odds).toFixed(2)}`))))));
+        element("td", { class: "number" }, `${one.log_odds < 0 ? "−" : "+"}${Math.abs(one.log_odds).toFixed(2)}`))))),
+      element("p", { class: "soft" },
+        (small > 0 ? `${small} more contribute less than ${worthListing} each. ` : "") +
+        (absent.length > 0 ? `Not measured, so that they contribute nothing: ${absent.join("; ")}.` : "")));
   });
   return element("section", { id: "score" }, element("h2", {}, "Automatic score"),
     element("p", { class: "soft" }, "What each parameter contributes, in log odds of a better grade: above 0 it speaks for the ",
