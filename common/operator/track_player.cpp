@@ -20,6 +20,7 @@ constexpr float peak_over_mean = 1.875f;
 constexpr double follow_time = 0.1;         // [s], low pass on landmarks that a stage follows
 constexpr double correction_time = 0.3;     // [s], in which a hand makes up for what it sees
 constexpr float most_steering = 8e-3f;      // [m], of the tip
+constexpr float most_turn = 0.5f;           // [rad], about the lips
 constexpr float corrected_within = 20e-3f;  // [m], of the tip from its aim
 constexpr float least_swing = 3e-3f;        // [m]; rolling a straighter tube would not steer it
 // From attempt to attempt: the tube lies in the trachea from where an attempt counts as a success, and a tool
@@ -255,7 +256,11 @@ RigidTransform TrackPlayer::steered(const RigidTransform& pose, const Observatio
     const Vec3f swing = axis.cross(arm);
     const float roll = swing.norm() > least_swing ? swing.dot(steered_) / swing.squaredNorm() : 0.0f;
     const Vec3f rest = steered_ - roll * swing;
-    const Quatf turn = quaternion_from(roll * axis + arm.cross(rest) / std::max(arm.squaredNorm(), 1e-6f));
+    // With the tip nearly out of the lips hardly any arm is left, and no hand makes up for that by turning
+    // farther.
+    Vec3f aside = arm.cross(rest) / std::max(arm.squaredNorm(), 1e-6f);
+    aside *= std::min(1.0f, most_turn / std::max(aside.norm(), 1e-9f));
+    const Quatf turn = quaternion_from(roll * axis + aside);
     return RigidTransform{turn, lips.translation - turn * lips.translation} * pose;
 }
 
@@ -292,7 +297,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         }
         if (stage.steer) {
             steer(stage, observation);
-        } else if (!stage.keep) {
+        } else if (!stage.keep || stage.withdraw >= 0.0f) {
             steered_ *= 1.0f - share_passed(observation, correction_time);
         }
         const double since = observation.time - started_;

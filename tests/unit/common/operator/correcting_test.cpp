@@ -161,6 +161,33 @@ TEST_F(Steering, IsBounded) {
     EXPECT_NEAR(aside(), 14e-3f - 8e-3f, 1e-3f);
 }
 
+// What it had to make up for fades while the tip comes to the lips, about which it turns: no faster than a
+// quick hand.
+TEST_F(Steering, DoesNotThrowTheTubeAboutOnItsWayOut) {
+    Stage aim = stage_at(Landmark::glottis);
+    aim.steer = true;
+    aim.hold = 12;
+    Stage out = kept("out");
+    out.withdraw = 30e-3f;
+    out.speed = 0.05f;
+    for (const Vec3f& held_off : {Vec3f(14e-3f, 0, 0), Vec3f(0, 14e-3f, 0), Vec3f(-9e-3f, -9e-3f, 0)}) {
+        player_.emplace(Track{{aim, out}}, length, 0.0f, reaction, 1, bend);
+        seen_ = {};
+        seen_.landmarks = newborn_landmarks();
+        held_off_ = held_off;
+        look();
+        float fastest = 0.0f;
+        while (!player_->finished() && seen_.time < 60) {
+            const Vec3f before = pose_.translation;
+            seen_.time += dt;
+            look();
+            fastest = std::max(fastest, (pose_.translation - before).norm() / static_cast<float>(dt));
+        }
+        EXPECT_TRUE(player_->finished());
+        EXPECT_LT(fastest, 1.0f) << held_off.transpose();
+    }
+}
+
 TEST_F(Steering, LetsTheTracheaGuideWhatIsPastTheCords) {
     begin_tube({3e-3f, 0, 0});
     seen_.tube_depth_past_glottis = 1e-3f;
