@@ -126,9 +126,24 @@ int replay(const std::filesystem::path& file, const Replay& how, const std::vect
     return refused;
 }
 
+constexpr const char* no_score = "none";
+
+/// A page without a score is better than none: whoever cannot have the one learns how to get the other.
+std::optional<review::ScoreModel> score_for_report(const std::string& name) {
+    if (name == no_score) {
+        return std::nullopt;
+    }
+    try {
+        return review::load_score(find_data_file(name, "scores"));
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("--score: {}\nRemedy: --score {} writes the report without a score",
+                                     error.what(), no_score));
+    }
+}
+
 int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
            const std::string& score, bool json) {
-    const review::ScoreModel model = review::load_score(find_data_file(score, "scores"));
+    const std::optional<review::ScoreModel> model = score_for_report(score);
     const std::filesystem::path written = review::write_report(files, folder, model, stop_asked);
     if (written.empty()) {
         return interrupted;
@@ -198,7 +213,9 @@ int main(int argc, char** argv) {
         ->required();
 
     std::string score = "scripted";
-    report_command->add_option("--score", score, "What scores the sessions, by name or path")
+    report_command
+        ->add_option("--score", score,
+                     fmt::format("What scores the sessions, by name or path; {}: nothing does", no_score))
         ->capture_default_str();
 
     CLI::App* const study_command = app.add_subcommand(

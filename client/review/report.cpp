@@ -252,7 +252,8 @@ std::string embeddable(const ordered_json& json) {
 }
 
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& sessions,
-                                   const std::filesystem::path& folder, const ScoreModel& model,
+                                   const std::filesystem::path& folder,
+                                   const std::optional<ScoreModel>& model,
                                    const std::function<bool()>& stop) {
     constexpr std::string_view place = "<!--sessions-->";
     const std::string_view page = report_page();
@@ -273,9 +274,11 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
         const session::SessionReader reader(file);
         const Summary summary = summarise(file);
         ordered_json one = session_json(reader, summary);
-        one["score"] = summary.outcome_known(summary.run)
-                           ? to_json(score_of(model, summary.run.parameters), model)
-                           : ordered_json();
+        if (model) {
+            one["score"] = summary.outcome_known(summary.run)
+                               ? to_json(score_of(*model, summary.run.parameters), *model)
+                               : ordered_json();
+        }
         one["anatomy"] = anatomy_json(reader);
         data["sessions"].push_back(std::move(one));
     }

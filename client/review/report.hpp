@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,11 +37,11 @@ inline constexpr std::size_t most_samples = 3600;
 /// The page with a place for sessions, as it was bundled into this program; empty when npm was not there.
 [[nodiscard]] std::string_view report_page();
 
-/// Writes DIR/report.html about these sessions, the first compared with the others, scored by `model`. Makes
-/// the folder, replaces no file. Returns the page's path; empty when `stop` said so. Throws ExportError,
-/// hdf5::Error.
+/// Writes DIR/report.html about these sessions, the first compared with the others, scored by `model` where
+/// there is one. Makes the folder, replaces no file. Returns the page's path; empty when `stop` said so.
+/// Throws ExportError, hdf5::Error.
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& sessions,
-                                   const std::filesystem::path& folder, const ScoreModel& model,
-                                   const std::function<bool()>& stop);
+                                   const std::filesystem::path& folder,
+                                   const std::optional<ScoreModel>& model, const std::function<bool()>& stop);
 
 }  // namespace eti::review

@@ -206,6 +206,46 @@ class Report(support.Case):
         self.keep("score")
         self.assert_quiet()
 
+    def test_a_report_without_a_score(self):
+        self.page(recording("expert"), "--score", "none")
+        self.assertEqual(self.find("#score, [data-grade]"), [])
+        self.assertEqual([one.text for one in self.find("h2") if "score" in one.text.lower()], [])
+        self.assertGreater(len(self.cells()), 20)
+        self.assert_quiet()
+
+    def test_a_broken_or_missing_score_is_refused_with_its_remedy(self):
+        """Whoever asked for none of them gets a report all the same."""
+        shadow = self.folder / "data" / "scores" / "scripted.yaml"  # comes before the shipped one
+        shadow.parent.mkdir(parents=True)
+        shipped = (support.ROOT / "deploy/scores/scripted.yaml").read_text()
+        environment = os.environ | {"ETI_DATA": str(self.folder / "data")}
+
+        def report(*arguments):
+            return support.run("eti-review", "report", recording("expert"), "--out", self.folder / "out", *arguments,
+                               timeout=120, env=environment)
+
+        for broken, found in (("", "the file is empty"), ("\0\1\2", "no UTF-8 text"),
+                              (shipped[:shipped.index("features:")], "features"),
+                              (shipped[:shipped.index("weight:")], "not valid YAML"),
+                              (shipped.replace("thresholds:", "tresholds:"), "thresholds"),
+                              (re.sub("deviation: [0-9.]+", "deviation: 0", shipped, count=1), "deviation")):
+            shadow.write_text(broken)
+            done = report()
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertIn(str(shadow), done.stderr)
+            self.assertIn(found, done.stderr)
+            self.assertIn("--score none writes the report without a score", done.stderr)
+        done = report("--score", "absent")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("'absent' is neither a file nor a name in", done.stderr)
+        self.assertIn("--score none writes", done.stderr)
+        self.assertFalse((self.folder / "out").exists())
+        done = report("--score", "none")
+        if "was built without the page" in done.stderr:
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("no human data", (self.folder / "out" / "report.html").read_text())
+
     def test_a_click_on_an_event_shows_its_moment(self):
         self.page(recording("expert"))
         event = self.find("#events button.moment")[1]

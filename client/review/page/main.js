@@ -22,7 +22,10 @@ followers.push((time, session) => timeline.mark(time, session));
 const anatomy = anatomySection(data.sessions, seek);
 page.append(anatomy.section);
 followers.push(anatomy.seek);
-page.append(scores(data), parameterTable(data), eventList(data.sessions, seek));
+if (data.sessions.some((session) => "score" in session)) {
+  page.append(scores(data));
+}
+page.append(parameterTable(data), eventList(data.sessions, seek));
 page.append(element("p", { class: "soft" },
   `NeoETI ${data.program}. Not a medical device; does not certify skill. This page fetches nothing and sends nothing.`));
 timeline.draw();
