@@ -55,8 +55,8 @@ nlohmann::json write_poses(const PartOptions& options) {
 nlohmann::json read_poses(const PartOptions& options) {
     const RealTimeThreads real_time(priority::bus);
     bus::Node node(options.bus);
-    // The server keeps the newest alone. Here all are kept, so that what is missing was lost, and not replaced by a
-    // newer one while this reader waited for a processor.
+    // The server keeps the newest alone. Here all are kept, so that what is missing was lost, and not
+    // replaced by a newer one while this reader waited for a processor.
     auto all = bus::topics::laryngoscope_pose;
     all.quality.depth = 4096;
     bus::Subscriber<msg::ToolPose> topic(node, all);
