@@ -16,7 +16,7 @@ Vec3f filmed(const Vec3f& light) {
 }  // namespace
 
 TonePass::TonePass()
-    : tone_("tone mapping", {}, source::quad_vertex, source::tone_fragment),
+    : tone_("tone mapping", {}, source::tone_vertex, source::tone_fragment),
       copy_("copy", {"COPY"}, source::quad_vertex, source::tone_fragment) {}
 
 void TonePass::cover(ShaderProgram& program, const Texture& light, const Viewport& area) {
@@ -39,7 +39,8 @@ void TonePass::draw(const RenderTarget& target, const Viewport& area, const Tone
     glEnable(GL_FRAMEBUFFER_SRGB);
     // A software rasteriser saves half of this pass in views that are mostly background. That is cleared, and
     // the pass, at the farthest depth, goes where something nearer was drawn.
-    const bool uniform = target.picture_has_depth() && tone.vignette == 0.0f && tone.fogging == 0.0f;
+    const bool uniform =
+        target.picture_has_depth() && tone.vignette == 0.0f && tone.fogging == 0.0f && tone.metered == 0.0f;
     if (uniform) {
         const Vec3f plain = filmed(tone.exposure * background);
         glEnable(GL_SCISSOR_TEST);
@@ -55,7 +56,10 @@ void TonePass::draw(const RenderTarget& target, const Viewport& area, const Tone
     }
     tone_.use();
     tone_.set("aspect", area.aspect());
+    tone_.set("area",
+              Eigen::Vector4f(Eigen::Vector4i(area.x, area.y, area.width, area.height).cast<float>()));
     tone_.set("exposure", tone.exposure);
+    tone_.set("metered", tone.metered);
     tone_.set("vignette", tone.vignette);
     tone_.set("fogging", tone.fogging);
     cover(tone_, target.light(), area);

@@ -13,6 +13,9 @@ namespace eti::render {
 /// How a view's light becomes a picture: what lies between the scene and who looks.
 struct ToneMapping {
     float exposure = 1.0f;  ///< factor on the light, before the film's curve
+    /// Mean light that exposure brings brighter pictures down to, as cameras do that meter themselves; 0: as
+    /// set.
+    float metered = 0.0f;
     float vignette = 0.0f;  ///< 0-1: how much darker the edges are, as through a narrow opening
     float fogging = 0.0f;   ///< 0-1: breath on a lens, densest in its middle
 };

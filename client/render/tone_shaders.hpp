@@ -15,13 +15,43 @@ void main() {
 }
 )";
 
+/// The same, and how much light the film takes: a camera that meters its own picture lets less in where that
+/// is too bright. The mean is over a grid of points, without the corners that a vignette takes.
+inline constexpr std::string_view tone_vertex = R"(
+out vec2 at;
+flat out float taken;
+uniform sampler2D light;
+uniform vec4 area;
+uniform float aspect;
+uniform float exposure;
+uniform float metered;
+float mean_light() {
+    const ivec2 points = ivec2(24, 14);
+    vec2 sum = vec2(0.0);
+    for (int i = 0; i < points.x * points.y; ++i) {
+        vec2 place = (vec2(i % points.x, i / points.x) + 0.5) / vec2(points);
+        vec3 c = texelFetch(light, ivec2(area.xy + place * area.zw), 0).rgb;
+        float weight = 1.0 - smoothstep(0.75, 1.45, length((2.0 * place - 1.0) * vec2(aspect, 1.0)));
+        sum += weight * vec2(min(dot(c, vec3(0.2126, 0.7152, 0.0722)), 4.0), 1.0);
+    }
+    return sum.x / sum.y;
+}
+void main() {
+    at = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+    gl_Position = vec4(2.0 * at - 1.0, 1.0, 1.0);
+    taken = metered > 0.0 ? exposure * min(metered / max(mean_light(), 1e-6), 1.0) : exposure;
+}
+)";
+
 /// COPY: values as they are.
 inline constexpr std::string_view tone_fragment = R"(
 in vec2 at;
+#ifndef COPY
+flat in float taken;
+#endif
 out vec4 pixel;
 uniform sampler2D light;
 uniform float aspect;
-uniform float exposure;
 uniform float vignette;
 uniform float fogging;
 // Filmic curve of Narkowicz 2015; keeps highlights from clipping to flat white.
@@ -31,7 +61,7 @@ void main() {
 #ifndef COPY
     vec2 corner = (2.0 * at - 1.0) * vec2(aspect, 1.0);
     float out_of_middle = length(corner);
-    c *= exposure * (1.0 - vignette * 0.92 * smoothstep(0.75, 1.45, out_of_middle));
+    c *= taken * (1.0 - vignette * 0.92 * smoothstep(0.75, 1.45, out_of_middle));
     // Droplets scatter what comes through and add light of their own.
     float fog = fogging * (1.0 - 0.6 * smoothstep(0.3, 1.3, out_of_middle));
     c = film(mix(c, vec3(0.30, 0.29, 0.29), 0.85 * fog));

@@ -67,7 +67,7 @@ const std::array table{
          .lighting = laryngoscope_lighting,
          .passes = of_a_mouth,
          .overlays = {Overlay::sight_dot},  // the gum lies behind the lens
-         .tone = {.vignette = 1.0f},
+         .tone = {.metered = 0.28f, .vignette = 1.0f},
          .automatic = Automatic::always,
          .moves = Moves::eye,
          .lips_aside = true,

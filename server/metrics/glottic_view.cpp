@@ -75,23 +75,29 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
     }
 }
 
-void GlotticViewer::block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction& lips,
-                          const scene::Snapshot& snapshot) {
-    if (laryngoscope_) {
-        const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
-        laryngoscope_->block(lines, std::span(&held, 1));
-    }
-    const std::optional<PlacedGiveWay> pressed = give_way_to(scope_, snapshot.proxy, snapshot.landmarks);
-    if (lips_as_scanned_) {
-        lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
-    }
-    for (Occluder& surface : surfaces_) {
-        surface.block(lines, frames, pressed, &lips);
-    }
-    lines.begin_at(0.0f);
+void GlotticViewer::block(SightLines& lines, const Occluder::Posture& tissue, const scene::Snapshot& snapshot,
+                          Hiding& hiding) {
     if (settings_.tube_radius > 0.0f) {
         block_by_tube(lines, snapshot.tube_nodes);
     }
+    if (laryngoscope_) {
+        const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
+        Occluder::Recent of_the_blade;  // a small mesh: met anew each time
+        laryngoscope_->block(lines, {.frames = std::span(&held, 1)}, of_the_blade);
+    }
+    if (lips_as_scanned_) {
+        lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
+    }
+    // What hid a moment ago hides most, and the rest is narrower.
+    hiding.resize(surfaces_.size());
+    for (std::size_t i = 0; i < surfaces_.size() && !lines.all_blocked(); ++i) {
+        surfaces_[i].block_again(lines, tissue, hiding[i]);
+    }
+    lines.look_at_open_ones();
+    for (std::size_t i = 0; i < surfaces_.size() && !lines.all_blocked(); ++i) {
+        surfaces_[i].block(lines, tissue, hiding[i]);
+    }
+    lines.begin_at(0.0f);
 }
 
 void GlotticViewer::block_by_tube(SightLines& lines, std::span<const Vec3f> nodes) const {
@@ -120,22 +126,32 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
     const LipRetraction lips = lip_retraction(from, snapshot.landmarks);
     const std::vector<Vec3f> samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
     SightLines to_glottis(from, samples, settings_.tolerance);
-    block(to_glottis, frames, lips, snapshot);
+    const PlacedGiveWay pressed = give_way_to(scope_, snapshot.proxy, snapshot.landmarks);
+    const Occluder::Posture tissue{frames, pressed, &lips};
+    block(to_glottis, tissue, snapshot, hide_glottis_);
     view.opening_percent = to_glottis.open_percent();
     if (view.opening_percent > 0.0f) {
         return view;
     }
 
-    const PlacedGiveWay pressed = give_way_to(scope_, snapshot.proxy, snapshot.landmarks);
-    std::vector<Vec3f> targets;
-    for (const anatomy::CarriedPoint& point : epiglottis_) {
-        targets.push_back(pressed(skin_point(point.rest, point.skin, frames)));
-    }
-    SightLines to_epiglottis(from, targets, settings_.tolerance);
-    block(to_epiglottis, frames, lips, snapshot);
-    for (std::size_t i = 0; i < to_epiglottis.size() && !view.epiglottis_seen; ++i) {
-        view.epiglottis_seen = !to_epiglottis.blocked(i);
-    }
+    // One point in sight is enough, and what was in sight a moment ago mostly is still.
+    const auto seen_among = [&](std::size_t first, std::size_t count) {
+        std::vector<Vec3f> targets;
+        for (std::size_t i = first; i < first + count; ++i) {
+            targets.push_back(pressed(skin_point(epiglottis_[i].rest, epiglottis_[i].skin, frames)));
+        }
+        SightLines lines(from, targets, settings_.tolerance);
+        block(lines, tissue, snapshot, hide_epiglottis_);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!lines.blocked(i)) {
+                seen_ = first + i;
+                return true;
+            }
+        }
+        return false;
+    };
+    view.epiglottis_seen =
+        (seen_ < epiglottis_.size() && seen_among(seen_, 1)) || seen_among(0, epiglottis_.size());
     return view;
 }
 

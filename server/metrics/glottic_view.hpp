@@ -45,8 +45,10 @@ class GlotticViewer {
     [[nodiscard]] GlotticView look(const scene::Snapshot& snapshot, const Vec3f& from);
 
   private:
-    void block(SightLines& lines, std::span<const FrameMap> frames, const LipRetraction& lips,
-               const scene::Snapshot& snapshot);
+    using Hiding = std::vector<Occluder::Recent>;  // surface by surface
+
+    void block(SightLines& lines, const Occluder::Posture& tissue, const scene::Snapshot& snapshot,
+               Hiding& hiding);
     void block_by_tube(SightLines& lines, std::span<const Vec3f> nodes) const;
 
     Settings settings_;
@@ -58,6 +60,8 @@ class GlotticViewer {
     std::optional<Occluder> laryngoscope_;
     Laryngoscope scope_;
     std::vector<anatomy::CarriedPoint> epiglottis_;
+    Hiding hide_glottis_, hide_epiglottis_;
+    std::size_t seen_ = 0;  // of epiglottis_, when that was seen last
 };
 
 }  // namespace eti::metrics

@@ -16,6 +16,9 @@ constexpr float near_plane = 1e-3f;
 // Triangles per block: halving it doubles the bounds to test, doubling it the triangles skinned in vain.
 constexpr std::size_t block_size = 16;
 
+// Blocks per group.
+constexpr std::size_t group_size = 8;
+
 std::uint32_t spread_bits(std::uint32_t v) {
     v = (v | (v << 16)) & 0x030000ffu;
     v = (v | (v << 8)) & 0x0300f00fu;
@@ -47,20 +50,28 @@ SightLines::SightLines(const Vec3f& eye, std::span<const Vec3f> targets, float t
     to_eye_.row(1) = forward.cross(side).transpose();
     to_eye_.row(2) = forward.transpose();
 
-    low_.setConstant(1e9f);
-    high_.setConstant(-1e9f);
     for (std::size_t i = 0; i < targets.size(); ++i) {
         const Vec3f line = seen_from_eye(targets[i]);
         lines_.push_back(line);
         last_.push_back(1.0f - tolerance / std::max(line.norm(), tolerance));
         const float depth = std::max(line.z(), near_plane);
         image_.emplace_back(line.x() / depth, line.y() / depth);
-        low_ = low_.cwiseMin(image_.back());
-        high_ = high_.cwiseMax(image_.back());
         farthest_ = std::max(farthest_, line.z());
         if (line.z() <= near_plane) {  // beside or behind the eye: never seen
             blocked_[i] = 1;
             --open_;
+        }
+    }
+    look_at_open_ones();
+}
+
+void SightLines::look_at_open_ones() {
+    low_.setConstant(1e9f);
+    high_.setConstant(-1e9f);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        if (blocked_[i] == 0) {
+            low_ = low_.cwiseMin(image_[i]);
+            high_ = high_.cwiseMax(image_[i]);
         }
     }
 }
@@ -215,45 +226,96 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     for (const std::size_t index : order) {
         triangles_.push_back(mesh.triangles[index]);
     }
-    for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
-        Block block;
-        block.first_triangle = static_cast<std::uint32_t>(first);
-        block.end_triangle = static_cast<std::uint32_t>(std::min(first + block_size, triangles_.size()));
-        block.first_frame = static_cast<std::uint32_t>(frames_.size());
-        const std::span<const Triangle> members(triangles_.data() + first,
-                                                block.end_triangle - block.first_triangle);
-        Vec3f block_low = rest_[members[0][0]];
-        Vec3f block_high = block_low;
-        std::vector<std::uint16_t> used;
-        for (const Triangle& t : members) {
-            for (const std::uint32_t vertex : t) {
-                block_low = block_low.cwiseMin(rest_[vertex]);
-                block_high = block_high.cwiseMax(rest_[vertex]);
-                for (std::size_t k = 0; k < frames_per_point; ++k) {
-                    if (skin_[vertex].weight[k] > 0.0f) {
-                        used.push_back(skin_[vertex].frame[k]);
-                    }
-                }
-            }
-        }
-        std::sort(used.begin(), used.end());
-        used.erase(std::unique(used.begin(), used.end()), used.end());
-        frames_.insert(frames_.end(), used.begin(), used.end());
-        block.end_frame = static_cast<std::uint32_t>(frames_.size());
-        block.centre = 0.5f * (block_low + block_high);
-        for (const Triangle& t : members) {
-            for (const std::uint32_t vertex : t) {
-                block.radius = std::max(block.radius, (rest_[vertex] - block.centre).norm());
-            }
-        }
-        blocks_.push_back(block);
+    const std::span<const Triangle> all(triangles_);
+    for (std::size_t first = 0; first < all.size(); first += block_size) {
+        const std::size_t count = std::min(block_size, all.size() - first);
+        blocks_.push_back({ball_around(all.subspan(first, count)), static_cast<std::uint32_t>(first),
+                           static_cast<std::uint32_t>(first + count)});
+    }
+    for (std::size_t first = 0; first < blocks_.size(); first += group_size) {
+        const std::size_t end = std::min(first + group_size, blocks_.size());
+        const std::uint32_t begin = blocks_[first].first_triangle;
+        groups_.push_back({ball_around(all.subspan(begin, blocks_[end - 1].end_triangle - begin)),
+                           static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)});
     }
 }
 
-void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
-                     const std::optional<PlacedGiveWay>& pressed, const LipRetraction* lips) {
+Occluder::Ball Occluder::ball_around(std::span<const Triangle> triangles) {
+    Ball ball;
+    Vec3f low = rest_[triangles[0][0]];
+    Vec3f high = low;
+    std::vector<std::uint16_t> used;
+    for (const Triangle& t : triangles) {
+        for (const std::uint32_t vertex : t) {
+            low = low.cwiseMin(rest_[vertex]);
+            high = high.cwiseMax(rest_[vertex]);
+            for (std::size_t k = 0; k < frames_per_point; ++k) {
+                if (skin_[vertex].weight[k] > 0.0f) {
+                    used.push_back(skin_[vertex].frame[k]);
+                }
+            }
+        }
+    }
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    ball.first_frame = static_cast<std::uint32_t>(frames_.size());
+    frames_.insert(frames_.end(), used.begin(), used.end());
+    ball.end_frame = static_cast<std::uint32_t>(frames_.size());
+    ball.centre = 0.5f * (low + high);
+    for (const Triangle& t : triangles) {
+        for (const std::uint32_t vertex : t) {
+            ball.radius = std::max(ball.radius, (rest_[vertex] - ball.centre).norm());
+        }
+    }
+    return ball;
+}
+
+void Occluder::block_again(SightLines& lines, const Posture& posture, Recent& recent) {
     ++call_;
-    tested_ = 0;
+    std::erase_if(recent, [&](std::uint32_t index) { return !block_by(blocks_[index], lines, posture); });
+}
+
+void Occluder::block(SightLines& lines, const Posture& posture, Recent& recent) {
+    ++call_;
+    for (const Group& group : groups_) {
+        if (lines.all_blocked()) {
+            return;
+        }
+        if (!may_hide(group.ball, lines, posture)) {
+            continue;
+        }
+        for (std::uint32_t index = group.first_block; index < group.end_block; ++index) {
+            if (block_by(blocks_[index], lines, posture)) {
+                recent.push_back(index);
+            }
+        }
+    }
+}
+
+bool Occluder::may_hide(const Ball& ball, const SightLines& lines, const Posture& posture) const {
+    Vec3f low = Vec3f::Constant(1e9f);
+    Vec3f high = Vec3f::Constant(-1e9f);
+    for (std::uint32_t k = ball.first_frame; k < ball.end_frame; ++k) {
+        const Vec3f image = posture.frames[frames_[k]] * ball.centre;
+        low = low.cwiseMin(image);
+        high = high.cwiseMax(image);
+    }
+    const Vec3f centre = 0.5f * (low + high);
+    float radius = ball.radius + 0.5f * (high - low).norm();
+    if (posture.pressed && posture.pressed->may_move(centre, radius)) {
+        radius += posture.pressed->give_way.reach();
+    }
+    if (posture.lips != nullptr && posture.lips->moves(centre, radius)) {
+        radius += posture.lips->reach();
+    }
+    return lines.may_meet(lines.seen_from_eye(centre), radius);
+}
+
+bool Occluder::block_by(const Block& block, SightLines& lines, const Posture& posture) {
+    if (!may_hide(block.ball, lines, posture)) {
+        return false;
+    }
+    const auto& [frames, pressed, lips] = posture;
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
@@ -265,34 +327,12 @@ void Occluder::block(SightLines& lines, std::span<const FrameMap> frames,
         }
         return seen_[vertex];
     };
-    for (const Block& block : blocks_) {
-        if (lines.all_blocked()) {
-            return;
-        }
-        Vec3f low = Vec3f::Constant(1e9f);
-        Vec3f high = Vec3f::Constant(-1e9f);
-        for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
-            const Vec3f image = frames[frames_[k]] * block.centre;
-            low = low.cwiseMin(image);
-            high = high.cwiseMax(image);
-        }
-        const Vec3f centre = 0.5f * (low + high);
-        float radius = block.radius + 0.5f * (high - low).norm();
-        if (pressed && pressed->may_move(centre, radius)) {
-            radius += pressed->give_way.reach();
-        }
-        if (lips != nullptr && lips->moves(centre, radius)) {
-            radius += lips->reach();
-        }
-        if (!lines.may_meet(lines.seen_from_eye(centre), radius)) {
-            continue;
-        }
-        for (std::uint32_t t = block.first_triangle; t < block.end_triangle; ++t) {
-            const Triangle& triangle = triangles_[t];
-            lines.block_by_triangle(see(triangle[0]), see(triangle[1]), see(triangle[2]));
-        }
-        tested_ += block.end_triangle - block.first_triangle;
+    const std::size_t before = lines.open();
+    for (std::uint32_t t = block.first_triangle; t < block.end_triangle; ++t) {
+        const Triangle& triangle = triangles_[t];
+        lines.block_by_triangle(see(triangle[0]), see(triangle[1]), see(triangle[2]));
     }
+    return lines.open() < before;
 }
 
 }  // namespace eti::metrics

@@ -22,6 +22,7 @@ class SightLines {
 
     [[nodiscard]] std::size_t size() const { return lines_.size(); }
     [[nodiscard]] bool blocked(std::size_t line) const { return blocked_[line] != 0; }
+    [[nodiscard]] std::size_t open() const { return open_; }
     [[nodiscard]] bool all_blocked() const { return open_ == 0; }
     /// Share [%] of the lines that nothing blocks; 0 without lines.
     [[nodiscard]] float open_percent() const {
@@ -35,6 +36,9 @@ class SightLines {
 
     /// From here on nothing nearer than `level` [m] along the third axis blocks.
     void begin_at(float level) { level_ = level; }
+
+    /// From here on only what may meet lines that are open is looked at.
+    void look_at_open_ones();
 
     /// False when a ball (centre as seen from the eye, radius) cannot meet any line.
     [[nodiscard]] bool may_meet(const Vec3f& centre, float radius) const;
@@ -56,15 +60,15 @@ class SightLines {
     std::vector<float> last_;   // share of each line beyond which nothing hides the target
     std::vector<Eigen::Vector2f> image_;
     std::vector<std::uint8_t> blocked_;
-    Eigen::Vector2f low_;  // box of the image of all targets
+    Eigen::Vector2f low_;  // box of the image of the targets that are looked at
     Eigen::Vector2f high_;
     float level_ = 0.0f;     // along the third axis
     float farthest_ = 0.0f;  // the same
     std::size_t open_ = 0;
 };
 
-/// A skinned mesh cut into small blocks of neighbouring triangles, so that a narrow bundle of sight
-/// lines has to skin and test only the few blocks that it may meet.
+/// A skinned mesh cut into small blocks of neighbouring triangles, and these into groups, so that a narrow
+/// bundle of sight lines has to skin and test only the few blocks that it may meet.
 ///
 /// A vertex blended from several frames lies in the hull of where each frame alone would put it, so
 /// a ball around the block's images under all its frames is a safe bound for any deformation.
@@ -72,32 +76,49 @@ class Occluder {
   public:
     Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin);
 
-    /// `pressed`: the blade that the surface gives way to as drawn, or nothing. `lips`: what then holds this
-    /// mesh aside; null where nothing does.
-    void block(SightLines& lines, std::span<const FrameMap> frames,
-               const std::optional<PlacedGiveWay>& pressed = std::nullopt,
-               const LipRetraction* lips = nullptr);
+    /// How the mesh lies now.
+    struct Posture {
+        std::span<const FrameMap> frames;
+        std::optional<PlacedGiveWay> pressed = std::nullopt;  ///< the blade that it gives way to as drawn
+        const LipRetraction* lips = nullptr;                  ///< what then holds it aside
+    };
+    /// The blocks that hid something when one last looked.
+    using Recent = std::vector<std::uint32_t>;
 
-    /// Triangles skinned and tested in the last call.
-    [[nodiscard]] std::size_t tested() const { return tested_; }
+    /// Blocks lines by `recent` alone, and leaves in it what still hides something.
+    void block_again(SightLines& lines, const Posture& posture, Recent& recent);
+    /// Blocks lines by all of the mesh, and adds to `recent` what hides something that was open.
+    void block(SightLines& lines, const Posture& posture, Recent& recent);
 
   private:
-    struct Block {
+    struct Ball {
         Vec3f centre = Vec3f::Zero();  // [m], rest
         float radius = 0.0f;           // [m], rest
         std::uint32_t first_frame = 0, end_frame = 0;
+    };
+    struct Block {
+        Ball ball;
         std::uint32_t first_triangle = 0, end_triangle = 0;
     };
+    struct Group {
+        Ball ball;
+        std::uint32_t first_block = 0, end_block = 0;
+    };
+
+    Ball ball_around(std::span<const Triangle> triangles);
+    [[nodiscard]] bool may_hide(const Ball& ball, const SightLines& lines, const Posture& posture) const;
+    // Blocks lines by one block. Returns whether it hid anything.
+    bool block_by(const Block& block, SightLines& lines, const Posture& posture);
 
     std::vector<Vec3f> rest_;
     std::vector<SkinWeights> skin_;
     std::vector<Triangle> triangles_;  // block by block
     std::vector<Block> blocks_;
-    std::vector<std::uint16_t> frames_;   // of all blocks
+    std::vector<Group> groups_;
+    std::vector<std::uint16_t> frames_;   // of all balls
     std::vector<Vec3f> seen_;             // skinned vertices as seen from the eye
     std::vector<std::uint32_t> seen_in_;  // call in which an entry of seen_ was made
     std::uint32_t call_ = 0;
-    std::size_t tested_ = 0;
 };
 
 }  // namespace eti::metrics

@@ -475,6 +475,49 @@ TEST_F(SceneRendererTest, ToneMappingIsThatOfTheViewsRow) {
     EXPECT_GT(darkest, 10);
 }
 
+// Light that became a value of a picture: sRGB (IEC 61966-2-1) and the film's curve (Narkowicz 2015) undone.
+double light_of(std::uint8_t value) {
+    const double v = value / 255.0;
+    const double y = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    const double a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y, c = -0.14 * y;
+    return (-b + std::sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
+}
+
+double mean_light(const render::Image& image) {
+    double sum = 0.0, weights = 0.0;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const double out =
+                std::hypot((2.0 * x + 1.0) / image.width - 1.0,
+                           ((2.0 * y + 1.0) / image.height - 1.0) * image.height / image.width) *
+                image.width / image.height;
+            const double t = std::clamp((out - 0.75) / 0.7, 0.0, 1.0), weight = 1.0 - t * t * (3.0 - 2.0 * t);
+            const std::uint8_t* p = image.pixel(x, y);
+            sum += weight * (0.2126 * light_of(p[0]) + 0.7152 * light_of(p[1]) + 0.0722 * light_of(p[2]));
+            weights += weight;
+        }
+    }
+    return sum / weights;
+}
+
+// A camera that meters its picture brings one that is too bright down to what it is set to, and no other.
+TEST_F(SceneRendererTest, ABrightPictureIsBroughtDownToWhatItsCameraMeters) {
+    View plain = named("laryngoscope");
+    plain.tone = {};
+    const render::Image as_lit = picture(plain, scene_, Shading::lit);
+    const double mean = mean_light(as_lit);
+    ASSERT_GT(mean, 0.05);
+
+    View metered = plain;
+    for (const double share : {0.25, 0.5, 0.75}) {
+        metered.tone.metered = static_cast<float>(share * mean);
+        EXPECT_NEAR(mean_light(picture(metered, scene_, Shading::lit)), share * mean, 0.05 * share * mean)
+            << share;
+    }
+    metered.tone.metered = static_cast<float>(1.2 * mean);
+    EXPECT_EQ(picture(metered, scene_, Shading::lit).rgba, as_lit.rgba);
+}
+
 TEST_F(SceneRendererTest, AnIncompleteSceneDrawsOnlyBackground) {
     view::SceneView partial;
     partial.apply(source_.objects[1]);
