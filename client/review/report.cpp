@@ -275,9 +275,10 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
         const Summary summary = summarise(file);
         ordered_json one = session_json(reader, summary);
         if (model) {
-            one["score"] = summary.outcome_known(summary.run)
-                               ? to_json(score_of(*model, summary.run.parameters), *model)
-                               : ordered_json();
+            one["score"] =
+                summary.outcome_known(summary.run)
+                    ? to_json(score_of(*model, summary.run.parameters, summary.run.outcome.success), *model)
+                    : ordered_json();
         }
         one["anatomy"] = anatomy_json(reader);
         data["sessions"].push_back(std::move(one));

@@ -24,28 +24,30 @@ constexpr std::size_t cuts = grades - 1;
 constexpr int good = 4;  // from this grade on a session counts as good
 constexpr std::size_t folds = 5;
 
-// Nothing of the outcome itself: whether the trachea was intubated is said beside the score.
+constexpr bool more = true, less = false;  // is better
+
+// What is neither better nor worse for being more, such as the blade's depth, is left out: whoever had more
+// of it would be praised or blamed for the patients and hands of the training.
 constexpr ScoreFeature features[] = {
-    {"gum_force_n.max", true},
-    {"gum_force_n.mean", true},
-    {"tongue_force_n.max", true},
-    {"epiglottis_force_n.max", true},
-    {"blade_depth_cm.max"},
-    {"pitch_peaks"},
-    {"yaw_peaks"},
-    {"pitch_rocking_deg", true},
-    {"yaw_rocking_deg", true},
-    {"attempts"},
-    {"time_s", true},
-    {"time_to_first_view_s", true},
-    {"glottic_opening_percent.mean"},
-    {"view_held_s", true},
-    {"tube_speed_cm_per_s.max", true},
-    {"oesophageal_entries"},
-    {"main_stem_entries"},
-    {"tube_depth_at_lip_cm", false, "tube_depth_rule_cm"},
-    {"blade_path_length_cm", true},
-    {"blade_smoothness"},
+    {intubated_key, more},
+    {"gum_force_n.max", less, true},
+    {"gum_force_n.mean", less, true},
+    {"tongue_force_n.max", less, true},
+    {"epiglottis_force_n.max", less, true},
+    {"pitch_peaks", less},
+    {"yaw_peaks", less},
+    {"pitch_rocking_deg", less, true},
+    {"yaw_rocking_deg", less, true},
+    {"attempts", less},
+    {"time_s", less, true},
+    {"time_to_first_view_s", less, true},
+    {"glottic_opening_percent.mean", more},
+    {"view_held_s", more, true},
+    {"oesophageal_entries", less},
+    {"main_stem_entries", less},
+    {"tube_depth_at_lip_cm", less, false, "tube_depth_rule_cm"},
+    {"blade_path_length_cm", less, true},
+    {"blade_smoothness", more},
 };
 constexpr std::size_t feature_count = std::size(features);
 
@@ -57,10 +59,17 @@ double logistic(double x) {
     return 1.0 / (1.0 + std::exp(-x));
 }
 
-/// In deviations from the training's mean; 0 where the value does not exist.
-double standardised(const ScoreModel::Weight& weight, double value) {
-    return std::isnan(value) ? 0.0
-                             : (std::clamp(value, weight.low, weight.high) - weight.mean) / weight.deviation;
+/// What a value counts as: one that does not exist, as a first view that never came, as the worst of the
+/// training.
+double counted(const ScoreFeature& feature, const ScoreModel::Weight& weight, double value) {
+    return !std::isnan(value)       ? std::clamp(value, weight.low, weight.high)
+           : feature.more_is_better ? weight.low
+                                    : weight.high;
+}
+
+/// In deviations from the training's mean.
+double standardised(const ScoreFeature& feature, const ScoreModel::Weight& weight, double value) {
+    return (counted(feature, weight, value) - weight.mean) / weight.deviation;
 }
 
 /// Chances of each grade at log odds `eta`.
@@ -143,15 +152,22 @@ double objective(unsigned count, const double* x, double* gradient, void* data) 
 }
 
 ScoreModel::Weight scale_of(const ScoreFeature& feature, std::span<const Example> examples) {
-    std::vector<double> values;
+    std::vector<double> values, there;
     for (const Example& example : examples) {
-        if (const double value = value_of(feature, example.parameters); std::isfinite(value)) {
-            values.push_back(value);
+        values.push_back(value_of(feature, example.parameters, example.intubated));
+        if (std::isfinite(values.back())) {
+            there.push_back(values.back());
         }
     }
     ScoreModel::Weight weight;
-    if (values.empty()) {
+    if (there.empty()) {
         return weight;
+    }
+    const auto [low, high] = std::ranges::minmax(there);
+    weight.low = low;
+    weight.high = high;
+    for (double& value : values) {
+        value = counted(feature, weight, value);
     }
     const auto n = static_cast<double>(values.size());
     weight.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
@@ -159,20 +175,21 @@ ScoreModel::Weight scale_of(const ScoreFeature& feature, std::span<const Example
     for (const double value : values) {
         squares += (value - weight.mean) * (value - weight.mean);
     }
-    const auto [low, high] = std::ranges::minmax(values);
-    weight.low = low;
-    weight.high = high;
     // What never varies says nothing.
     weight.deviation = high > low ? std::sqrt(squares / n) : 1.0;
     return weight;
 }
 
-double mean_grade(std::span<const Example> examples) {
-    double sum = 0.0;
+/// Of those that intubated, or of all; of none the middle.
+double mean_grade(std::span<const Example> examples, bool intubated) {
+    double sum = 0.0, count = 0.0;
     for (const Example& example : examples) {
-        sum += example.grade;
+        if (example.intubated || !intubated) {
+            sum += example.grade;
+            count += 1.0;
+        }
     }
-    return sum / static_cast<double>(examples.size());
+    return count > 0.0 ? sum / count : 0.5 * (1 + grades);
 }
 
 /// Ranks from 1; equal values share the mean of theirs.
@@ -207,6 +224,24 @@ double correlation(const std::vector<double>& x, const std::vector<double>& y) {
     return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : 0.0;
 }
 
+struct Prediction {
+    double score, given, blind;
+};
+
+GradeError error_of(const std::vector<Prediction>& predictions) {
+    GradeError error;
+    error.sessions = predictions.size();
+    std::vector<double> scores, given;
+    for (const Prediction& one : predictions) {
+        scores.push_back(one.score);
+        given.push_back(one.given);
+        error.mean_error += std::abs(one.score - one.given) / static_cast<double>(predictions.size());
+        error.blind_error += std::abs(one.blind - one.given) / static_cast<double>(predictions.size());
+    }
+    error.rank = predictions.empty() ? 0.0 : correlation(ranks(scores), ranks(given));
+    return error;
+}
+
 double chance_of_good(const Score& score) {
     return std::accumulate(score.chance.begin() + (good - 1), score.chance.end(), 0.0);
 }
@@ -217,21 +252,28 @@ std::span<const ScoreFeature> score_features() {
     return features;
 }
 
-double value_of(const ScoreFeature& feature, const Parameters& parameters) {
+double value_of(const ScoreFeature& feature, const Parameters& parameters, bool intubated) {
+    if (feature.key == intubated_key) {
+        return intubated ? 1.0 : 0.0;
+    }
     double value = parameter(parameters, feature.key);
     if (!feature.less.empty()) {
+        if (!intubated) {
+            return std::numeric_limits<double>::quiet_NaN();  // in the gullet no depth is right
+        }
         value = std::abs(value - parameter(parameters, feature.less));
     }
     return feature.logarithm ? std::log1p(std::max(0.0, value)) + (std::isnan(value) ? value : 0.0) : value;
 }
 
-Score score_of(const ScoreModel& model, const Parameters& parameters) {
+Score score_of(const ScoreModel& model, const Parameters& parameters, bool intubated) {
     Score score;
     double eta = 0.0;
     for (std::size_t j = 0; j < feature_count; ++j) {
-        const double value = value_of(features[j], parameters);
+        const double value = value_of(features[j], parameters, intubated);
         score.measured.push_back(!std::isnan(value));
-        score.contributions.push_back(model.weights[j].weight * standardised(model.weights[j], value));
+        score.contributions.push_back(model.weights[j].weight *
+                                      standardised(features[j], model.weights[j], value));
         eta += score.contributions.back();
     }
     score.chance = chances(eta, model.thresholds);
@@ -263,7 +305,8 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
     for (const Example& example : examples) {
         problem.grade.push_back(example.grade);
         for (std::size_t j = 0; j < feature_count; ++j) {
-            problem.rows.push_back(standardised(model.weights[j], value_of(features[j], example.parameters)));
+            problem.rows.push_back(standardised(
+                features[j], model.weights[j], value_of(features[j], example.parameters, example.intubated)));
         }
     }
     constexpr unsigned unknowns = cuts + feature_count;
@@ -273,6 +316,9 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
     std::vector<double> low(unknowns, -50.0), high(unknowns, 50.0), x(unknowns, 0.0);
     std::fill_n(low.begin() + 1, cuts - 1, -10.0);
     std::fill_n(high.begin() + 1, cuts - 1, 4.0);
+    for (std::size_t j = 0; j < feature_count; ++j) {
+        (features[j].more_is_better ? low : high)[cuts + j] = 0.0;
+    }
     x[0] = -1.5;
     nlopt_set_lower_bounds(search.get(), low.data());
     nlopt_set_upper_bounds(search.get(), high.data());
@@ -312,7 +358,7 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
         return static_cast<std::size_t>(std::distance(persons.begin(), persons.find(person))) % folds;
     };
     Judgement judgement;
-    std::vector<double> scores, given;
+    std::vector<Prediction> all, intubated;
     std::size_t many = 0;
     for (const std::string& patient : patients) {
         for (std::size_t fold = 0; fold < folds; ++fold) {
@@ -329,16 +375,17 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
                 continue;
             }
             const ScoreModel model = fit(seen, penalty);
-            const double mean = mean_grade(seen);
+            const double mean = mean_grade(seen, false), mean_of_intubated = mean_grade(seen, true);
             for (const Example& example : held_out) {
-                const Score score = score_of(model, example.parameters);
+                const Score score = score_of(model, example.parameters, example.intubated);
                 const bool is_good = example.grade >= good;
                 const double chance = chance_of_good(score);
-                scores.push_back(score.grade);
-                given.push_back(example.grade);
+                const auto given = static_cast<double>(example.grade);
+                all.push_back({score.grade, given, mean});
+                if (example.intubated) {
+                    intubated.push_back({score.grade, given, mean_of_intubated});
+                }
                 many += is_good ? 1 : 0;
-                judgement.mean_error += std::abs(score.grade - example.grade);
-                judgement.blind_error += std::abs(mean - example.grade);
                 judgement.right += (chance >= 0.5) == is_good ? 1.0 : 0.0;
                 judgement.brier += std::pow(chance - (is_good ? 1.0 : 0.0), 2);
                 auto& bin =
@@ -349,15 +396,13 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
             }
         }
     }
-    const auto n = static_cast<double>(scores.size());
-    judgement.sessions = scores.size();
-    for (double* const sum :
-         {&judgement.mean_error, &judgement.blind_error, &judgement.right, &judgement.brier}) {
-        *sum /= n;
-    }
+    const auto n = static_cast<double>(all.size());
+    judgement.all = error_of(all);
+    judgement.intubated = error_of(intubated);
+    judgement.right /= n;
+    judgement.brier /= n;
     const double share = static_cast<double>(many) / n;
     judgement.blind_right = std::max(share, 1.0 - share);
-    judgement.rank = correlation(ranks(scores), ranks(given));
     for (CalibrationBin& bin : judgement.calibration) {
         if (bin.count > 0) {
             bin.predicted /= static_cast<double>(bin.count);
@@ -373,11 +418,12 @@ std::optional<Example> read_example(const std::filesystem::path& file, const std
         const auto found = summary.info.more.find(name);
         return found == summary.info.more.end() ? std::string() : found->second;
     };
-    if (!summary.has_run) {
+    if (!summary.outcome_known(summary.run)) {
         return std::nullopt;
     }
     Example example;
     example.parameters = summary.run.parameters;
+    example.intubated = summary.run.outcome.success;
     example.patient = summary.info.scenario;
     example.person = text(session::participant_text);
     if (example.person.empty()) {
@@ -389,7 +435,7 @@ std::optional<Example> read_example(const std::filesystem::path& file, const std
         double value = 0.0;
         const auto [end, error] = std::from_chars(skill.data(), skill.data() + skill.size(), value);
         if (error == std::errc() && end == skill.data() + skill.size()) {
-            grade = 1.0 + (grades - 1) * value;
+            grade = example.intubated ? 1.0 + (grades - 1) * value : 1.0;
         }
     } else {
         double sum = 0.0;

@@ -20,23 +20,30 @@ namespace eti::review {
 /// Grades as instructors give them, 1 (worst) to 5.
 inline constexpr int grades = 5;
 
-/// What a score looks at: a parameter, or how far one is from another.
+/// The outcome among the features, which is no parameter.
+inline constexpr std::string_view intubated_key = "intubated";
+
+/// What a score looks at: a parameter, how far one is from another, or the outcome.
 struct ScoreFeature {
-    std::string_view key;        ///< of the parameter
-    bool logarithm = false;      ///< of 1 + value: what counts is how many times as much
-    std::string_view less = {};  ///< a parameter that is taken away first; the size of what is left counts
+    std::string_view key;         ///< of the parameter, or intubated_key
+    bool more_is_better = false;  ///< else less is; a weight never says the opposite
+    bool logarithm = false;       ///< of 1 + value: what counts is how many times as much
+    /// A parameter that is taken away first; the size of what is left counts, where the trachea was
+    /// intubated.
+    std::string_view less = {};
 };
 /// All that is looked at, in the order of a model's weights.
 [[nodiscard]] std::span<const ScoreFeature> score_features();
-/// NaN where the value does not exist.
-[[nodiscard]] double value_of(const ScoreFeature& feature, const Parameters& parameters);
+/// NaN where the value does not exist; the outcome is 0 or 1.
+[[nodiscard]] double value_of(const ScoreFeature& feature, const Parameters& parameters, bool intubated);
 
 /// A session to learn from.
 struct Example {
-    Parameters parameters;  ///< of the run
-    int grade = 0;          ///< 1 to 5
-    std::string patient;    ///< sessions of one are held out together
-    std::string person;     ///< the same
+    Parameters parameters;   ///< of the run
+    bool intubated = false;  ///< its outcome
+    int grade = 0;           ///< 1 to 5
+    std::string patient;     ///< sessions of one are held out together
+    std::string person;      ///< the same
 };
 
 /// How sure predictions were, and what came of it: of the sessions whose predicted chance of grade 4 or 5
@@ -46,12 +53,18 @@ struct CalibrationBin {
     double predicted = 0.0, observed = 0.0;  ///< mean chance; share that had it
 };
 
-/// Predictions of sessions of whose patient and person the model had seen nothing.
-struct Judgement {
+/// How far predicted grades were from those that were given.
+struct GradeError {
     std::size_t sessions = 0;
     double mean_error = 0.0;   ///< mean size of the difference to the grade
-    double blind_error = 0.0;  ///< of a score that always says the mean grade of the others
+    double blind_error = 0.0;  ///< of a score that always says the mean grade of such sessions
     double rank = 0.0;         ///< Spearman's correlation of score and grade
+};
+
+/// Predictions of sessions of whose patient and person the model had seen nothing.
+struct Judgement {
+    GradeError all;
+    GradeError intubated;      ///< without those that failed, which are told by their outcome
     double right = 0.0;        ///< share told right whether the grade is 4 or 5
     double blind_right = 0.0;  ///< of always saying what is more frequent
     double brier = 0.0;        ///< mean square of the chance's error (Brier 1950)
@@ -63,8 +76,8 @@ struct Judgement {
 struct ScoreModel {
     struct Weight {
         double mean = 0.0, deviation = 1.0;  ///< of the feature in training
-        double low = 0.0, high = 0.0;        ///< what lies beyond counts as these
-        double weight = 0.0;                 ///< log odds for each deviation
+        double low = 0.0, high = 0.0;  ///< what lies beyond counts as these; what is missing, as the worse
+        double weight = 0.0;           ///< log odds for each deviation; its sign is the feature's
     };
     std::string name;     ///< one word
     std::string source;   ///< what the grades are
@@ -81,10 +94,10 @@ struct Score {
     double grade = 0.0;                   ///< expected, 1 to 5
     std::array<double, grades> chance{};  ///< of each grade
     std::vector<double> contributions;    ///< log odds of each feature; they add up to the whole
-    std::vector<bool> measured;           ///< whether the feature exists; else it contributes nothing
+    std::vector<bool> measured;  ///< whether the feature exists; else it counts as the worst of training
 };
 
-[[nodiscard]] Score score_of(const ScoreModel& model, const Parameters& parameters);
+[[nodiscard]] Score score_of(const ScoreModel& model, const Parameters& parameters, bool intubated);
 
 /// Examples from which nothing can be learnt; the text says what was found, what was expected, and what to
 /// do.
@@ -94,7 +107,7 @@ class ScoreError : public std::runtime_error {
 };
 
 /// Fits weights and thresholds by the greatest likelihood, less `penalty` / 2 times the weights' squares
-/// (NLopt's SLSQP, Kraft 1994). Throws ScoreError.
+/// (NLopt's SLSQP, Kraft 1994), with no weight of the wrong sign. Throws ScoreError.
 [[nodiscard]] ScoreModel fit(std::span<const Example> examples, double penalty);
 
 /// Predicts each example by a model that was fitted without its patient and without a fifth of the persons,
@@ -114,8 +127,9 @@ class ScoreError : public std::runtime_error {
 /// A page with the calibration plot and the weights, which opens offline.
 [[nodiscard]] std::string to_html(const ScoreModel& model);
 
-/// From a session file, for training: graded by the skill of its scripted operator (`label` "skill"), or by
-/// the mean of the ratings of an item. Nothing where it has no such grade, or was not recorded to its end.
+/// From a session file, for training: graded by the skill of its scripted operator, or 1 where the trachea
+/// was not intubated (`label` "skill"), or by the mean of the ratings of an item. Nothing where it has no
+/// such grade, or its outcome is unknown.
 [[nodiscard]] std::optional<Example> read_example(const std::filesystem::path& file,
                                                   const std::string& label);
 

@@ -18,6 +18,16 @@ namespace eti::review {
 
 namespace {
 
+constexpr std::string_view skill_source =
+    "the skill that scripted operators were given, or 1 where the trachea was not intubated";
+
+nlohmann::ordered_json to_json(const GradeError& error) {
+    return {{"sessions", error.sessions},
+            {"mean_error", error.mean_error},
+            {"blind_error", error.blind_error},
+            {"rank", error.rank}};
+}
+
 Command add_train(CLI::App& app) {
     struct Options {
         std::vector<std::filesystem::path> files;
@@ -32,7 +42,8 @@ Command add_train(CLI::App& app) {
     command->add_option("FILE", options->files, "Session files")->required();
     command
         ->add_option("--label", options->label,
-                     "What grades them: skill (of scripted operators), or an item that instructors rated")
+                     "What grades them: skill (of scripted operators, and whether they intubated), or an "
+                     "item that instructors rated")
         ->capture_default_str();
     command->add_option("--out", options->out, "File for the score")->required();
     command->add_option("--name", options->name, "What the score is called")->capture_default_str();
@@ -63,7 +74,7 @@ Command add_train(CLI::App& app) {
                 bar.clear();
                 for (const std::string& file : left_out) {
                     std::cerr << fmt::format(
-                        "{} is left out: it has no grade by '{}', or does not go to its end\n", file,
+                        "{} is left out: it has no grade by '{}', or its outcome is unknown\n", file,
                         options->label);
                 }
                 const Judgement judged = judge_score(examples, options->penalty);
@@ -72,7 +83,7 @@ Command add_train(CLI::App& app) {
                 model.name = options->name;
                 model.people = options->label != "skill";
                 model.source = model.people ? fmt::format("instructors' ratings of '{}'", options->label)
-                                            : "the skill that scripted operators were given";
+                                            : std::string(skill_source);
                 std::set<std::string> patients, persons;
                 for (const Example& example : examples) {
                     patients.insert(example.patient);
@@ -88,9 +99,8 @@ Command add_train(CLI::App& app) {
                     std::cout << nlohmann::ordered_json{{"written", options->out},
                                                         {"sessions", model.sessions},
                                                         {"left_out", left_out},
-                                                        {"mean_error", judged.mean_error},
-                                                        {"blind_error", judged.blind_error},
-                                                        {"rank", judged.rank},
+                                                        {"all", to_json(judged.all)},
+                                                        {"intubated", to_json(judged.intubated)},
                                                         {"right", judged.right},
                                                         {"blind_right", judged.blind_right},
                                                         {"brier", judged.brier}}
@@ -125,7 +135,7 @@ Command add_apply(CLI::App& app) {
                                         "that was recorded to its end",
                                         file.string(), summary.run.outcome.reason));
                     }
-                    const Score score = score_of(model, summary.run.parameters);
+                    const Score score = score_of(model, summary.run.parameters, summary.run.outcome.success);
                     if (json) {
                         nlohmann::ordered_json one{{"file", file.string()},
                                                    {"success", summary.run.outcome.success}};

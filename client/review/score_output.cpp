@@ -20,6 +20,9 @@ const ParameterField& field_of(std::string_view key) {
 }
 
 std::string label_of(const ScoreFeature& feature) {
+    if (feature.key == intubated_key) {
+        return "trachea intubated";
+    }
     const std::string label(field_of(feature.key).label);
     return feature.less.empty() ? label : label + ", off the weight rule";
 }
@@ -31,6 +34,11 @@ std::vector<std::size_t> by_size(const std::vector<double>& values) {
     std::ranges::stable_sort(order, std::ranges::greater{},
                              [&](std::size_t i) { return std::abs(values[i]); });
     return order;
+}
+
+/// To six digits, as a file has them, and never minus zero.
+double shown(double value) {
+    return std::round(1e6 * value) / 1e6 + 0.0;
 }
 
 std::vector<double> weights_of(const ScoreModel& model) {
@@ -68,14 +76,16 @@ std::string to_yaml(const ScoreModel& model) {
         const ScoreModel::Weight& w = model.weights[j];
         out += fmt::format(
             "  - {{key: {}, mean: {:.6f}, deviation: {:.6f}, low: {:.6f}, high: {:.6f}, weight: {:.6f}}}\n",
-            score_features()[j].key, w.mean, w.deviation, w.low, w.high, w.weight);
+            score_features()[j].key, w.mean, w.deviation, w.low, w.high, shown(w.weight));
     }
     const Judgement& j = model.judged;
-    out += fmt::format(
-        "judged:\n  sessions: {}\n  mean_error: {:.4f}\n  blind_error: {:.4f}\n  rank: {:.4f}\n  right: "
-        "{:.4f}\n"
-        "  blind_right: {:.4f}\n  brier: {:.4f}\n  calibration:\n",
-        j.sessions, j.mean_error, j.blind_error, j.rank, j.right, j.blind_right, j.brier);
+    out += "judged:\n";
+    for (const auto& [name, error] : {std::pair("all", &j.all), {"intubated", &j.intubated}}) {
+        out += fmt::format("  {}: {{sessions: {}, mean_error: {:.4f}, blind_error: {:.4f}, rank: {:.4f}}}\n",
+                           name, error->sessions, error->mean_error, error->blind_error, error->rank);
+    }
+    out += fmt::format("  right: {:.4f}\n  blind_right: {:.4f}\n  brier: {:.4f}\n  calibration:\n", j.right,
+                       j.blind_right, j.brier);
     for (const CalibrationBin& bin : j.calibration) {
         out += fmt::format("    - {{count: {}, predicted: {:.4f}, observed: {:.4f}}}\n", bin.count,
                            bin.predicted, bin.observed);
@@ -135,15 +145,26 @@ ScoreModel load_score(const std::filesystem::path& file) {
         if (weight.high < weight.low) {
             one.refuse("high", fmt::format("{:g}", weight.high), "at least 'low'");
         }
+        const bool more_is_better = score_features()[j].more_is_better;
+        if (more_is_better ? weight.weight < 0.0 : weight.weight > 0.0) {
+            one.refuse("weight", fmt::format("{:g}", weight.weight),
+                       more_is_better ? "0 or more, as more of it is better"
+                                      : "0 or less, as more of it is no better");
+        }
         one.finish();
         model.weights.push_back(weight);
     }
     if (auto judged = root.map("judged")) {
         Judgement& j = model.judged;
-        j.sessions = static_cast<std::size_t>(judged->whole("sessions", 0, 0, most));
-        j.mean_error = number(*judged, "mean_error", {0, grades});
-        j.blind_error = number(*judged, "blind_error", {0, grades});
-        j.rank = number(*judged, "rank", {-1, 1});
+        for (const auto& [name, error] : {std::pair("all", &j.all), {"intubated", &j.intubated}}) {
+            if (auto one = judged->map(name)) {
+                error->sessions = static_cast<std::size_t>(one->whole("sessions", 0, 0, most));
+                error->mean_error = number(*one, "mean_error", {0, grades});
+                error->blind_error = number(*one, "blind_error", {0, grades});
+                error->rank = number(*one, "rank", {-1, 1});
+                one->finish();
+            }
+        }
         j.right = number(*judged, "right", {0, 1});
         j.blind_right = number(*judged, "blind_right", {0, 1});
         j.brier = number(*judged, "brier", {0, 1});
@@ -186,9 +207,8 @@ std::string to_table(const Score& score, const ScoreModel& model) {
     }
     out += "\n";
     for (const std::size_t j : by_size(score.contributions)) {
-        out += score.measured[j]
-                   ? fmt::format("  {:+7.2f}  {}\n", score.contributions[j], label_of(score_features()[j]))
-                   : fmt::format("  {:>7}  {}, not measured\n", "-", label_of(score_features()[j]));
+        out += fmt::format("  {:+7.2f}  {}{}\n", shown(score.contributions[j]), label_of(score_features()[j]),
+                           score.measured[j] ? "" : ": not reached, so it counts as the worst");
     }
     return out + fmt::format("{}\n", statement_of(model));
 }
@@ -196,12 +216,15 @@ std::string to_table(const Score& score, const ScoreModel& model) {
 std::string to_table(const ScoreModel& model) {
     const Judgement& j = model.judged;
     std::string out = fmt::format("{}\n", statement_of(model));
+    out += "Judged on sessions of which the model saw neither the patient nor the operator:\n";
+    for (const auto& [name, error] : {std::pair("all", &j.all), {"intubated", &j.intubated}}) {
+        out +=
+            fmt::format("  {} {}: error {:.2f} grades (always their mean: {:.2f}); rank correlation {:.2f}\n",
+                        error->sessions, name, error->mean_error, error->blind_error, error->rank);
+    }
     out += fmt::format(
-        "Judged on {} sessions, each by a model that saw neither its patient nor its operator:\n"
-        "  error {:.2f} grades (always the mean: {:.2f}); rank correlation {:.2f}; grade 4 or 5 told right "
-        "in {:.0f} % "
-        "(always the more frequent: {:.0f} %); Brier {:.3f}\n",
-        j.sessions, j.mean_error, j.blind_error, j.rank, 100.0 * j.right, 100.0 * j.blind_right, j.brier);
+        "  grade 4 or 5 told right in {:.0f} % (always the more frequent: {:.0f} %); Brier {:.3f}\n",
+        100.0 * j.right, 100.0 * j.blind_right, j.brier);
     out += fmt::format("  {:>10}{:>12}{:>12}\n", "sessions", "predicted", "observed");
     for (const CalibrationBin& bin : j.calibration) {
         if (bin.count > 0) {
@@ -211,7 +234,7 @@ std::string to_table(const ScoreModel& model) {
     }
     out += "Weights, in log odds of a better grade for each deviation:\n";
     for (const std::size_t i : by_size(weights_of(model))) {
-        out += fmt::format("  {:+7.2f}  {}\n", model.weights[i].weight, label_of(score_features()[i]));
+        out += fmt::format("  {:+7.2f}  {}\n", shown(model.weights[i].weight), label_of(score_features()[i]));
     }
     return out;
 }

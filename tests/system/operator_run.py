@@ -10,6 +10,8 @@ import re
 import sys
 from pathlib import Path
 
+import yaml
+
 import support
 
 FOLDER = support.BIN.parent / "operator-runs"
@@ -50,6 +52,16 @@ def said_by(name):
 def recording(name):
     """The session file of the run `name`."""
     return FOLDER / f"{name}.eti.h5"
+
+
+def expert_with_the_tube_too_far():
+    """The expert's script, but that the tube goes on past the carina."""
+    script = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
+    for stage in (*script["laryngoscope"], *script["tube"]):
+        if "tube_depth_mm" in stage.get("until", {}):
+            del stage["until"]  # which ends the advance in time
+            stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 8})
+    return script
 
 
 def main(name):

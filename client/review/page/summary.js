@@ -71,24 +71,20 @@ export function scores({ sessions }) {
       column.append(element("p", {}, "Not scored, as the outcome is unknown."));
       return;
     }
-    const measured = score.contributions.filter((one) => one.measured);
-    const shown = measured.filter((one) => Math.abs(one.log_odds) >= worthListing);
-    const small = measured.length - shown.length;
-    const absent = score.contributions.filter((one) => !one.measured).map((one) => one.label);
+    const shown = score.contributions.filter((one) => Math.abs(one.log_odds) >= worthListing);
+    const small = score.contributions.length - shown.length;
     column.append(
       element("p", { class: "outcome", "data-grade": score.grade }, `${score.grade.toFixed(1)} of ${score.of}`),
-      element("p", {}, outcomeLight(session.run), " ", outcomeWord(session.run)),  // which the score does not look at
+      element("p", {}, outcomeLight(session.run), " ", outcomeWord(session.run)),
       element("p", { class: "soft" }, score.statement),
       element("table", {}, element("tbody", {}, ...shown.map((one) => element("tr", { "data-contribution": one.key },
-        element("td", {}, one.label),
+        element("td", {}, one.label + (one.measured ? "" : ": not reached, so it counts as the worst")),
         element("td", { class: "number" }, `${one.log_odds < 0 ? "−" : "+"}${Math.abs(one.log_odds).toFixed(2)}`))))),
-      element("p", { class: "soft" },
-        (small > 0 ? `${small} more contribute less than ${worthListing} each. ` : "") +
-        (absent.length > 0 ? `Not measured, so that they contribute nothing: ${absent.join("; ")}.` : "")));
+      element("p", { class: "soft" }, small > 0 ? `${small} more contribute less than ${worthListing} each.` : ""));
   });
   return element("section", { id: "score" }, element("h2", {}, "Automatic score"),
-    element("p", { class: "soft" }, "What each parameter contributes, in log odds of a better grade: above 0 it speaks for the ",
-      "session, against the average of those that the score learnt from. They add up to the score."),
+    element("p", { class: "soft" }, "What each parameter and the outcome contribute, in log odds of a better grade: above 0 it ",
+      "speaks for the session, against the average of those that the score learnt from. They add up to the score."),
     columns);
 }
 

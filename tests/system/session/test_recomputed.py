@@ -16,6 +16,7 @@ import recompute
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
+from operator_run import expert_with_the_tube_too_far
 
 # The file holds forces, poses and places as float32, as the server has them: 2**-24 = 6e-8 of a value, or 6e-9 m of
 # 0.1 m. Sums over thousands of steps and differences over 1/30 s make up to a hundred times that.
@@ -112,12 +113,7 @@ class Recomputed(support.Case):
 
     def test_of_a_tube_pushed_far_past_the_carina(self):
         """It is counted once, and in nothing else, wherever it goes then."""
-        script = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
-        for stage in (*script["laryngoscope"], *script["tube"]):
-            if "tube_depth_mm" in stage.get("until", {}):
-                del stage["until"]  # which ends the advance in time
-                stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 8})
-        with h5py.File(self.record("term", self.written("deep", script))) as file:
+        with h5py.File(self.record("term", self.written("deep", expert_with_the_tube_too_far()))) as file:
             steps, (part,) = self.assert_recomputed(file)
             self.assertGreater((steps.along - steps.trachea_length).max(), 0.03)
             self.assertEqual(part.values["main_stem_entries"], 1)
