@@ -106,20 +106,24 @@ class Bisector {
         std::vector<Tetrahedron> waiting = std::move(leaves_);
         leaves_.clear();
         while (!waiting.empty()) {
-            waiting = bisect(waiting,
-                             [&](const Tetrahedron& t, std::uint32_t middle) { return wanted(t, middle); });
+            place_middles(waiting);
+            waiting = divide(waiting, [&](const Tetrahedron& t) { return wanted(t); });
         }
         // Whoever has a vertex hanging on an edge is bisected as well; that may hang others.
-        for (bool hanging = true; hanging;) {
+        bool hanging = true;
+        const auto hung = [&](const Tetrahedron& t) {
+            const bool hangs_now = hangs(t);
+            hanging = hanging || hangs_now;
+            return hangs_now;
+        };
+        for (round_ = 1; hanging; ++round_) {
+            hanging = false;
             waiting = std::move(leaves_);
             leaves_.clear();
-            hanging = false;
+            waiting = divide(waiting, [&](const Tetrahedron& t) { return may_hang(t) && hung(t); });
             while (!waiting.empty()) {
-                waiting = bisect(waiting, [&](const Tetrahedron& t, std::uint32_t) {
-                    const bool hung = hangs(t);
-                    hanging = hanging || hung;
-                    return hung;
-                });
+                place_middles(waiting);
+                waiting = divide(waiting, hung);
             }
         }
         return march();
@@ -162,6 +166,7 @@ class Bisector {
         if (index == next) {
             places_.push_back(place);
             used_.push_back(0);
+            parted_.push_back(0);
         }
         return index;
     }
@@ -194,27 +199,34 @@ class Bisector {
 
     [[nodiscard]] bool can_be_bisected(const Tetrahedron& t) const { return t.level < field_.halvings; }
 
-    /// Bisects what `ask` says, puts the rest among the leaves and returns the children.
-    template <class Ask>
-    std::vector<Tetrahedron> bisect(const std::vector<Tetrahedron>& waiting, const Ask& ask) {
-        std::vector<std::uint32_t> middle(waiting.size(), none);
-        for (std::size_t i = 0; i < waiting.size(); ++i) {
-            const Tetrahedron& t = waiting[i];
+    [[nodiscard]] Place middle_of(const Tetrahedron& t) const {
+        return middle_of(t.corner[0], t.corner[t.tag]);
+    }
+
+    /// Gives a value to the places at which these can be bisected.
+    void place_middles(const std::vector<Tetrahedron>& waiting) {
+        for (const Tetrahedron& t : waiting) {
             if (can_be_bisected(t)) {
-                middle[i] = place_vertex(middle_of(t.corner[0], t.corner[t.tag]));
+                place_vertex(middle_of(t));
             }
         }
         evaluate();
+    }
+
+    /// Bisects what `ask` says, puts the rest among the leaves and returns the children. Middles have been
+    /// placed.
+    template <class Ask>
+    std::vector<Tetrahedron> divide(const std::vector<Tetrahedron>& waiting, const Ask& ask) {
         std::vector<Tetrahedron> children;
-        for (std::size_t i = 0; i < waiting.size(); ++i) {
-            const Tetrahedron& t = waiting[i];
-            if (middle[i] == none || !ask(t, middle[i])) {
+        for (const Tetrahedron& t : waiting) {
+            if (!can_be_bisected(t) || !ask(t)) {
                 leaves_.push_back(t);
                 continue;
             }
-            used_[middle[i]] = 1;
+            const std::uint32_t m = vertices_.find(key_of(middle_of(t)));
+            used_[m] = 1;
+            parted_[t.corner[0]] = parted_[t.corner[t.tag]] = round_;
             const auto [a, b, c, d] = t.corner;
-            const std::uint32_t m = middle[i];
             const auto level = static_cast<std::uint8_t>(t.tag == 1 ? t.level + 1 : t.level);
             switch (t.tag) {
                 case 3:
@@ -234,7 +246,8 @@ class Bisector {
         return children;
     }
 
-    [[nodiscard]] bool wanted(const Tetrahedron& t, std::uint32_t middle) const {
+    [[nodiscard]] bool wanted(const Tetrahedron& t) const {
+        const std::uint32_t middle = vertices_.find(key_of(middle_of(t)));
         // Three bisections halve a tetrahedron, and each counts alike; a cube's six count as its edge.
         constexpr std::array<float, 4> share = {0.0f, 0.63f, 0.79f, 1.0f};
         const float size = share[t.tag] * field_.coarsest / static_cast<float>(1u << t.level);
@@ -242,6 +255,15 @@ class Bisector {
         constexpr float growth = 0.5f;
         return growth * std::fabs(values_[middle]) < size &&
                field_.edge(point(places_[middle])) < coarser * size;
+    }
+
+    /// False only for leaves that did not hang a round ago and of which no edge has been bisected since.
+    [[nodiscard]] bool may_hang(const Tetrahedron& t) const {
+        int ends = 0;
+        for (const std::uint32_t c : t.corner) {
+            ends += parted_[c] + 1 >= round_ ? 1 : 0;
+        }
+        return ends >= 2;
     }
 
     [[nodiscard]] bool hangs(const Tetrahedron& t) const {
@@ -322,6 +344,8 @@ class Bisector {
     std::vector<Place> places_;
     std::vector<float> values_;
     std::vector<std::uint8_t> used_;  // whether it is a corner, not only the middle of an edge that was asked
+    std::vector<std::uint32_t> parted_;  // the last round in which an edge from this vertex was bisected
+    std::uint32_t round_ = 0;
     IndexMap vertices_;
     std::vector<Tetrahedron> leaves_;
 };

@@ -25,6 +25,11 @@ struct Entry {
     std::uint32_t triangle;
 };
 
+struct Boxed {
+    Box box;
+    std::uint32_t triangle;
+};
+
 class Search {
   public:
     explicit Search(const TriangleMesh& mesh) : mesh_(mesh) {
@@ -42,16 +47,29 @@ class Search {
         spacing_ = std::max(2.0f * static_cast<float>(mean), 1e-9f);
     }
 
-    std::vector<std::array<std::uint32_t, 2>> run() const {
+    /// Pairs of which at least one triangle is `asked`; all pairs if that is empty.
+    std::vector<std::array<std::uint32_t, 2>> run(std::span<const std::uint8_t> asked) const {
+        const auto is_asked = [&](std::uint32_t t) { return asked.empty() || asked[t] != 0; };
         std::vector<Entry> entries;
+        std::vector<std::uint64_t> cells;  // those of the triangles asked, where not all are
         for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
-            const Cell first = cell_of(boxes_[i].low);
-            const Cell last = cell_of(boxes_[i].high);
-            for (int z = first[2]; z <= last[2]; ++z) {
-                for (int y = first[1]; y <= last[1]; ++y) {
-                    for (int x = first[0]; x <= last[0]; ++x) {
-                        entries.push_back({key({x, y, z}), i});
-                    }
+            if (is_asked(i)) {
+                for_each_cell(boxes_[i], [&](std::uint64_t cell) { entries.push_back({cell, i}); });
+            }
+        }
+        if (!asked.empty()) {
+            for (const Entry& entry : entries) {
+                cells.push_back(entry.cell);
+            }
+            std::sort(cells.begin(), cells.end());
+            cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+            for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
+                if (!is_asked(i)) {
+                    for_each_cell(boxes_[i], [&](std::uint64_t cell) {
+                        if (std::binary_search(cells.begin(), cells.end(), cell)) {
+                            entries.push_back({cell, i});
+                        }
+                    });
                 }
             }
         }
@@ -59,25 +77,48 @@ class Search {
             return a.cell != b.cell ? a.cell < b.cell : a.triangle < b.triangle;
         });
         std::vector<std::array<std::uint32_t, 2>> found;
+        std::vector<Boxed> here;
         for (std::size_t begin = 0; begin < entries.size();) {
-            std::size_t end = begin;
-            while (end < entries.size() && entries[end].cell == entries[begin].cell) {
-                ++end;
+            const std::uint64_t cell = entries[begin].cell;
+            here.clear();
+            for (; begin < entries.size() && entries[begin].cell == cell; ++begin) {
+                here.push_back({boxes_[entries[begin].triangle], entries[begin].triangle});
             }
-            for (std::size_t i = begin; i < end; ++i) {
-                for (std::size_t j = i + 1; j < end; ++j) {
-                    if (intersect(entries[i].triangle, entries[j].triangle, entries[begin].cell)) {
-                        found.push_back({entries[i].triangle, entries[j].triangle});
+            // Where triangles are far smaller than the mean a cell holds many: swept along x, each meets few.
+            std::sort(here.begin(), here.end(), [](const Boxed& a, const Boxed& b) {
+                return a.box.low.x() != b.box.low.x() ? a.box.low.x() < b.box.low.x()
+                                                      : a.triangle < b.triangle;
+            });
+            for (std::size_t i = 0; i < here.size(); ++i) {
+                for (std::size_t j = i + 1; j < here.size() && here[j].box.low.x() <= here[i].box.high.x();
+                     ++j) {
+                    if ((is_asked(here[i].triangle) || is_asked(here[j].triangle)) &&
+                        intersect(here[i], here[j], cell)) {
+                        const auto [one, other] = std::minmax(here[i].triangle, here[j].triangle);
+                        found.push_back({one, other});
                     }
                 }
             }
-            begin = end;
         }
         std::sort(found.begin(), found.end());
         return found;
     }
 
   private:
+    /// Calls visit(key) for the cells that a box touches.
+    template <class Visit>
+    void for_each_cell(const Box& box, const Visit& visit) const {
+        const Cell first = cell_of(box.low);
+        const Cell last = cell_of(box.high);
+        for (int z = first[2]; z <= last[2]; ++z) {
+            for (int y = first[1]; y <= last[1]; ++y) {
+                for (int x = first[0]; x <= last[0]; ++x) {
+                    visit(key({x, y, z}));
+                }
+            }
+        }
+    }
+
     [[nodiscard]] Cell cell_of(const Vec3f& p) const {
         const Vec3f scaled = (p - low_) / spacing_;
         return {static_cast<int>(scaled.x()), static_cast<int>(scaled.y()), static_cast<int>(scaled.z())};
@@ -88,15 +129,15 @@ class Search {
                static_cast<std::uint64_t>(c[0]);
     }
 
-    [[nodiscard]] bool intersect(std::uint32_t i, std::uint32_t j, std::uint64_t cell) const {
-        const Vec3f low = boxes_[i].low.cwiseMax(boxes_[j].low);
-        const Vec3f high = boxes_[i].high.cwiseMin(boxes_[j].high);
+    [[nodiscard]] bool intersect(const Boxed& a, const Boxed& b, std::uint64_t cell) const {
+        const Vec3f low = a.box.low.cwiseMax(b.box.low);
+        const Vec3f high = a.box.high.cwiseMin(b.box.high);
         // A pair that shares several cells is tested in the one that holds its common box's corner.
         if ((low.array() > high.array()).any() || key(cell_of(low)) != cell) {
             return false;
         }
-        return pierces(mesh_.triangles[i], mesh_.triangles[j]) ||
-               pierces(mesh_.triangles[j], mesh_.triangles[i]);
+        return pierces(mesh_.triangles[a.triangle], mesh_.triangles[b.triangle]) ||
+               pierces(mesh_.triangles[b.triangle], mesh_.triangles[a.triangle]);
     }
 
     /// Whether an edge of `edges` that has no vertex in common with `face` passes through it.
@@ -137,8 +178,9 @@ bool crosses(const Vec3f& p, const Vec3f& q, const Vec3f& a, const Vec3f& b, con
     return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
 }
 
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh) {
-    return Search(mesh).run();
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh,
+                                                             std::span<const std::uint8_t> asked) {
+    return Search(mesh).run(asked);
 }
 
 }  // namespace eti

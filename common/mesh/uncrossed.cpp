@@ -3,7 +3,9 @@
 #include "common/mesh/uncrossed.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "common/mesh/intersect.hpp"
@@ -13,15 +15,47 @@ namespace eti {
 
 namespace {
 
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+/// The pairs of triangles that cross in a mesh whose vertices are moved, a few at a time.
+class Crossings {
+  public:
+    explicit Crossings(const TriangleMesh& mesh) : Crossings(mesh, self_intersections(mesh)) {}
+    /// Of a mesh whose pairs are known.
+    Crossings(const TriangleMesh& mesh, Pairs pairs)
+        : mesh_(mesh), vertices_(mesh.vertices), pairs_(std::move(pairs)) {}
+
+    [[nodiscard]] const Pairs& pairs() const { return pairs_; }
+
+    /// After vertices were moved: only triangles of these can cross anew, or come apart.
+    void update() {
+        std::vector<std::uint8_t> moved(mesh_.triangles.size());
+        for (std::size_t t = 0; t < moved.size(); ++t) {
+            moved[t] = std::ranges::any_of(
+                mesh_.triangles[t], [&](std::uint32_t v) { return mesh_.vertices[v] != vertices_[v]; });
+        }
+        std::erase_if(pairs_, [&](const auto& pair) { return (moved[pair[0]] | moved[pair[1]]) != 0; });
+        const Pairs found = self_intersections(mesh_, moved);
+        pairs_.insert(pairs_.end(), found.begin(), found.end());
+        std::ranges::sort(pairs_);
+        vertices_ = mesh_.vertices;
+    }
+
+  private:
+    const TriangleMesh& mesh_;
+    std::vector<Vec3f> vertices_;
+    Pairs pairs_;
+};
+
 /// Relaxes the vertices of triangles that cross towards their neighbours' mean. A few crossings of a
 /// simplified surface, far smaller than its triangles, come apart so; it says whether all did.
-bool relax_crossings(TriangleMesh& mesh) {
+bool relax_crossings(TriangleMesh& mesh, const Pairs& known) {
     constexpr int rounds = 8;
+    Crossings crossings(mesh, known);
     std::vector<Vec3f> sum(mesh.vertices.size());
     std::vector<float> count(mesh.vertices.size());
     for (int round = 0; round < rounds; ++round) {
-        const auto crossings = self_intersections(mesh);
-        if (crossings.empty()) {
+        if (crossings.pairs().empty()) {
             return true;
         }
         std::fill(sum.begin(), sum.end(), Vec3f::Zero());
@@ -33,7 +67,7 @@ bool relax_crossings(TriangleMesh& mesh) {
             }
         }
         std::vector<std::uint8_t> moved(mesh.vertices.size(), 0);
-        for (const auto& pair : crossings) {
+        for (const auto& pair : crossings.pairs()) {
             for (const std::uint32_t t : pair) {
                 for (const std::uint32_t v : mesh.triangles[t]) {
                     if (moved[v] == 0) {
@@ -43,8 +77,9 @@ bool relax_crossings(TriangleMesh& mesh) {
                 }
             }
         }
+        crossings.update();
     }
-    return self_intersections(mesh).empty();
+    return crossings.pairs().empty();
 }
 
 }  // namespace
@@ -55,12 +90,9 @@ void smooth_without_crossing(TriangleMesh& mesh, int iterations) {
     const std::vector<Vec3f> rough = mesh.vertices;
     smooth(mesh, iterations);
     std::vector<std::uint8_t> kept(rough.size(), 0);
-    for (int round = 0; round < rounds; ++round) {
-        const auto crossings = self_intersections(mesh);
-        if (crossings.empty()) {
-            return;
-        }
-        for (const auto& pair : crossings) {
+    Crossings crossings(mesh);
+    for (int round = 0; round < rounds && !crossings.pairs().empty(); ++round) {
+        for (const auto& pair : crossings.pairs()) {
             for (const std::uint32_t t : pair) {
                 for (const std::uint32_t v : mesh.triangles[t]) {
                     kept[v] = 1;
@@ -80,6 +112,9 @@ void smooth_without_crossing(TriangleMesh& mesh, int iterations) {
                 mesh.vertices[v] = rough[v];
             }
         }
+        if (round + 1 < rounds) {
+            crossings.update();
+        }
     }
 }
 
@@ -88,14 +123,15 @@ TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, const SimplifyS
     constexpr float much = 1e6f;
     TriangleMesh coarse = simplify(mesh, settings);
     TriangleMesh relaxed = coarse;
-    if (relax_crossings(relaxed)) {
+    Pairs crossings = self_intersections(coarse);
+    if (relax_crossings(relaxed, crossings)) {
         return relaxed;
     }
     // Rounds work on a mesh that is fine enough and not a hundred times too large.
     SimplifySettings finer = settings;
     finer.triangles = 4 * settings.triangles;
     TriangleMesh fine = simplify(mesh, finer);
-    relax_crossings(fine);
+    relax_crossings(fine, self_intersections(fine));
     const PointGrid points(fine.vertices, 2e-3f);
     std::vector<float> importance(fine.vertices.size(), 1.0f);
     if (!settings.importance.empty()) {
@@ -112,7 +148,7 @@ TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, const SimplifyS
         }
     }
     for (int round = 0; round < rounds; ++round) {
-        for (const auto& pair : self_intersections(coarse)) {
+        for (const auto& pair : crossings) {
             for (const std::uint32_t t : pair) {
                 const Vec3f& a = coarse.vertices[coarse.triangles[t][0]];
                 const Vec3f& b = coarse.vertices[coarse.triangles[t][1]];
@@ -125,7 +161,8 @@ TriangleMesh simplify_without_crossing(const TriangleMesh& mesh, const SimplifyS
         }
         coarse = simplify(fine, {.triangles = settings.triangles, .importance = importance});
         relaxed = coarse;
-        if (relax_crossings(relaxed)) {
+        crossings = self_intersections(coarse);
+        if (relax_crossings(relaxed, crossings)) {
             break;
         }
     }

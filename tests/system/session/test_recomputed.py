@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every parameter of recorded sessions follows from their files, by docs/metrics.md and docs/session-files.md alone."""
+"""Every parameter of recorded sessions follows from their files, by docs/metrics.md and docs/session-files.md alone. Two
+of the sessions are runs that operator_run.py made."""
 
 import json
 import re
@@ -16,7 +17,7 @@ import recompute
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
-from operator_run import expert_with_the_tube_too_far
+from operator_run import expert_with_the_tube_too_far, recording
 
 # The file holds forces, poses and places as float32, as the server has them: 2**-24 = 6e-8 of a value, or 6e-9 m of
 # 0.1 m. Sums over thousands of steps and differences over 1/30 s make up to a hundred times that.
@@ -107,7 +108,7 @@ class Recomputed(support.Case):
                 self.assertGreater(part.values[key], 0.05, f"{key}: else it tells nothing")
 
     def test_of_a_novice_who_levers(self):
-        with h5py.File(self.record("term", "novice")) as file:
+        with h5py.File(recording("novice")) as file:
             _, parts = self.assert_recomputed(file)
             self.assertGreater(parts[0].values["pitch_peaks"], 0)
 
@@ -131,7 +132,7 @@ class Recomputed(support.Case):
             self.assertEqual(len(parts), 2)
 
     def test_of_a_tube_in_the_oesophagus(self):
-        with h5py.File(self.record("term", "oesophageal")) as file:
+        with h5py.File(recording("oesophageal")) as file:
             _, parts = self.assert_recomputed(file)
             self.assertEqual(sum(part.values["oesophageal_entries"] for part in parts), 1)
 

@@ -138,6 +138,16 @@ TEST(MeshCheck, CellSearchFindsWhatBruteForceFinds) {
     }
     ASSERT_GT(expected.size(), 20u);
     EXPECT_EQ(self_intersections(mesh), expected);
+
+    // Asked for some triangles only.
+    std::vector<std::uint8_t> asked(mesh.triangles.size(), 0);
+    for (std::size_t i = 0; i < asked.size(); i += 7) {
+        asked[i] = 1;
+    }
+    std::erase_if(expected, [&](const auto& pair) { return (asked[pair[0]] | asked[pair[1]]) == 0; });
+    ASSERT_GT(expected.size(), 5u);
+    EXPECT_EQ(self_intersections(mesh, asked), expected);
+    EXPECT_TRUE(self_intersections(mesh, std::vector<std::uint8_t>(asked.size(), 0)).empty());
 }
 
 }  // namespace

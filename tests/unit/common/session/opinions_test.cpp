@@ -5,9 +5,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cstring>
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <span>
 
 #include "common/session/anonymise.hpp"
 #include "common/session/check.hpp"
@@ -164,9 +165,8 @@ TEST_F(Opinions, MeasuredSeriesOfAnAnonymousCopyAreTheSameToTheBit) {
             EXPECT_EQ(was[i].path, is[i].path);
             EXPECT_EQ(was[i].units, is[i].units);
             ASSERT_EQ(was[i].values.size(), is[i].values.size()) << was[i].path;
-            EXPECT_EQ(
-                std::memcmp(was[i].values.data(), is[i].values.data(), was[i].values.size() * sizeof(double)),
-                0)
+            EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(was[i].values)),
+                                           std::as_bytes(std::span(is[i].values))))
                 << was[i].path;
             compared += was[i].values.size();
         }

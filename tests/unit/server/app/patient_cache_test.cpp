@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
+#include <filesystem>
+#include <memory>
+#include <string>
 
 #include "tests/support/coarse_newborn.hpp"
 
@@ -16,23 +18,48 @@ namespace {
 
 using test::coarse_build;
 
-/// A cache of its own for each test.
+anatomy::BuildSettings with_spacing(float spacing) {
+    anatomy::BuildSettings settings = coarse_build;
+    settings.spacing = spacing;
+    return settings;
+}
+
+/// A cache of its own for each test, which begins with what the usual newborn left in an empty one.
 class PatientCache : public ::testing::Test {
   protected:
+    static void SetUpTestSuite() {
+        const std::filesystem::path folder = folder_of("first");
+        std::filesystem::create_directories(folder);
+        ::setenv("ETI_CACHE", folder.c_str(), 1);
+        usual_ = std::make_unique<anatomy::Patient>(cached_patient({}, coarse_build));
+        finer_ =
+            std::make_unique<anatomy::Patient>(anatomy::build_patient(NewbornShape{}, with_spacing(3e-3f)));
+    }
+    static void TearDownTestSuite() {
+        std::filesystem::remove_all(folder_of("first"));
+        usual_.reset();
+        finer_.reset();
+    }
     PatientCache() {
-        folder_ = std::filesystem::temp_directory_path() / ("eti_cache_" + std::to_string(::getpid()));
-        std::filesystem::create_directories(folder_);
+        std::filesystem::copy(folder_of("first"), folder_);
         ::setenv("ETI_CACHE", folder_.c_str(), 1);
     }
     ~PatientCache() override {
         ::unsetenv("ETI_CACHE");
         std::filesystem::remove_all(folder_);
     }
+    static std::filesystem::path folder_of(const std::string& name) {
+        return std::filesystem::temp_directory_path() / ("eti_cache_" + name + std::to_string(::getpid()));
+    }
     [[nodiscard]] std::ptrdiff_t files() const {
         return std::distance(std::filesystem::directory_iterator(folder_), {});
     }
-    std::filesystem::path folder_;
+    std::filesystem::path folder_ = folder_of("");
+    static std::unique_ptr<anatomy::Patient> usual_;  ///< as it was built for an empty cache
+    static std::unique_ptr<anatomy::Patient> finer_;  ///< of other particles, built from nothing
 };
+std::unique_ptr<anatomy::Patient> PatientCache::usual_;
+std::unique_ptr<anatomy::Patient> PatientCache::finer_;
 
 void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) {
     ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
@@ -50,47 +77,45 @@ void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) 
     EXPECT_EQ(a.shell.distance.value, b.shell.distance.value);
 }
 
+TEST_F(PatientCache, WhatWasBuiltIsReadAgain) {
+    EXPECT_EQ(files(), 1);
+    const anatomy::Patient read = cached_patient({}, coarse_build);
+    EXPECT_EQ(files(), 1);
+    EXPECT_EQ(read.particles.rest, usual_->particles.rest);
+    expect_same_surfaces(read, *usual_);
+}
+
 TEST_F(PatientCache, AnotherStiffnessBuildsNothing) {
     anatomy::BuildSettings settings = coarse_build;
-    const anatomy::Patient usual = cached_patient({}, settings);
-    EXPECT_EQ(files(), 1);
     settings.tissue_stiffness = 12e3f;
     const anatomy::Patient stiff = cached_patient({}, settings);
     EXPECT_EQ(files(), 1);
     EXPECT_EQ(stiff.tissue_stiffness, 12e3f);
-    EXPECT_EQ(std::ranges::max(stiff.links.stiffness), 1.5f * std::ranges::max(usual.links.stiffness));
-    expect_same_surfaces(stiff, usual);
+    EXPECT_EQ(std::ranges::max(stiff.links.stiffness), 1.5f * std::ranges::max(usual_->links.stiffness));
+    expect_same_surfaces(stiff, *usual_);
 }
 
 // Reference: the same built from nothing.
 TEST_F(PatientCache, OtherSpacingsBorrowTheSurfaces) {
-    const anatomy::Patient usual = cached_patient({}, coarse_build);
-    anatomy::BuildSettings finer = coarse_build;
-    finer.spacing = 3e-3f;
-    const anatomy::Patient patient = cached_patient({}, finer);
+    const anatomy::Patient patient = cached_patient({}, with_spacing(3e-3f));
     EXPECT_EQ(files(), 2);
-    EXPECT_GT(patient.particles.size(), usual.particles.size());
-    const anatomy::Patient built = anatomy::build_patient(NewbornShape{}, finer);
-    expect_same_surfaces(patient, built);
-    EXPECT_EQ(patient.particles.rest, built.particles.rest);
-    EXPECT_EQ(patient.frame_rest_centre, built.frame_rest_centre);
+    EXPECT_GT(patient.particles.size(), usual_->particles.size());
+    expect_same_surfaces(patient, *finer_);
+    EXPECT_EQ(patient.particles.rest, finer_->particles.rest);
+    EXPECT_EQ(patient.frame_rest_centre, finer_->frame_rest_centre);
 }
 
 TEST_F(PatientCache, AnotherShapeBorrowsNothing) {
-    const anatomy::Patient usual = cached_patient({}, coarse_build);
     const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, coarse_build);
-    EXPECT_NE(large.surfaces[0].mesh.vertices, usual.surfaces[0].mesh.vertices);
+    EXPECT_NE(large.surfaces[0].mesh.vertices, usual_->surfaces[0].mesh.vertices);
     EXPECT_EQ(files(), 2);
 }
 
 TEST_F(PatientCache, ADamagedModelLendsNothing) {
-    const anatomy::Patient usual = cached_patient({}, coarse_build);
     for (const auto& file : std::filesystem::directory_iterator(folder_)) {
         std::filesystem::resize_file(file.path(), 1000);
     }
-    anatomy::BuildSettings finer = coarse_build;
-    finer.spacing = 3e-3f;
-    expect_same_surfaces(cached_patient({}, finer), anatomy::build_patient(NewbornShape{}, finer));
+    expect_same_surfaces(cached_patient({}, with_spacing(3e-3f)), *finer_);
 }
 
 }  // namespace

@@ -21,7 +21,9 @@ constexpr BuildSettings coarse{.spacing = 2.5e-3f, .fine_spacing = 2e-3f, .surfa
 Patient newborn(float tongue_scale, float stiffness = 8e3f) {
     BuildSettings settings = coarse;
     settings.tissue_stiffness = stiffness;
-    return build_patient(NewbornShape{.tongue_scale = tongue_scale}, settings);
+    // Surfaces and shell, nine tenths of a build, are not looked at here: none are lent.
+    const Patient bare;
+    return build_patient(NewbornShape{.tongue_scale = tongue_scale}, settings, &bare);
 }
 
 const Patient& usual() {

@@ -63,7 +63,8 @@ TEST(CheckModel, NewbornsOfAllSizesAndVariantsAreSound) {
 // A large tongue lies against the palate; in life it does not grow from there.
 TEST(BuildPatient, ATongueIsFixedToTheMandibleAlone) {
     const NewbornShape shape{.tongue_scale = 1.3f};
-    const Patient patient = build_patient(shape, coarse);
+    const Patient bare;  // without surfaces, which are not looked at here
+    const Patient patient = build_patient(shape, coarse, &bare);
     const Newborn form(shape);
     const ParticleSet& set = patient.particles;
     int at_the_palate = 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/patient/newborn/build.hpp"
+#include "tests/support/shipped_newborn.hpp"
 
 namespace eti::anatomy {
 namespace {
@@ -34,7 +35,7 @@ std::vector<FramePose> lifted(const Patient& patient) {
 }
 
 TEST(LevelSkin, ALiftTearsNothing) {
-    const Patient patient = build_patient(NewbornShape(), BuildSettings{});
+    const Patient& patient = test::shipped_newborn();
     const std::vector<FramePose> frames = lifted(patient);
     for (const Surface& surface : patient.surfaces) {
         if (surface.tissue != Tissue::soft && surface.tissue != Tissue::tongue) {
