@@ -16,6 +16,7 @@
 #include "common/session/ring.hpp"
 #include "common/session/superblock.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::session {
@@ -302,12 +303,13 @@ TEST_F(Session, IsReadWhileItIsRecorded) {
     for (std::uint64_t i = 0; i < 500; ++i) {
         writer.push(sample::step(i));
     }
-    // Full chunks go to their series at once.
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    // Full chunks go to their series at once; the rest waits for more.
+    constexpr std::size_t chunked = 500 / step_chunk * step_chunk;
+    EXPECT_TRUE(test::eventually([&] { return SessionReader(path).steps().size() >= chunked; }));
     const SessionReader reader(path);
     EXPECT_TRUE(reader.live());
     EXPECT_FALSE(reader.finished());
-    EXPECT_EQ(reader.steps().size(), 500 / step_chunk * step_chunk);
+    EXPECT_EQ(reader.steps().size(), chunked);
     EXPECT_TRUE(check(path).sound());
     EXPECT_THROW((void)repair(path), hdf5::Error) << "would change a file under its writer";
     EXPECT_TRUE(writer.close());
