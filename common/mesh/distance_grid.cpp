@@ -74,4 +74,62 @@ DistanceSample DistanceGrid::sample(const Vec3f& point) const {
     return result;
 }
 
+SteadyDistance DistanceGrid::steady(const Vec3f& point) const {
+    // Weights of the three nodes about the point along each axis; then their first and second derivatives.
+    std::array<std::array<float, 3>, 3> weight{};
+    std::array<std::array<float, 3>, 3> slope{};
+    std::array<std::array<std::size_t, 3>, 3> at{};
+    const std::array<std::size_t, 3> step{
+        1, static_cast<std::size_t>(size[0]),
+        static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1])};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<Eigen::Index>(axis);
+        const int last = size[axis] - 1;
+        const float clamped =
+            std::min(std::max(0.0f, (point[a] - origin[a]) / spacing), static_cast<float>(last));
+        const int nearest = static_cast<int>(clamped + 0.5f);
+        const float t = clamped - static_cast<float>(nearest);
+        weight[axis] = {0.5f * (0.5f - t) * (0.5f - t), 0.75f - t * t, 0.5f * (0.5f + t) * (0.5f + t)};
+        slope[axis] = {t - 0.5f, -2.0f * t, t + 0.5f};
+        for (int k = 0; k < 3; ++k) {
+            at[axis][static_cast<std::size_t>(k)] =
+                step[axis] * static_cast<std::size_t>(std::clamp(nearest + k - 1, 0, last));
+        }
+    }
+    constexpr std::array<float, 3> bend{1.0f, -2.0f, 1.0f};
+    SteadyDistance result;
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            // Along x: value, slope and bend of this row of nodes.
+            float v = 0.0f;
+            float s = 0.0f;
+            float b = 0.0f;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const float node = value[at[0][i] + at[1][j] + at[2][k]];
+                v += weight[0][i] * node;
+                s += slope[0][i] * node;
+                b += bend[i] * node;
+            }
+            const float wy = weight[1][j];
+            const float sy = slope[1][j];
+            const float wz = weight[2][k];
+            const float sz = slope[2][k];
+            result.distance += wy * wz * v;
+            result.gradient += Eigen::Vector3f(wy * wz * s, sy * wz * v, wy * sz * v);
+            result.bend(0, 0) += wy * wz * b;
+            result.bend(1, 1) += bend[j] * wz * v;
+            result.bend(2, 2) += wy * bend[k] * v;
+            result.bend(0, 1) += sy * wz * s;
+            result.bend(0, 2) += wy * sz * s;
+            result.bend(1, 2) += sy * sz * v;
+        }
+    }
+    result.bend(1, 0) = result.bend(0, 1);
+    result.bend(2, 0) = result.bend(0, 2);
+    result.bend(2, 1) = result.bend(1, 2);
+    result.gradient /= spacing;
+    result.bend /= spacing * spacing;
+    return result;
+}
+
 }  // namespace eti

@@ -56,6 +56,9 @@ Rod::Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& gr
       velocity_damping_(double{settings.velocity_damping}),
       poisson_ratio_(double{settings.poisson_ratio}),
       max_speed_(double{settings.max_speed}) {
+    if (settings.held) {
+        hold_ = settings.hold;
+    }
     lay_out(tube, settings);
     reset(grip);
 }
@@ -73,7 +76,7 @@ void Rod::lay_out(const Tube& tube, const RodSettings& settings) {
         const double length = s.behind + s.ahead;
         const double mass =
             double{settings.density} * area * length + (i == 0 ? double{settings.connector_mass} : 0.0);
-        if (i == held_ && settings.held) {
+        if (i == held_ && settings.held && !settings.hold) {
             held_mass_ = mass;
         } else {
             s.inverse_mass = 1.0 / mass;
@@ -105,6 +108,7 @@ void Rod::reset(const RigidTransform& grip) {
     }
     segments_[held_].position = grip.translation.cast<double>();
     segments_[held_].rotation = unit_rotation(grip.rotation);
+    grip_ = {segments_[held_].position, segments_[held_].rotation};
     for (std::size_t i = held_ + 1; i < segments_.size(); ++i) {
         segments_[i].rotation = (segments_[i - 1].rotation * exp_rotation(joints_[i - 1].rest)).normalized();
         segments_[i].position =
@@ -167,6 +171,10 @@ float Rod::inverse_mass(std::size_t segment, float along, const Vec3f& offset, c
 }
 
 GripWrench Rod::grip_wrench() const {
+    if (hold_) {
+        const Held held = held_by_hold();
+        return {(-held.force).cast<float>(), (-held.torque).cast<float>()};
+    }
     Vec3d force = Vec3d::Zero();
     Vec3d torque = Vec3d::Zero();
     if (held_ > 0) {

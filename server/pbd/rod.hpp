@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,15 @@
 
 namespace eti::pbd {
 
+/// How fingers hold a rod: a spring that yields. Beyond `force` or `torque` the rod slips between them.
+struct RodHold {
+    float stiffness = 5e3f;  ///< [N/m]
+    float turning = 2.0f;    ///< [N m/rad]
+    float force = 5.0f;      ///< [N], the most that they hold
+    float torque = 0.1f;     ///< [N m], likewise
+    float drag = 2.0f;       ///< [N s/m], of a rod that slips
+};
+
 struct RodSettings {
     int segments = 16;               ///< cost grows linearly; the tip's error falls with the square
     float density = 1300.0f;         ///< [kg/m^3], plasticised PVC (1200-1350)
@@ -21,6 +31,7 @@ struct RodSettings {
     float velocity_damping = 1.0f;   ///< [1/s], rate at which free motion decays; 0 conserves momentum
     float max_speed = 10.0f;         ///< [m/s], per segment; ten times the fastest hand
     bool held = true;                ///< false: nothing holds the rod, and the grip only lays it out
+    std::optional<RodHold> hold;     ///< none: what is held goes where the grip goes, whatever it meets
 };
 
 /// What the rod exerts on the hand that holds it.
@@ -34,9 +45,9 @@ struct GripWrench {
 /// (XPBD's multipliers), all joints at once by a block-tridiagonal Cholesky (Deul, Kugelstadt, Weiler
 /// & Bender 2018), so that stiffness needs no iterations. Unlike XPBD, a pass measures inertia from
 /// where loads alone would send each segment, however far that is; joints are only ever linearised
-/// about where the segments are. One segment is held: its origin is the grip. A segment's inertia is
-/// its transverse one about every axis: a slim segment's axial inertia would only make twist ring
-/// faster than the substep. Doubles throughout.
+/// about where the segments are. One segment is held: its origin is the grip, or is drawn there by a hold. A
+/// segment's inertia is its transverse one about every axis: a slim segment's axial inertia would only make
+/// twist ring faster than the substep. Doubles throughout.
 ///
 /// A substep: predict, then passes of solve() with the contacts found before each, then finish. With
 /// contacts it takes two passes: the first finds which of them hold, the second with what force. push() and
@@ -61,9 +72,13 @@ class Rod {
     void load(std::size_t segment, float along, const Vec3f& force);
 
     /// One Newton step of the whole chain and its contacts, whose gaps, normals and slips are to be those
-    /// of the present pose, and whose forces it updates. Contacts with the held segment get the force
-    /// that their overlap asks for, and the hand does not give way.
-    void solve(std::span<RodContact> contacts = {});
+    /// of the present pose, and whose forces it updates. Contacts with a segment held without a hold get the
+    /// force that their overlap asks for, and the hand does not give way. Where `room` [m] is given, one a
+    /// segment, no point of a segment goes further than that: the whole step is shortened.
+    void solve(std::span<RodContact> contacts = {}, std::span<const float> room = {});
+
+    /// Shortens the way that predict() took, so that no point of a segment has gone further than `room` [m].
+    void hold_back(std::span<const float> room);
 
     /// New velocities from the way travelled since predict.
     void finish();
@@ -101,7 +116,8 @@ class Rod {
     /// Over dt^2 that is a force [N].
     Vec3f displace(std::size_t segment, float along, const Vec3f& offset, const Vec3f& displacement);
 
-    /// From the joints' multipliers of this substep and the held segment's weight, without its inertia.
+    /// What the hold draws with; without one, from the joints' multipliers of this substep and the held
+    /// segment's weight, without its inertia.
     [[nodiscard]] GripWrench grip_wrench() const;
 
     /// Kinetic plus elastic plus gravitational energy [J] of the free segments (height against the last
@@ -122,9 +138,20 @@ class Rod {
         Mat6d inverse = Mat6d::Zero();
     };
 
+    /// Force and torque on the held segment.
+    struct Held {
+        Vec3d force = Vec3d::Zero();   ///< [N]
+        Vec3d torque = Vec3d::Zero();  ///< [N m]
+        Mat3d stiffness = Mat3d::Zero();
+        Mat3d turning = Mat3d::Zero();
+    };
+
+    [[nodiscard]] Held held_by_hold() const;
     void lay_out(const Tube& tube, const RodSettings& settings);
     void assemble();
     void add_contacts(std::span<RodContact> contacts);
+    void add_hold();
+    [[nodiscard]] Response& touch(std::size_t segment);
     [[nodiscard]] double grip_stiffness(std::size_t segment) const;
     [[nodiscard]] Vec6d answer(std::size_t segment, const Vec6d& impulse) const;
     [[nodiscard]] Vec3d arm(std::size_t segment, float along, const Vec3f& offset) const;
@@ -141,7 +168,9 @@ class Rod {
     RodChain chain_;
     std::size_t held_ = 0;
     float radius_ = 0.0f;
-    double held_mass_ = 0.0;  ///< [kg]; 0 when nothing holds the rod
+    double held_mass_ = 0.0;  ///< [kg]; 0 when nothing holds the rod, or a hold does
+    std::optional<RodHold> hold_;
+    Target grip_;  ///< where the hold draws the held segment
     double dt_ = 1e-3;
     double retardation_time_ = 0.0;
     double velocity_damping_ = 0.0;

@@ -51,7 +51,7 @@ bool acts(const RodContact& contact) {
 void add_contact(const RodContact& contact, const Vec3d& arm, double grip, double dt,
                  RodContactSystem& system) {
     const Law law = linearise(contact, grip);
-    const Mat3d stiffness = dt * dt * law.stiffness;
+    const Mat3d stiffness = dt * dt * (law.stiffness + contact.turning.cast<double>());
     const Vec3d impulse = dt * dt * law.force;
     const Mat3d cross = cross_matrix(arm);
     // The point moves by shift + turn x arm = shift - [arm] turn.

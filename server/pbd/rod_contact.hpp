@@ -21,6 +21,9 @@ struct RodContact {
     Vec3f slip = Vec3f::Zero();     ///< [m], way of the point along the obstacle in this substep so far
     float stiffness = 3000.0f;      ///< [N/m]; overlap at rest is force over stiffness
     float yielding = 0.0f;          ///< [m/N], how far the obstacle gives way within this substep
+    /// [N/m], symmetric, not negative: by how much the force turns as the point moves. It steadies the
+    /// search for the rod's pose and exerts nothing itself.
+    Eigen::Matrix3f turning = Eigen::Matrix3f::Zero();
     Friction friction;
     /// [N], of the obstacle on the rod: what the last pass found, and what the next one starts from.
     /// Zero for a new contact; keep it from pass to pass and from substep to substep for one that

@@ -33,6 +33,7 @@ void Rod::predict(float dt, const Vec3f& gravity, const RigidTransform& grip) {
             s.rotation = (exp_rotation(dt_ * s.angular_velocity) * s.rotation).normalized();
         }
     }
+    grip_ = {grip.translation.cast<double>(), unit_rotation(grip.rotation)};
     if (held_mass_ > 0.0) {
         segments_[held_].position = grip.translation.cast<double>();
         segments_[held_].rotation = unit_rotation(grip.rotation);
@@ -83,16 +84,14 @@ void Rod::add_contacts(std::span<RodContact> contacts) {
         response.touched = false;
     }
     for (const RodContact& contact : contacts) {
-        Response& response = response_[contact.segment];
         if (!acts(contact) || segments_[contact.segment].inverse_mass == 0.0) {
             continue;
         }
-        if (!response.touched) {
-            response.touched = true;
-            response.contacts = {};
-        }
         add_contact(contact, arm(contact.segment, contact.along, contact.offset),
-                    grip_stiffness(contact.segment), dt_, response.contacts);
+                    grip_stiffness(contact.segment), dt_, touch(contact.segment).contacts);
+    }
+    if (hold_) {
+        add_hold();
     }
     for (std::size_t i = 0; i < segments_.size(); ++i) {
         Response& response = response_[i];
@@ -107,6 +106,58 @@ void Rod::add_contacts(std::span<RodContact> contacts) {
         response.inverse = mass.llt().solve(Mat6d::Identity());
         motion_[i] = response.inverse * (own.cwiseProduct(motion_[i]) + response.contacts.impulse);
     }
+}
+
+Rod::Response& Rod::touch(std::size_t segment) {
+    Response& response = response_[segment];
+    if (!response.touched) {
+        response.touched = true;
+        response.contacts = {};
+    }
+    return response;
+}
+
+namespace {
+
+/// A spring that yields at `most`: what it draws with over a way, and how that falls as the way shortens.
+struct Drawn {
+    Vec3d force = Vec3d::Zero();
+    Mat3d stiffness = Mat3d::Zero();
+    bool slips = false;
+};
+
+Drawn drawn(const Vec3d& way, double stiffness, double most) {
+    const double length = way.norm();
+    if (stiffness * length <= most) {
+        return {stiffness * way, stiffness * Mat3d::Identity(), false};
+    }
+    const Vec3d along = way / length;
+    return {most * along, most / length * (Mat3d::Identity() - along * along.transpose()), true};
+}
+
+}  // namespace
+
+Rod::Held Rod::held_by_hold() const {
+    const RodSegment& s = segments_[held_];
+    const Drawn pull = drawn(grip_.position - s.position, double{hold_->stiffness}, double{hold_->force});
+    const Drawn turn = drawn(log_rotation(Quatd(grip_.rotation * s.rotation.conjugate())),
+                             double{hold_->turning}, double{hold_->torque});
+    Held held{pull.force, turn.force, pull.stiffness, turn.stiffness};
+    if (pull.slips) {
+        const double drag = double{hold_->drag} / dt_;
+        held.force -= drag * (s.position - previous_[held_].position);
+        held.stiffness += drag * Mat3d::Identity();
+    }
+    return held;
+}
+
+void Rod::add_hold() {
+    const Held held = held_by_hold();
+    RodContactSystem& system = touch(held_).contacts;
+    system.mass.topLeftCorner<3, 3>() += dt_ * dt_ * held.stiffness;
+    system.mass.bottomRightCorner<3, 3>() += dt_ * dt_ * held.turning;
+    system.impulse.head<3>() += dt_ * dt_ * held.force;
+    system.impulse.tail<3>() += dt_ * dt_ * held.torque;
 }
 
 double Rod::grip_stiffness(std::size_t segment) const {
@@ -163,7 +214,31 @@ void Rod::assemble() {
     }
 }
 
-void Rod::solve(std::span<RodContact> contacts) {
+void Rod::hold_back(std::span<const float> room) {
+    double share = 1.0;
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+        const RodSegment& now = segments_[i];
+        const RodSegment& before = previous_[i];
+        const double way = std::sqrt(
+            std::max((now.position + now.to_front() - before.position - before.to_front()).squaredNorm(),
+                     (now.position + now.to_rear() - before.position - before.to_rear()).squaredNorm()));
+        if (share * way > double{room[i]} && now.inverse_mass > 0.0) {
+            share = double{room[i]} / way;
+        }
+    }
+    if (share == 1.0) {
+        return;
+    }
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+        RodSegment& s = segments_[i];
+        if (s.inverse_mass > 0.0) {
+            s.position = previous_[i].position + share * (s.position - previous_[i].position);
+            s.rotation = previous_[i].rotation.slerp(share, s.rotation);
+        }
+    }
+}
+
+void Rod::solve(std::span<RodContact> contacts, std::span<const float> room) {
     for (std::size_t i = 0; i < segments_.size(); ++i) {
         motion_[i] << target_[i].position - segments_[i].position,
             log_rotation(Quatd(target_[i].rotation * segments_[i].rotation.conjugate()));
@@ -191,7 +266,17 @@ void Rod::solve(std::span<RodContact> contacts) {
                             : Vec3f(Vec3f::Zero());
     }
     widest = std::sqrt(widest);
-    const double scale = widest > largest_turn ? largest_turn / widest : 1.0;
+    double scale = widest > largest_turn ? largest_turn / widest : 1.0;
+    for (std::size_t i = 0; i < room.size(); ++i) {
+        const RodSegment& s = segments_[i];
+        const Vec3d shift = motion_[i].head<3>();
+        const Vec3d turn = motion_[i].tail<3>();
+        const double way = std::sqrt(std::max((shift + turn.cross(s.to_front())).squaredNorm(),
+                                              (shift + turn.cross(s.to_rear())).squaredNorm()));
+        if (scale * way > double{room[i]} && s.inverse_mass > 0.0) {
+            scale = double{room[i]} / way;
+        }
+    }
     for (std::size_t i = 0; i < segments_.size(); ++i) {
         if (segments_[i].inverse_mass > 0.0) {
             segments_[i].position += scale * motion_[i].head<3>();

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/scene/tube.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -23,8 +24,8 @@ constexpr float wake_margin = 3e-3f;
 // [N/m]; at the newton that a hand puts on a tube the overlap is a third of a millimetre.
 constexpr float stiffness = 3000.0f;
 // Shell and blade meet the tube in points this share of a segment from its rear: 3 mm apart, closer than
-// the tube is thick.
-constexpr float samples[] = {0.125f, 0.375f, 0.625f, 0.875f};
+// the tube is thick. The last is the tip, so that the whole centre line stays out of the shell.
+constexpr float samples[] = {0.25f, 0.5f, 0.75f, 1.0f};
 // The blade's plate as the tube meets it: thicker than steel, so that it is not stepped through.
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
 // Room for the particles about a tube in the throat, so that a step does not allocate; more may come.
@@ -42,18 +43,43 @@ pbd::RodContact new_contact() {
     return contact;
 }
 
-/// The unit direction away from the solid, by differences over one spacing to each side. It changes steadily
-/// from place to place. The interpolant's own jumps at every face of a cell, and where several walls held a
-/// tube it was thrown from one such face to the next for ever.
-Vec3f steady_normal(const DistanceGrid& shell, const Vec3f& p) {
-    Vec3f gradient;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const Vec3f way = shell.spacing * Vec3f::Unit(axis);
-        gradient[axis] = shell.distance(p + way) - shell.distance(p - way);
-    }
-    const float length = gradient.norm();
+// [m]; the distances that the walls' force goes by differ from the interpolated ones by less.
+constexpr float steady_margin = 0.2e-3f;
+// Of the radius: a wall does not harden beyond this, which leaves the centre line a tenth of a millimetre.
+constexpr float hardest = 0.95f;
+// [m], what a segment may go within a pass where no wall is near, and where one is as near as can be.
+constexpr float most_room = 5e-3f;
+constexpr float least_room = 0.03e-3f;
+// A distance on the grid changes by no more than sqrt(3) of a way.
+constexpr float room_per_distance = 0.5f;
+
+void take_room(float distance, float& room) {
+    room = std::min(room, std::max(room_per_distance * distance, least_room));
+}
+
+/// The wall's force at the middle of a tube of `radius` [m]. It comes from an energy, so that no tube can
+/// draw any from going round and about between walls; its direction changes steadily. It hardens as the
+/// centre line nears the wall: stiffness x / (1 - (x / radius)^2) at an overlap of x.
+void press(const SteadyDistance& wall, float radius, pbd::RodContact& c) {
+    const float slope = wall.gradient.norm();
+    c.gap = wall.distance - radius;
+    c.stiffness = stiffness;
+    c.turning.setZero();
     // In the middle between walls it vanishes; any direction is then as good as another.
-    return length > 1e-6f * shell.spacing ? Vec3f(gradient / length) : Vec3f(Vec3f::UnitZ());
+    c.normal = slope > 1e-6f ? Vec3f(wall.gradient / slope) : Vec3f(Vec3f::UnitZ());
+    if (c.gap >= 0.0f) {
+        return;
+    }
+    const float share = std::min(-c.gap / radius, hardest);
+    const float left = 1.0f - share * share;
+    const float force = stiffness * (share * radius / left + (-c.gap - share * radius));
+    const float harder = stiffness * (1.0f + share * share) / (left * left);
+    // The contact's law is linear: it gets the tangent.
+    c.stiffness = std::max(harder * slope * slope, 1e-3f * stiffness);
+    c.gap = -force * slope / c.stiffness;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes(-force * wall.bend);
+    c.turning = axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0f).asDiagonal() *
+                axes.eigenvectors().transpose();
 }
 
 Vec3f across(const Vec3f& way, const Vec3f& normal) {
@@ -63,7 +89,7 @@ Vec3f across(const Vec3f& way, const Vec3f& normal) {
 }  // namespace
 
 TubeContact::TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip)
-    : scope_(scope), rod_(tube, pbd::RodSettings{}, grip) {
+    : scope_(scope), rod_(tube, pbd::RodSettings{.hold = pbd::RodHold{}}, grip), room_(rod_.size()) {
     static_assert(std::size(samples) == samples_per_segment);
     near_.reserve(most_near);
     last_near_.reserve(most_near);
@@ -238,11 +264,13 @@ void TubeContact::predict(float dt, float end, const Vec3f& gravity) {
 }
 
 void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end) {
+    find_room(shell);
+    rod_.hold_back(room_);
     for (int pass = 0; pass < passes; ++pass) {
         meet_shell(shell);
         meet_blade(interpolate(blade_from_, blade_to_, begin), interpolate(blade_from_, blade_to_, end));
         meet_tissue(particles);
-        rod_.solve(contacts_);
+        rod_.solve(contacts_, room_);
         if (near_.empty()) {
             const float way = farthest_from_ends();
             if (std::ranges::all_of(contacts_, [&](const auto& c) { return c.gap > way; })) {
@@ -257,15 +285,26 @@ void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, 
     }
 }
 
+void TubeContact::find_room(const DistanceGrid& shell) {
+    std::ranges::fill(room_, most_room);
+    for (std::size_t k = 0; k < sites(); ++k) {
+        const pbd::RodContact& c = contacts_[k];
+        take_room(shell.distance(rod_.previous_point(c.segment, c.along)), room_[c.segment]);
+    }
+}
+
 void TubeContact::meet_shell(const DistanceGrid& shell) {
+    std::ranges::fill(room_, most_room);
     for (std::size_t k = 0; k < sites(); ++k) {
         pbd::RodContact& c = contacts_[k];
         const Vec3f p = rod_.point(c.segment, c.along);
-        c.gap = shell.distance(p) - rod_.radius();
-        if (c.gap >= 0.0f && c.force.isZero(0.0f)) {
+        const float distance = shell.distance(p);
+        take_room(distance, room_[c.segment]);
+        c.gap = distance - rod_.radius();
+        if (c.gap >= steady_margin && c.force.isZero(0.0f)) {
             continue;  // does not act
         }
-        c.normal = steady_normal(shell, p);
+        press(shell.steady(p), rod_.radius(), c);
         c.offset = -rod_.radius() * c.normal;
         c.slip = across(p - rod_.previous_point(c.segment, c.along), c.normal);
     }

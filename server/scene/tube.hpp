@@ -67,6 +67,8 @@ class TubeContact {
     [[nodiscard]] float find_reach(const RigidTransform& grip_from, const RigidTransform& grip_to);
     /// What pressed on a particle in the last step does so as this one begins: friction builds on it.
     void keep_forces();
+    /// Finds how far each segment may go before any site of it could come into the shell.
+    void find_room(const DistanceGrid& shell);
     void meet_shell(const DistanceGrid& shell);
     void meet_blade(const RigidTransform& before, const RigidTransform& now);
     void meet_tissue(const pbd::Particles& particles);
@@ -92,6 +94,7 @@ class TubeContact {
     std::vector<Near> near_, last_near_;     ///< by the particle's number
     std::vector<Vec3f> last_force_;          ///< [N], of those near now
     std::vector<Way> ways_;                  ///< of the segments
+    std::vector<float> room_;                ///< [m], of the segments
     bool near_blade_ = false;
 };
 

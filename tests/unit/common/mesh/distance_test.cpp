@@ -62,6 +62,33 @@ TEST(DistanceGridTest, SphereWithinInterpolationBound) {
     }
 }
 
+// The gradient and the bends are those of the distance itself, by differences, and change steadily where the
+// trilinear gradient jumps: at the faces of cells.
+TEST(DistanceGridTest, SteadyDistanceHasItsOwnDerivatives) {
+    const test::Sphere sphere;
+    const float h = 0.0005f;
+    const DistanceGrid grid = test::sample_grid(sphere, sphere.half_extent, h);
+    constexpr float way = 2e-5f;
+    for (int i = 0; i < 500; ++i) {
+        const float t = 0.1f * static_cast<float>(i);
+        const Vec3f direction =
+            Vec3f(std::cos(t), std::sin(1.7f * t), std::cos(0.3f * t + 1.0f)).normalized();
+        const Vec3f p = sphere.centre + 0.0098f * direction;
+        const SteadyDistance steady = grid.steady(p);
+        // Two axes of curvature k, each of which shifts it by k h^2 / 8.
+        ASSERT_NEAR(steady.distance, sphere(p) + 2.0f * h * h / (8.0f * 0.0098f), 1e-7f);
+        // Float32 of distances about 1e-3, over 2 way; a bend changes by its own size within a cell.
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            const Vec3f to = way * Vec3f::Unit(axis);
+            const SteadyDistance ahead = grid.steady(p + to);
+            const SteadyDistance behind = grid.steady(p - to);
+            ASSERT_NEAR(steady.gradient[axis], (ahead.distance - behind.distance) / (2.0f * way), 2e-4f);
+            // 1 / 0.0098 m is the bend; a jump in the gradient would be h times that, 0.05.
+            ASSERT_LT((ahead.gradient - behind.gradient).norm(), 2.0f * way * 1.5f / 0.0098f);
+        }
+    }
+}
+
 // The brute-force reference samples the triangle densely.
 TEST(ClosestPoint, IsNoFartherThanAnySample) {
     const Vec3f a(0.0f, 0.0f, 0.0f), b(1.0f, 0.1f, 0.0f), c(0.3f, 0.8f, 0.2f);

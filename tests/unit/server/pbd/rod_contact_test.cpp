@@ -114,6 +114,51 @@ TEST(RodContact, HeadOnPushIsTheSpringsInSeries) {
     EXPECT_GT(expected, 1.0);
 }
 
+// Fingers that go on where a wall stops the rod hold it with what they have, and no more; drawn back, they
+// have it where they had it.
+TEST(RodContact, AHoldYieldsAtItsForce) {
+    Tube tube = test::cantilever();
+    tube.length = 0.02f;
+    tube.grip_from_tip = 0.02f;
+    pbd::RodSettings settings = test::damped(8);
+    settings.hold = pbd::RodHold{.force = 1.5f};
+    pbd::Rod rod(tube, settings, {});
+    const Plane wall{.point = Vec3f(0.0f, 0.0f, 0.02f), .normal = -Vec3f::UnitZ(), .stiffness = 2000.0f};
+    RigidTransform grip;
+    grip.translation.z() = 0.01f;
+    const Vec3f force = run(rod, wall, 7, 0.5, Vec3f::Zero(), grip);
+    EXPECT_NEAR(-force.z(), 1.5f, 0.005f * 1.5f);
+    EXPECT_NEAR(rod.grip_wrench().force.z(), -1.5f, 1e-4f);
+    EXPECT_LT(rod.pose(rod.held()).translation.z(), 0.5f * grip.translation.z());
+    run(rod, wall, 7, 0.5, Vec3f::Zero(), {});
+    EXPECT_LT(rod.pose(rod.held()).translation.norm(), 1e-6f);
+}
+
+// Thrown at 5 m/s, no point of it goes further in a substep than there is room.
+TEST(RodContact, GoesNoFurtherThanThereIsRoom) {
+    Tube tube = test::cantilever();
+    pbd::RodSettings settings;
+    settings.held = false;
+    settings.connector_mass = 0.0f;
+    pbd::Rod rod(tube, settings, {});
+    const std::vector<float> room(rod.size(), 1e-3f);
+    rod.predict(dt, Vec3f::Zero(), {});
+    for (std::size_t i = 0; i < rod.size(); ++i) {
+        rod.displace(i, 0.5f, Vec3f::Zero(), Vec3f(0.0f, 5.0f * dt, 0.0f));
+    }
+    rod.finish();
+    for (int substep = 0; substep < 5; ++substep) {
+        const Vec3f before = rod.tip();
+        rod.predict(dt, Vec3f::Zero(), {});
+        rod.hold_back(room);
+        EXPECT_LE((rod.tip() - before).norm(), 1.001e-3f);
+        const Vec3f guess = rod.tip();
+        rod.solve({}, room);
+        EXPECT_LE((rod.tip() - guess).norm(), 1.001e-3f);
+        rod.finish();
+    }
+}
+
 // A rod lying free on a plane that is tilted by an angle slides if tan(angle) > friction, with
 // g (sin - mu cos), and stays otherwise.
 TEST(RodContact, FrictionHoldsBelowItsAngleAndSlidesAbove) {
