@@ -40,7 +40,8 @@ bool tube_is_in(const LessonSight& sight) {
 }
 
 bool attempt_succeeded(const LessonSight& sight) {
-    return sight.scene.attempt_report() && sight.scene.attempt_report()->outcome.success;
+    const auto& report = sight.scene.attempt_report();
+    return report && (report->outcome.success || !report->outcome.known);  // a manikin does not tell
 }
 
 constexpr std::size_t blade_lesson = 1;
@@ -79,8 +80,9 @@ void Tutorial::look(const LessonSight& sight) {
     const auto& report = sight.scene.attempt_report();
     if (report && report->attempt != attempts_judged_) {
         attempts_judged_ = report->attempt;
-        failed_ = report->outcome.success ? "" : report->outcome.reason;
-        if (!report->outcome.success && !finished() && lesson_ > blade_lesson) {
+        const bool failed = report->outcome.known && !report->outcome.success;
+        failed_ = failed ? report->outcome.reason : "";
+        if (failed && !finished() && lesson_ > blade_lesson) {
             lesson_ = blade_lesson;
         }
     }

@@ -241,7 +241,7 @@ float Hud::beside_numbers(float wide, const Gap& gap) const {
 // Its lower edge above alarms and notice.
 void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, const Gap& gap) const {
     std::vector<PanelLine> lines{
-        {.text = verdict.title, .value = {}, .colour = verdict.success ? green : red, .large = true},
+        {.text = verdict.title, .value = {}, .colour = colour_of(verdict.level), .large = true},
         {.text = verdict.reason, .value = {}}};
     for (const auto& [label, value] : verdict.numbers) {
         lines.push_back({.text = label, .value = value, .colour = grey});

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -36,9 +37,17 @@ std::string clock_text(double seconds) {
 }
 
 std::string tube_text(const Readout& readout) {
+    if (!readout.airway_measured) {
+        return "tube within unknown";
+    }
     return readout.tube_past_cords_cm > 0.0f
                ? fmt::format("tube {:4.1f} cm past cords", readout.tube_past_cords_cm)
                : std::string("tube before cords");
+}
+
+/// What a manikin does not tell is a dash.
+std::string measured_text(const Readout& readout, std::string known, std::string_view unknown) {
+    return readout.airway_measured ? std::move(known) : std::string(unknown);
 }
 
 std::string server_text(const Readout& readout) {
@@ -71,18 +80,24 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
         list.AddText(small_, 13.0f, ImVec2(left, y), colour, text.c_str());
         y += 15.0f;
     };
-    line(fmt::format("gum force   {:5.1f} N", readout.gum_force_n), white);
+    line(measured_text(readout, fmt::format("gum force   {:5.1f} N", readout.gum_force_n),
+                       "gum force       -"),
+         white);
     bar(list, ImVec2(left, y), column, readout.gum_force_n / gum_force_scale_n,
         colour_of(gum_force_level(readout.gum_force_n)));
     y += 13.0f;
-    line(fmt::format("glottis seen {:4.0f} %", readout.glottic_opening_percent), white);
+    line(measured_text(readout, fmt::format("glottis seen {:4.0f} %", readout.glottic_opening_percent),
+                       "glottis seen    -"),
+         white);
     bar(list, ImVec2(left, y), column, readout.glottic_opening_percent / 100.0f, green);
     y += 13.0f;
     line(readout.blade_depth_cm > 0.0f ? fmt::format("blade depth {:5.1f} cm", readout.blade_depth_cm)
                                        : std::string("blade outside"),
          white);
     line(tube_text(readout), white);
-    line(fmt::format("tube force  {:5.2f} N", readout.tube_force_n), white);
+    line(measured_text(readout, fmt::format("tube force  {:5.2f} N", readout.tube_force_n),
+                       "tube force      -"),
+         white);
     line(server_text(readout), late(readout) ? amber : grey);
     draw_counts(list, readout, below);
 }
@@ -92,12 +107,17 @@ void Hud::draw_strip(ImDrawList& list, const Readout& readout, Gap& gap) const {
     std::vector<std::pair<std::string, ImU32>> words{
         {clock_text(readout.time_s), white},
         {attempt_text(readout), readout.attempt_running ? green : grey},
-        {fmt::format("gum {:.1f} N", readout.gum_force_n), colour_of(gum_force_level(readout.gum_force_n))},
-        {fmt::format("glottis {:.0f} %", readout.glottic_opening_percent), white},
+        {measured_text(readout, fmt::format("gum {:.1f} N", readout.gum_force_n), "gum -"),
+         readout.airway_measured ? colour_of(gum_force_level(readout.gum_force_n)) : white},
+        {measured_text(readout, fmt::format("glottis {:.0f} %", readout.glottic_opening_percent),
+                       "glottis -"),
+         white},
         {readout.blade_depth_cm > 0.0f ? fmt::format("blade {:.1f} cm", readout.blade_depth_cm)
                                        : std::string("blade outside"),
          white},
-        {fmt::format("{}, {:.2f} N", tube_text(readout), readout.tube_force_n), white}};
+        {measured_text(readout, fmt::format("{}, {:.2f} N", tube_text(readout), readout.tube_force_n),
+                       tube_text(readout)),
+         white}};
     if (const auto& clock = readout.clock) {
         words.emplace_back(fmt::format("{:.1f}/{:.0f} s", clock->time_s, clock->limit_s),
                            colour_of(clock->level()));

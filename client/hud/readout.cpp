@@ -28,10 +28,13 @@ constexpr std::array shown{&Parameters::time_s, &Parameters::gum_force_max_n,
 
 Verdict verdict_of(const view::AttemptReport& report) {
     Verdict verdict;
-    verdict.success = report.outcome.success;
+    const Outcome& outcome = report.outcome;
+    verdict.level = !outcome.known ? Level::neutral : outcome.success ? Level::good : Level::bad;
     verdict.title =
         fmt::format("{}: {}", report.attempt == 0 ? "session" : fmt::format("attempt {}", report.attempt),
-                    verdict.success ? "success" : "no success");
+                    !outcome.known    ? "outcome unknown"
+                    : outcome.success ? "success"
+                                      : "no success");
     verdict.reason = report.outcome.reason;
     for (double Parameters::*const one : shown) {
         const auto field = std::ranges::find(parameter_fields, one, &ParameterField::value);
@@ -164,13 +167,14 @@ Readout readout_of(const view::SceneView& scene, bool server_lost, bool conteste
     }
     if (scene.metrics() && scene.keys()) {
         const Parameters now = scene.keys()->parameters(scene.metrics()->parameters());
+        readout.airway_measured = airway_measured(now);
         if (scene.shows(&LiveValues::view_clock) && readout.attempt_running && std::isfinite(now.time_s)) {
             readout.clock = {now.time_s, static_cast<double>(scene.description()->time_limit_s())};
         }
         if (scene.shows(&LiveValues::view_tube_depth) && !std::isnan(now.tube_depth_at_lip_cm)) {
             readout.tube_depth = {now.tube_depth_at_lip_cm, now.tube_depth_rule_cm};
         }
-        if (scene.shows(&LiveValues::view_warnings)) {
+        if (scene.shows(&LiveValues::view_warnings) && readout.airway_measured) {
             readout.alarms = alarms_of(*scene.metrics(), now);
         }
         if (!std::isnan(now.oxygen_saturation_end_percent) && !std::isnan(now.heart_rate_end_per_min)) {

@@ -29,8 +29,8 @@ inline constexpr float gum_force_warning_n = 2.0f, gum_force_bad_n = 4.0f;
 
 /// How an attempt or the run ended, in words.
 struct Verdict {
-    std::string title;  ///< "attempt 2: success"
-    bool success = false;
+    std::string title;             ///< "attempt 2: success"
+    Level level = Level::neutral;  ///< neutral where nobody measured the outcome
     std::string reason;
     /// Label and value with its unit.
     std::vector<std::pair<std::string, std::string>> numbers;
@@ -42,6 +42,7 @@ struct Readout {
     double time_s = 0.0;   ///< simulation time
     unsigned attempt = 0;  ///< 0 before the first
     bool attempt_running = false;
+    bool airway_measured = true;  ///< else force on the gum, view and the tube's place within say nothing
     float gum_force_n = 0.0f;
     float glottic_opening_percent = 0.0f;
     float blade_depth_cm = 0.0f;       ///< past the upper gum; 0 while the tip is outside

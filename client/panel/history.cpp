@@ -53,9 +53,12 @@ void History::follow(const view::SceneView& scene) {
     newest_s_ = time_s;
     // Below the mouth's depth nothing is told: a tube that lies aside is anywhere.
     constexpr float least_depth_cm = -5.0f;
-    const std::array values{metrics.gum_force_n(), metrics.glottic_opening_percent(),
-                            std::max(least_depth_cm, metrics.tube_depth_past_glottis() / centimetre),
-                            scene.status() ? 100.0f * scene.status()->load() : none};
+    // On a manikin they are not measured, and 0 would look as if they were.
+    const bool measured = !scene.keys() || airway_measured(scene.keys()->parameters(metrics.parameters()));
+    const std::array values{
+        measured ? metrics.gum_force_n() : none, measured ? metrics.glottic_opening_percent() : none,
+        measured ? std::max(least_depth_cm, metrics.tube_depth_past_glottis() / centimetre) : none,
+        scene.status() ? 100.0f * scene.status()->load() : none};
     for (std::size_t i = 0; i < series_.size(); ++i) {
         auto& samples = series_[i].samples;
         if (std::isfinite(values[i])) {

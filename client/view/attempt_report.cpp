@@ -22,6 +22,7 @@ std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bu
     report.outcome.success = message.success();
     report.outcome.reason = message.reason().to_string();
     report.parameters = keys.parameters(message.parameters());
+    report.outcome.known = airway_measured(report.parameters);
     if (!printable(report.outcome.reason)) {
         why = "a reason with control characters";
         return std::nullopt;

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -74,6 +75,12 @@ extern const std::span<const ParameterField> parameter_fields;
 /// Whether a value follows from where laryngoscope and tube are in a patient that does not give way; the
 /// others need tissue, a view or the tube's course within. Eight of the paper's twelve are of that kind.
 [[nodiscard]] bool follows_from_tools(const ParameterField& field);
+
+/// Whether tissue, view and the tube's course were measured, and with them the outcome; on a manikin they are
+/// not. Of these an entry into the oesophagus is always counted.
+[[nodiscard]] inline bool airway_measured(const Parameters& parameters) {
+    return !std::isnan(parameters.oesophageal_entries);
+}
 
 /// Every parameter as it is before anything has happened.
 [[nodiscard]] Parameters starting_parameters();

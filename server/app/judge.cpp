@@ -53,7 +53,7 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
                   const StepInputs& inputs) {
     assessor_.observe(snapshot, eye ? std::optional(eye->translation) : std::nullopt);
     const metrics::Metrics& metrics = assessor_.metrics();
-    if (assessor_.looked() && (recorder_ != nullptr || output_ != nullptr || watcher_)) {
+    if (assessor_.due() && (recorder_ != nullptr || output_ != nullptr || watcher_)) {
         // Rocking and smoothness look back over the attempt: once per look, not per step.
         parameters_ = metrics.live_parameters();
     }
@@ -71,7 +71,7 @@ void Judge::judge(const scene::Snapshot& snapshot, const std::optional<RigidTran
         last_ended_ = static_cast<double>(snapshot.time_ns) * 1e-9;
     }
     ended_at_.store(metrics.live().attempt_running ? -1.0 : last_ended_, std::memory_order_relaxed);
-    if (output_ != nullptr && assessor_.looked()) {
+    if (output_ != nullptr && assessor_.due()) {
         tell(snapshot, eye);
     }
 }

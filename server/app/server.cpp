@@ -80,6 +80,21 @@ struct FollowedState {
     bool appeared = false;  // since the last step, for the first time
 };
 
+/// On a manikin nobody judges a view, so that a hand which waits for one goes on only by its timeout.
+void warn_of_views(const OperatorScript& script) {
+    for (const Track* track : {&script.laryngoscope, &script.tube}) {
+        for (const Stage& stage : track->stages) {
+            if (stage.until_view_percent > 0.0f && stage.timeout > 0.0f) {
+                spdlog::warn(
+                    "operator '{}', stage '{}': waits for {:g} % of the glottis to be seen, and a manikin "
+                    "gives no view; it ends after {:g} s{}. Remedy: an operator without view_percent",
+                    script.name, stage.name, stage.until_view_percent, stage.timeout,
+                    stage.abort_on_timeout ? ", and the rest is skipped" : "");
+            }
+        }
+    }
+}
+
 class Session {
   public:
     /// `followed`: another session comes after this one.
@@ -89,6 +104,9 @@ class Session {
             script_ = load_operator(find_data_file(options.operator_name, "operators"));
             script_->skill = options.skill.value_or(script_->skill);
             script_->attempts = options.attempts.value_or(script_->attempts);
+            if (scenario.manikin) {
+                warn_of_views(*script_);
+            }
         }
         if (options.with_bus) {
             const RealTimeThreads real_time(priority::bus, live_);

@@ -107,8 +107,8 @@ Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, c
 }
 
 void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye) {
-    looked_ = !manikin_ && snapshot.step % steps_per_look == 0;
-    if (looked_) {
+    due_ = snapshot.step % steps_per_look == 0;
+    if (due_ && !manikin_) {
         eye_ = eye ? *eye : best_eye(snapshot.landmarks);
         view_ = viewer_.look(snapshot, eye_);
     }

@@ -44,8 +44,8 @@ class Assessor {
     /// Takes in the next step. The view is judged at 30 Hz from `eye` [m], by default from where it is best.
     void observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye);
 
-    /// Whether the view of the last step was judged.
-    [[nodiscard]] bool looked() const { return looked_; }
+    /// Whether the view of the last step was judged, or would have been but for a manikin: then all is told.
+    [[nodiscard]] bool due() const { return due_; }
     /// Where that was judged from [m].
     [[nodiscard]] const Vec3f& eye() const { return eye_; }
     [[nodiscard]] metrics::Metrics& metrics() { return metrics_; }
@@ -57,7 +57,7 @@ class Assessor {
     metrics::GlotticView view_;
     metrics::Metrics metrics_;
     Vec3f eye_ = Vec3f::Zero();
-    bool looked_ = false;
+    bool due_ = false;
 };
 
 /// One scenario as it is simulated and judged: the scene, and the metrics that watch it. Without a clock,

@@ -93,6 +93,7 @@ class Study(support.Case):
         done = support.run("eti-server", "--scenario", "manikin", "--operator", "oesophageal", "--no-dds", "--fast", "--json",
                            "--record", file, timeout=300)
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("to be seen", done.stderr)
         result = json.loads(done.stdout)
         self.assertIsNone(result["success"])
         parameters = result["parameters"]
@@ -113,6 +114,9 @@ class Study(support.Case):
         self.assertIn("no score, as its outcome is unknown", refused.stderr)
         again = support.run("eti-server", "--resimulate", file, timeout=300)
         self.assertEqual(again.returncode, 0, again.stderr + again.stdout)
+        waits = support.run("eti-server", "--scenario", "manikin", "--operator", "expert", "--no-dds", "--fast", "--steps", 2)
+        self.assertIn("stage 'wait beside the mouth': waits for 25 % of the glottis", waits.stderr)
+        self.assertNotIn("lift further", waits.stderr)  # which does not wait
 
     def test_skill_goes_from_the_study_into_the_file(self):
         self.study.write_text(STUDY.replace("no_lift}", "expert, skill: 0.25, skill_to: 0.75, attempts: 2}"))

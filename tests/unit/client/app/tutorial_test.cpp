@@ -89,6 +89,18 @@ TEST_F(TutorialTest, AfterAnAttemptThatFailedItBeginsAgainWithTheBlade) {
     EXPECT_NE(readout.guidance.at(1).find(seen_.attempt_report()->outcome.reason), std::string::npos);
 }
 
+TEST_F(TutorialTest, AManikinDoesNotTellOfAFailure) {
+    look();
+    for (std::size_t step = 0; step + 1 < client::lessons().size(); ++step) {
+        tutorial_.skip();
+    }
+    msg::AttemptSummary ended = synthetic::summary(1, false, time_ns_);
+    ended.parameters(bus::to_msg(synthetic::parameters_of_a_manikin()));
+    ASSERT_TRUE(seen_.apply(ended));
+    look();
+    EXPECT_TRUE(tutorial_.finished());
+}
+
 TEST_F(TutorialTest, AnyStepCanBePassedOver) {
     for (std::size_t step = 0; step < client::lessons().size(); ++step) {
         EXPECT_FALSE(tutorial_.finished());

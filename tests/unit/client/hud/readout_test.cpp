@@ -139,6 +139,32 @@ TEST(Readout, TellsAnAttemptsEndForSomeSecondsAndTheRunsForGood) {
     EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "session: success");
 }
 
+TEST(Readout, AManikinDoesNotTellHowAnAttemptEnded) {
+    const synthetic::Scene source = synthetic::make_scene();
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    Parameters parameters = starting_parameters();
+    msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 0.0f);
+    live.gum_force_n(9.0f);
+    live.parameters(bus::to_msg(parameters));
+    ASSERT_TRUE(scene.apply(live));
+    EXPECT_TRUE(hud::readout_of(scene, false).airway_measured);
+    parameters = synthetic::parameters_of_a_manikin();
+    live.parameters(bus::to_msg(parameters));
+    ASSERT_TRUE(scene.apply(live));
+    msg::AttemptSummary ended = synthetic::summary(1, false, 2'000'000'000);
+    ended.reason("on a manikin nothing measures it");
+    ended.parameters(bus::to_msg(parameters));
+    ASSERT_TRUE(scene.apply(ended));
+    const hud::Readout readout = hud::readout_of(scene, false);
+    EXPECT_FALSE(readout.airway_measured);
+    EXPECT_TRUE(readout.alarms.empty());
+    ASSERT_TRUE(readout.verdict);
+    EXPECT_EQ(readout.verdict->title, "attempt 1: outcome unknown");
+    EXPECT_EQ(readout.verdict->level, hud::Level::neutral);
+    EXPECT_EQ(readout.verdict->reason, "on a manikin nothing measures it");
+}
+
 TEST(Readout, NamesTheDeviceThatFellSilent) {
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
@@ -194,11 +220,14 @@ TEST(Hud, DrawsTheVerdictGreenOrRed) {
         return found;
     };
     EXPECT_EQ(pixels(picture({}), 0) + pixels(picture({}), 1), 0);
-    hud::Verdict verdict{"attempt 1: success", true, "the tube lies in the trachea", {{"time", "20.0 s"}}};
+    hud::Verdict verdict{
+        "attempt 1: success", hud::Level::good, "the tube lies in the trachea", {{"time", "20.0 s"}}};
     EXPECT_GT(pixels(picture(verdict), 1), 200);
-    verdict.success = false;
+    verdict.level = hud::Level::bad;
     EXPECT_GT(pixels(picture(verdict), 0), 200);
     EXPECT_EQ(pixels(picture(verdict), 1), 0);
+    verdict.level = hud::Level::neutral;  // neither, where nobody measured it
+    EXPECT_EQ(pixels(picture(verdict), 0) + pixels(picture(verdict), 1), 0);
 }
 
 TEST(Hud, ATileNeedsNoTitle) {

@@ -252,6 +252,15 @@ TEST(PanelHistory, KeepsTheLastMinuteAndBeginsAnewWithTime) {
     EXPECT_EQ(one.model.history().series()[0].samples.size(), 1u);
 }
 
+TEST(PanelHistory, OnAManikinHasNothingOfTheAirway) {
+    PanelScene one;
+    one.manikin = true;
+    one.say();
+    for (const panel::Series& series : one.model.history().series()) {
+        EXPECT_EQ(series.samples.empty(), series.label != "server's load") << series.label;
+    }
+}
+
 TEST(PanelHealth, SaysWhoIsSilentAndWhatWasLost) {
     PanelScene one;
     one.connection.states = 990;

@@ -9,6 +9,7 @@
 
 #include "client/panel/model.hpp"
 #include "client/view/scene_view.hpp"
+#include "common/bus/convert.hpp"
 #include "common/bus/session_keys.hpp"
 #include "synthetic_scene.hpp"
 
@@ -39,6 +40,8 @@ struct PanelScene {
         const auto time_ns = static_cast<std::uint64_t>(1e9 * time_s);
         auto metrics = synthetic::metrics(source, time_ns, opening);
         bus::put_live(live, metrics);
+        metrics.parameters(
+            bus::to_msg(manikin ? synthetic::parameters_of_a_manikin() : starting_parameters()));
         metrics.gum_force_n(gum_force);
         metrics.tube_depth_past_glottis(tube_depth);
         scene.apply(metrics);
@@ -64,7 +67,7 @@ struct PanelScene {
     panel::Connection connection;
     LiveValues live;
     float opening = 40.0f, gum_force = 1.5f, tube_depth = 0.01f, load = 0.5f;
-    bool served = true;
+    bool served = true, manikin = false;
     double time_s = 1.0;
     panel::Model::Time now = panel::Model::Time(100s);
     Sent sent;

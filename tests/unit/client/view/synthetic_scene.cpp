@@ -260,6 +260,16 @@ msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glotti
     return live;
 }
 
+Parameters parameters_of_a_manikin() {
+    Parameters parameters = starting_parameters();
+    for (const ParameterField& field : parameter_fields) {
+        if (!follows_from_tools(field)) {
+            parameters.*field.value = std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+    return parameters;
+}
+
 msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t time_ns) {
     msg::AttemptSummary out;
     out.header().simulation_time_ns(time_ns);

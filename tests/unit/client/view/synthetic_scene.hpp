@@ -9,6 +9,7 @@
 #include "common/math/transform.hpp"
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/landmark.hpp"
+#include "common/model/parameters.hpp"
 #include "common/model/tissue.hpp"
 #include "tests/support/session_description.hpp"
 
@@ -38,6 +39,8 @@ struct Scene {
 [[nodiscard]] msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns,
                                        float glottic_opening_percent);
 /// Every parameter is its place in the table, but the tube's speed is NaN: it never entered.
+/// As they start, but for what a manikin does not tell.
+[[nodiscard]] Parameters parameters_of_a_manikin();
 [[nodiscard]] msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t time_ns);
 [[nodiscard]] msg::SessionStatus status(msg::SessionPhase phase);
 

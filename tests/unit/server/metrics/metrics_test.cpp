@@ -273,6 +273,12 @@ TEST(Metrics, OnAManikinWhatFollowsFromTheToolsAlone) {
     EXPECT_TRUE(newborn->metrics.run().outcome.known);
     EXPECT_FALSE(manikin->metrics.run().outcome.known);
     EXPECT_FALSE(manikin->metrics.attempts()[0].outcome.known);
+    for (const Session* run : {newborn.get(), manikin.get()}) {  // how a client tells them apart
+        const metrics::Metrics& m = run->metrics;
+        EXPECT_EQ(airway_measured(m.run().parameters), m.run().outcome.known);
+        EXPECT_EQ(airway_measured(m.attempts()[0].parameters), m.attempts()[0].outcome.known);
+        EXPECT_EQ(airway_measured(m.live_parameters()), m.run().outcome.known);
+    }
     for (const Event& event : manikin->metrics.events()) {
         EXPECT_EQ(event.text.find("the tube"), std::string::npos) << event.text;
     }
