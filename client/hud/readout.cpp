@@ -35,7 +35,7 @@ Verdict verdict_of(const view::AttemptReport& report) {
                     !outcome.known    ? "outcome unknown"
                     : outcome.success ? "success"
                                       : "no success");
-    verdict.reason = report.outcome.reason;
+    verdict.reason = outcome.reason;
     for (double Parameters::*const one : shown) {
         const auto field = std::ranges::find(parameter_fields, one, &ParameterField::value);
         const double value = report.parameters.*one;

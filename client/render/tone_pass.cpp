@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #include "client/render/tone_pass.hpp"
 
+#include <string>
+
 #include "client/render/tone_shaders.hpp"
 
 namespace eti::render {
@@ -16,8 +18,9 @@ Vec3f filmed(const Vec3f& light) {
 }  // namespace
 
 TonePass::TonePass()
-    : tone_("tone mapping", {}, source::tone_vertex, source::tone_fragment),
-      copy_("copy", {"COPY"}, source::quad_vertex, source::tone_fragment) {}
+    : tone_("tone mapping", {"TONE"}, std::string(source::tone_corner) + std::string(source::quad_vertex),
+            std::string(source::tone_corner) + std::string(source::tone_fragment)),
+      copy_("copy", {}, source::quad_vertex, source::tone_fragment) {}
 
 void TonePass::cover(ShaderProgram& program, const Texture& light, const Viewport& area) {
     glViewport(area.x, area.y, area.width, area.height);

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "client/review/output.hpp"
 #include "client/review/score.hpp"
@@ -39,6 +41,12 @@ std::vector<std::size_t> by_size(const std::vector<double>& values) {
 /// To six digits, as a file has them, and never minus zero.
 double shown(double value) {
     return std::round(1e6 * value) / 1e6 + 0.0;
+}
+
+/// What is judged apart, by its name in a file.
+template <class Judged>
+auto groups_of(Judged& judged) {
+    return std::array{std::pair("all", &judged.all), std::pair("intubated", &judged.intubated)};
 }
 
 std::vector<double> weights_of(const ScoreModel& model) {
@@ -80,7 +88,7 @@ std::string to_yaml(const ScoreModel& model) {
     }
     const Judgement& j = model.judged;
     out += "judged:\n";
-    for (const auto& [name, error] : {std::pair("all", &j.all), {"intubated", &j.intubated}}) {
+    for (const auto& [name, error] : groups_of(j)) {
         out += fmt::format("  {}: {{sessions: {}, mean_error: {:.4f}, blind_error: {:.4f}, rank: {:.4f}}}\n",
                            name, error->sessions, error->mean_error, error->blind_error, error->rank);
     }
@@ -156,7 +164,7 @@ ScoreModel load_score(const std::filesystem::path& file) {
     }
     if (auto judged = root.map("judged")) {
         Judgement& j = model.judged;
-        for (const auto& [name, error] : {std::pair("all", &j.all), {"intubated", &j.intubated}}) {
+        for (const auto& [name, error] : groups_of(j)) {
             if (auto one = judged->map(name)) {
                 error->sessions = static_cast<std::size_t>(one->whole("sessions", 0, 0, most));
                 error->mean_error = number(*one, "mean_error", {0, grades});
@@ -217,7 +225,7 @@ std::string to_table(const ScoreModel& model) {
     const Judgement& j = model.judged;
     std::string out = fmt::format("{}\n", statement_of(model));
     out += "Judged on sessions of which the model saw neither the patient nor the operator:\n";
-    for (const auto& [name, error] : {std::pair("all", &j.all), {"intubated", &j.intubated}}) {
+    for (const auto& [name, error] : groups_of(j)) {
         out +=
             fmt::format("  {} {}: error {:.2f} grades (always their mean: {:.2f}); rank correlation {:.2f}\n",
                         error->sessions, name, error->mean_error, error->blind_error, error->rank);

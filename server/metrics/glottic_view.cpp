@@ -68,6 +68,8 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
             }
         }
     }
+    hide_glottis_.resize(surfaces_.size());
+    hide_epiglottis_.resize(surfaces_.size());
     const TriangleMesh mesh = laryngoscope_mesh(scope);
     if (!mesh.triangles.empty()) {
         const SkinWeights rigid{{0}, {1.0f}};
@@ -89,7 +91,6 @@ void GlotticViewer::block(SightLines& lines, const Occluder::Posture& tissue, co
         lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
     }
     // What hid a moment ago hides most, and the rest is narrower.
-    hiding.resize(surfaces_.size());
     for (std::size_t i = 0; i < surfaces_.size() && !lines.all_blocked(); ++i) {
         surfaces_[i].block_again(lines, tissue, hiding[i]);
     }
@@ -134,24 +135,13 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
         return view;
     }
 
-    // One point in sight is enough, and what was in sight a moment ago mostly is still.
-    const auto seen_among = [&](std::size_t first, std::size_t count) {
-        std::vector<Vec3f> targets;
-        for (std::size_t i = first; i < first + count; ++i) {
-            targets.push_back(pressed(skin_point(epiglottis_[i].rest, epiglottis_[i].skin, frames)));
-        }
-        SightLines lines(from, targets, settings_.tolerance);
-        block(lines, tissue, snapshot, hide_epiglottis_);
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!lines.blocked(i)) {
-                seen_ = first + i;
-                return true;
-            }
-        }
-        return false;
-    };
-    view.epiglottis_seen =
-        (seen_ < epiglottis_.size() && seen_among(seen_, 1)) || seen_among(0, epiglottis_.size());
+    std::vector<Vec3f> targets;
+    for (const anatomy::CarriedPoint& point : epiglottis_) {
+        targets.push_back(pressed(skin_point(point.rest, point.skin, frames)));
+    }
+    SightLines to_epiglottis(from, targets, settings_.tolerance);
+    block(to_epiglottis, tissue, snapshot, hide_epiglottis_);
+    view.epiglottis_seen = !to_epiglottis.all_blocked();
     return view;
 }
 

@@ -61,7 +61,6 @@ class GlotticViewer {
     Laryngoscope scope_;
     std::vector<anatomy::CarriedPoint> epiglottis_;
     Hiding hide_glottis_, hide_epiglottis_;
-    std::size_t seen_ = 0;  // of epiglottis_, when that was seen last
 };
 
 }  // namespace eti::metrics

@@ -16,9 +16,6 @@ constexpr float near_plane = 1e-3f;
 // Triangles per block: halving it doubles the bounds to test, doubling it the triangles skinned in vain.
 constexpr std::size_t block_size = 16;
 
-// Blocks per group.
-constexpr std::size_t group_size = 8;
-
 std::uint32_t spread_bits(std::uint32_t v) {
     v = (v | (v << 16)) & 0x030000ffu;
     v = (v | (v << 8)) & 0x0300f00fu;
@@ -226,48 +223,39 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     for (const std::size_t index : order) {
         triangles_.push_back(mesh.triangles[index]);
     }
-    const std::span<const Triangle> all(triangles_);
-    for (std::size_t first = 0; first < all.size(); first += block_size) {
-        const std::size_t count = std::min(block_size, all.size() - first);
-        blocks_.push_back({ball_around(all.subspan(first, count)), static_cast<std::uint32_t>(first),
-                           static_cast<std::uint32_t>(first + count)});
-    }
-    for (std::size_t first = 0; first < blocks_.size(); first += group_size) {
-        const std::size_t end = std::min(first + group_size, blocks_.size());
-        const std::uint32_t begin = blocks_[first].first_triangle;
-        groups_.push_back({ball_around(all.subspan(begin, blocks_[end - 1].end_triangle - begin)),
-                           static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)});
-    }
-}
-
-Occluder::Ball Occluder::ball_around(std::span<const Triangle> triangles) {
-    Ball ball;
-    Vec3f low = rest_[triangles[0][0]];
-    Vec3f high = low;
-    std::vector<std::uint16_t> used;
-    for (const Triangle& t : triangles) {
-        for (const std::uint32_t vertex : t) {
-            low = low.cwiseMin(rest_[vertex]);
-            high = high.cwiseMax(rest_[vertex]);
-            for (std::size_t k = 0; k < frames_per_point; ++k) {
-                if (skin_[vertex].weight[k] > 0.0f) {
-                    used.push_back(skin_[vertex].frame[k]);
+    for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
+        Block block;
+        block.first_triangle = static_cast<std::uint32_t>(first);
+        block.end_triangle = static_cast<std::uint32_t>(std::min(first + block_size, triangles_.size()));
+        block.first_frame = static_cast<std::uint32_t>(frames_.size());
+        const std::span<const Triangle> members(triangles_.data() + first,
+                                                block.end_triangle - block.first_triangle);
+        Vec3f block_low = rest_[members[0][0]];
+        Vec3f block_high = block_low;
+        std::vector<std::uint16_t> used;
+        for (const Triangle& t : members) {
+            for (const std::uint32_t vertex : t) {
+                block_low = block_low.cwiseMin(rest_[vertex]);
+                block_high = block_high.cwiseMax(rest_[vertex]);
+                for (std::size_t k = 0; k < frames_per_point; ++k) {
+                    if (skin_[vertex].weight[k] > 0.0f) {
+                        used.push_back(skin_[vertex].frame[k]);
+                    }
                 }
             }
         }
-    }
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    ball.first_frame = static_cast<std::uint32_t>(frames_.size());
-    frames_.insert(frames_.end(), used.begin(), used.end());
-    ball.end_frame = static_cast<std::uint32_t>(frames_.size());
-    ball.centre = 0.5f * (low + high);
-    for (const Triangle& t : triangles) {
-        for (const std::uint32_t vertex : t) {
-            ball.radius = std::max(ball.radius, (rest_[vertex] - ball.centre).norm());
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        frames_.insert(frames_.end(), used.begin(), used.end());
+        block.end_frame = static_cast<std::uint32_t>(frames_.size());
+        block.centre = 0.5f * (block_low + block_high);
+        for (const Triangle& t : members) {
+            for (const std::uint32_t vertex : t) {
+                block.radius = std::max(block.radius, (rest_[vertex] - block.centre).norm());
+            }
         }
+        blocks_.push_back(block);
     }
-    return ball;
 }
 
 void Occluder::block_again(SightLines& lines, const Posture& posture, Recent& recent) {
@@ -277,31 +265,23 @@ void Occluder::block_again(SightLines& lines, const Posture& posture, Recent& re
 
 void Occluder::block(SightLines& lines, const Posture& posture, Recent& recent) {
     ++call_;
-    for (const Group& group : groups_) {
-        if (lines.all_blocked()) {
-            return;
-        }
-        if (!may_hide(group.ball, lines, posture)) {
-            continue;
-        }
-        for (std::uint32_t index = group.first_block; index < group.end_block; ++index) {
-            if (block_by(blocks_[index], lines, posture)) {
-                recent.push_back(index);
-            }
+    for (std::uint32_t index = 0; index < blocks_.size() && !lines.all_blocked(); ++index) {
+        if (block_by(blocks_[index], lines, posture)) {
+            recent.push_back(index);
         }
     }
 }
 
-bool Occluder::may_hide(const Ball& ball, const SightLines& lines, const Posture& posture) const {
+bool Occluder::may_hide(const Block& block, const SightLines& lines, const Posture& posture) const {
     Vec3f low = Vec3f::Constant(1e9f);
     Vec3f high = Vec3f::Constant(-1e9f);
-    for (std::uint32_t k = ball.first_frame; k < ball.end_frame; ++k) {
-        const Vec3f image = posture.frames[frames_[k]] * ball.centre;
+    for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
+        const Vec3f image = posture.frames[frames_[k]] * block.centre;
         low = low.cwiseMin(image);
         high = high.cwiseMax(image);
     }
     const Vec3f centre = 0.5f * (low + high);
-    float radius = ball.radius + 0.5f * (high - low).norm();
+    float radius = block.radius + 0.5f * (high - low).norm();
     if (posture.pressed && posture.pressed->may_move(centre, radius)) {
         radius += posture.pressed->give_way.reach();
     }
@@ -312,7 +292,7 @@ bool Occluder::may_hide(const Ball& ball, const SightLines& lines, const Posture
 }
 
 bool Occluder::block_by(const Block& block, SightLines& lines, const Posture& posture) {
-    if (!may_hide(block.ball, lines, posture)) {
+    if (!may_hide(block, lines, posture)) {
         return false;
     }
     const auto& [frames, pressed, lips] = posture;

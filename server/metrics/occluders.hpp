@@ -67,8 +67,8 @@ class SightLines {
     std::size_t open_ = 0;
 };
 
-/// A skinned mesh cut into small blocks of neighbouring triangles, and these into groups, so that a narrow
-/// bundle of sight lines has to skin and test only the few blocks that it may meet.
+/// A skinned mesh cut into small blocks of neighbouring triangles, so that a narrow bundle of sight
+/// lines has to skin and test only the few blocks that it may meet.
 ///
 /// A vertex blended from several frames lies in the hull of where each frame alone would put it, so
 /// a ball around the block's images under all its frames is a safe bound for any deformation.
@@ -91,22 +91,14 @@ class Occluder {
     void block(SightLines& lines, const Posture& posture, Recent& recent);
 
   private:
-    struct Ball {
+    struct Block {
         Vec3f centre = Vec3f::Zero();  // [m], rest
         float radius = 0.0f;           // [m], rest
         std::uint32_t first_frame = 0, end_frame = 0;
-    };
-    struct Block {
-        Ball ball;
         std::uint32_t first_triangle = 0, end_triangle = 0;
     };
-    struct Group {
-        Ball ball;
-        std::uint32_t first_block = 0, end_block = 0;
-    };
 
-    Ball ball_around(std::span<const Triangle> triangles);
-    [[nodiscard]] bool may_hide(const Ball& ball, const SightLines& lines, const Posture& posture) const;
+    [[nodiscard]] bool may_hide(const Block& block, const SightLines& lines, const Posture& posture) const;
     // Blocks lines by one block. Returns whether it hid anything.
     bool block_by(const Block& block, SightLines& lines, const Posture& posture);
 
@@ -114,8 +106,7 @@ class Occluder {
     std::vector<SkinWeights> skin_;
     std::vector<Triangle> triangles_;  // block by block
     std::vector<Block> blocks_;
-    std::vector<Group> groups_;
-    std::vector<std::uint16_t> frames_;   // of all balls
+    std::vector<std::uint16_t> frames_;   // of all blocks
     std::vector<Vec3f> seen_;             // skinned vertices as seen from the eye
     std::vector<std::uint32_t> seen_in_;  // call in which an entry of seen_ was made
     std::uint32_t call_ = 0;

@@ -214,16 +214,26 @@ void Rod::assemble() {
     }
 }
 
+namespace {
+
+/// Lessens a share of a segment's motion until neither end goes farther than there is room.
+void keep_within(float room, const Vec3d& way_of_front, const Vec3d& way_of_rear, double& share) {
+    const double way = std::sqrt(std::max(way_of_front.squaredNorm(), way_of_rear.squaredNorm()));
+    if (share * way > double{room}) {
+        share = double{room} / way;
+    }
+}
+
+}  // namespace
+
 void Rod::hold_back(std::span<const float> room) {
     double share = 1.0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
         const RodSegment& now = segments_[i];
         const RodSegment& before = previous_[i];
-        const double way = std::sqrt(
-            std::max((now.position + now.to_front() - before.position - before.to_front()).squaredNorm(),
-                     (now.position + now.to_rear() - before.position - before.to_rear()).squaredNorm()));
-        if (share * way > double{room[i]} && now.inverse_mass > 0.0) {
-            share = double{room[i]} / way;
+        if (now.inverse_mass > 0.0) {
+            keep_within(room[i], now.position + now.to_front() - before.position - before.to_front(),
+                        now.position + now.to_rear() - before.position - before.to_rear(), share);
         }
     }
     if (share == 1.0) {
@@ -271,10 +281,8 @@ void Rod::solve(std::span<RodContact> contacts, std::span<const float> room) {
         const RodSegment& s = segments_[i];
         const Vec3d shift = motion_[i].head<3>();
         const Vec3d turn = motion_[i].tail<3>();
-        const double way = std::sqrt(std::max((shift + turn.cross(s.to_front())).squaredNorm(),
-                                              (shift + turn.cross(s.to_rear())).squaredNorm()));
-        if (scale * way > double{room[i]} && s.inverse_mass > 0.0) {
-            scale = double{room[i]} / way;
+        if (s.inverse_mass > 0.0) {
+            keep_within(room[i], shift + turn.cross(s.to_front()), shift + turn.cross(s.to_rear()), scale);
         }
     }
     for (std::size_t i = 0; i < segments_.size(); ++i) {

@@ -38,9 +38,9 @@ struct Scene {
 [[nodiscard]] msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns);
 [[nodiscard]] msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns,
                                        float glottic_opening_percent);
-/// Every parameter is its place in the table, but the tube's speed is NaN: it never entered.
 /// As they start, but for what a manikin does not tell.
 [[nodiscard]] Parameters parameters_of_a_manikin();
+/// Every parameter is its place in the table, but the tube's speed is NaN: it never entered.
 [[nodiscard]] msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t time_ns);
 [[nodiscard]] msg::SessionStatus status(msg::SessionPhase phase);
 

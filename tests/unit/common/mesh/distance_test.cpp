@@ -44,6 +44,12 @@ TEST(DistanceGridTest, OutsideTakesTheNearestBorderValue) {
     EXPECT_TRUE(std::isfinite(grid.distance({std::nanf(""), 0.0f, 1e30f})));
 }
 
+// Directions all about.
+Vec3f direction_of(int i) {
+    const float t = 0.1f * static_cast<float>(i);
+    return Vec3f(std::cos(t), std::sin(1.7f * t), std::cos(0.3f * t + 1.0f)).normalized();
+}
+
 // Interpolating a distance with curvature k on cells of size h errs by at most k h^2 / 8 per axis of
 // curvature, two of them here.
 TEST(DistanceGridTest, SphereWithinInterpolationBound) {
@@ -51,9 +57,7 @@ TEST(DistanceGridTest, SphereWithinInterpolationBound) {
     const float h = 0.0005f;
     const DistanceGrid grid = test::sample_grid(sphere, sphere.half_extent, h);
     for (int i = 0; i < 500; ++i) {
-        const float t = 0.1f * static_cast<float>(i);
-        const Vec3f direction =
-            Vec3f(std::cos(t), std::sin(1.7f * t), std::cos(0.3f * t + 1.0f)).normalized();
+        const Vec3f direction = direction_of(i);
         const Vec3f p = sphere.centre + 0.0098f * direction;
         const DistanceSample sample = grid.sample(p);
         ASSERT_NEAR(sample.distance, sphere(p), 2.0f * h * h / (8.0f * 0.0098f) + 1e-8f);
@@ -70,10 +74,7 @@ TEST(DistanceGridTest, SteadyDistanceHasItsOwnDerivatives) {
     const DistanceGrid grid = test::sample_grid(sphere, sphere.half_extent, h);
     constexpr float way = 2e-5f;
     for (int i = 0; i < 500; ++i) {
-        const float t = 0.1f * static_cast<float>(i);
-        const Vec3f direction =
-            Vec3f(std::cos(t), std::sin(1.7f * t), std::cos(0.3f * t + 1.0f)).normalized();
-        const Vec3f p = sphere.centre + 0.0098f * direction;
+        const Vec3f p = sphere.centre + 0.0098f * direction_of(i);
         const SteadyDistance steady = grid.steady(p);
         // Two axes of curvature k, each of which shifts it by k h^2 / 8.
         ASSERT_NEAR(steady.distance, sphere(p) + 2.0f * h * h / (8.0f * 0.0098f), 1e-7f);
