@@ -285,8 +285,12 @@ class Charts(unittest.TestCase):
         rows = rows_of(CHARTS / "stability.csv")
         failing = {(row["map"], row["method"]) for row in rows if row["fate"] == "fails"}
         for case in (("stiffness", "shape matching, PBD"), ("stiffness", "tetrahedra, XPBD"),
-                     ("tube on flap", "1/180 s"), ("tube on wall of the shell", "1/180 s")):
+                     ("tube on flap", "1/180 s"), ("tube on cords", "1/180 s")):
             self.assertIn(case, failing)
+        # Which no speed and no substep lets it through: docs/decisions/0222-walls-that-no-hand-passes.md.
+        shell = [row for row in rows if row["map"] == "tube on wall of the shell"]
+        self.assertGreater(len(shell), 80)
+        self.assertEqual({row["fate"] for row in shell}, {"survives"})
 
     def test_stability_runs_and_the_shipped_setting_stands(self):
         rows = self.quick_run("stability")
