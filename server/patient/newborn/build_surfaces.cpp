@@ -29,7 +29,7 @@ void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient&
     const Vec3f room(10e-3f * size, 12e-3f * size, 8e-3f * size);
     DistanceGrid field = grid_over(low - room, high + room, 1.0e-3f * size);
     sample(anatomy, field, [&](std::size_t i, const Fields& f, const Vec3f& point) {
-        field.value[i] = body_field(f, f.tongue, 0.0f) + anatomy.shell_offset(point, f);
+        field.value[i] = anatomy.shell_field(point, f);
     });
     TriangleMesh shell = isosurface(field, 0.0f);
     // Operators are tuned to this shell: a few crossings less than a millimetre deep are not worth another.

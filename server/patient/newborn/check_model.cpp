@@ -351,6 +351,55 @@ std::vector<Invariant> distances_agree(const Patient& patient) {
     return found;
 }
 
+// Behind the gums the shell holds what is in the mouth: no way leads from there to the edge of its grid.
+Invariant shell_has_no_hole(const Patient& patient) {
+    const DistanceGrid& grid = patient.shell.distance;
+    const Vec3f gum = rest_of(patient, Landmark::upper_gum);
+    const float behind = std::max(gum.y(), rest_of(patient, Landmark::lower_gum).y()) +
+                         0.08f * (rest_of(patient, Landmark::glottis) - gum).norm();
+    const auto node_at = [&](const Vec3f& p) {
+        return std::array{std::lround((p.x() - grid.origin.x()) / grid.spacing),
+                          std::lround((p.y() - grid.origin.y()) / grid.spacing),
+                          std::lround((p.z() - grid.origin.z()) / grid.spacing)};
+    };
+    const auto [nx, ny, nz] = grid.size;
+    std::vector<bool> reached(grid.value.size(), false);
+    std::vector<std::array<int, 3>> front;
+    Faults out;
+    std::size_t count = 0;
+    const auto reach = [&](int x, int y, int z) {
+        if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) {
+            return;
+        }
+        const std::size_t i = grid.index(x, y, z);
+        if (reached[i] || grid.value[i] <= 0.0f || grid.node(x, y, z).y() < behind) {
+            return;
+        }
+        reached[i] = true;
+        ++count;
+        if (x == 0 || y == 0 || z == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1) {
+            out.add(grid.node(x, y, z));
+        }
+        front.push_back({x, y, z});
+    };
+    const auto start = node_at(rest_of(patient, Landmark::tongue_dorsum));
+    reach(static_cast<int>(start[0]), static_cast<int>(start[1]), static_cast<int>(start[2]));
+    while (!front.empty()) {
+        const auto [x, y, z] = front.back();
+        front.pop_back();
+        reach(x - 1, y, z);
+        reach(x + 1, y, z);
+        reach(x, y - 1, z);
+        reach(x, y + 1, z);
+        reach(x, y, z - 1);
+        reach(x, y, z + 1);
+    }
+    if (count == 0) {
+        out.add(rest_of(patient, Landmark::tongue_dorsum));  // the shell fills the mouth
+    }
+    return out.report("out of the mouth a way leads between the gums alone", count, "grid nodes");
+}
+
 std::vector<Invariant> airway_is_open(const Patient& patient) {
     std::vector<Invariant> found;
     // The shell's lumen is wider than the tissue's by what yields to a tool.
@@ -437,6 +486,7 @@ std::vector<Invariant> check_model(const Patient& patient) {
     }
     found.push_back(closed_shell(patient.shell.mesh));
     add(distances_agree(patient));
+    found.push_back(shell_has_no_hole(patient));
     found.push_back(weights_sum_to_one(patient));
     found.push_back(frames_lie_in_their_clusters(patient));
     add(epiglottis_owns_itself(patient));

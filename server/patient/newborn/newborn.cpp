@@ -193,7 +193,7 @@ Vec3f Newborn::head_growth(const Vec3f& point) const {
            (2.0f * most);
 }
 
-float Newborn::shell_offset(const Vec3f& point, const Fields& fields) const {
+float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     const Vec3f p = to_model(point);
     const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate}) / scale_;
     float offset = 0.4f + 1.1f * smoothstep(0.0f, 2.0f, bony);
@@ -210,14 +210,19 @@ float Newborn::shell_offset(const Vec3f& point, const Fields& fields) const {
     const float floor = smoothstep(2.0f, 8.0f, p.y()) * (1.0f - smoothstep(38.0f, 43.0f, p.y())) *
                         (1.0f - smoothstep(-12.0f, -7.0f, half.z())) * smoothstep(-40.0f, -34.0f, p.z()) *
                         (1.0f - smoothstep(14.0f, 18.0f, fields.tongue / scale_));
+    // The skin over them does not yield, or nothing of the wall would be left.
+    float skin_offset = (1.0f - floor) * offset;
     offset += floor * std::max(soft - offset, 0.0f);
     // The cords part for a tube; of trachea and cricoid, whose lamina reaches up behind them, mucosa alone
     // yields.
     const float laryngeal = 1.0f - smoothstep(0.0f, 1.5f, fields.larynx / scale_);
     const float cords = smoothstep(-43, -40, p.z()) * (1.0f - smoothstep(-35, -31, p.z()));
     const float ring = 1.0f - smoothstep(0.0f, 1.0f, fields.cricoid / scale_);
-    offset += laryngeal * (0.7f + 0.9f * cords * (1.0f - ring) - offset);
-    return offset * scale_;
+    const float in_larynx = 0.7f + 0.9f * cords * (1.0f - ring);
+    offset += laryngeal * (in_larynx - offset);
+    skin_offset += laryngeal * (in_larynx - skin_offset);
+    return std::max(fields.skin + scale_ * skin_offset,
+                    scale_ * offset - std::min(fields.cavity, fields.tongue));
 }
 
 std::array<Vec3f, landmark_count> Newborn::landmarks() const {

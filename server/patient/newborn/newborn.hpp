@@ -20,7 +20,7 @@ class Newborn final : public Anatomy {
     [[nodiscard]] Skeleton skeleton() const override;
     [[nodiscard]] BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override;
     [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override;
-    [[nodiscard]] float shell_offset(const Vec3f& point, const Fields& fields) const override;
+    [[nodiscard]] float shell_field(const Vec3f& point, const Fields& fields) const override;
     [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override;
     [[nodiscard]] std::array<Vec3f, 2> bounds() const override;
     [[nodiscard]] std::array<Vec3f, 2> seen_bounds() const override;

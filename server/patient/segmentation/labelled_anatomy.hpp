@@ -31,8 +31,8 @@ class LabelledAnatomy final : public anatomy::Anatomy {
         return newborn_.bone_weights(point, tissue);
     }
     [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override { return newborn_.head_growth(point); }
-    [[nodiscard]] float shell_offset(const Vec3f& point, const anatomy::Fields& fields) const override {
-        return newborn_.shell_offset(point, fields);
+    [[nodiscard]] float shell_field(const Vec3f& point, const anatomy::Fields& fields) const override {
+        return newborn_.shell_field(point, fields);
     }
     [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override { return landmarks_; }
     [[nodiscard]] std::array<Vec3f, 2> bounds() const override { return newborn_.bounds(); }

@@ -89,6 +89,20 @@ TEST(CheckModel, FindsHolesAndCrossings) {
         std::swap(p.surfaces[4].mesh.triangles[7][0], p.surfaces[4].mesh.triangles[7][1]);
     });
     expect_fault("the offset shell", [](Patient& p) { p.shell.mesh.triangles.pop_back(); });
+    expect_fault("a way leads between the gums alone", [](Patient& p) {
+        // As wide as a tube, through the floor of the mouth.
+        DistanceGrid& grid = p.shell.distance;
+        for (int z = 0; z < grid.size[2]; ++z) {
+            for (int y = 0; y < grid.size[1]; ++y) {
+                for (int x = 0; x < grid.size[0]; ++x) {
+                    const Vec3f node = grid.node(x, y, z);
+                    if (std::hypot(node.x(), node.y() - 15e-3f) < 2e-3f && node.z() < 0.0f) {
+                        grid.value[grid.index(x, y, z)] = 1e-3f;
+                    }
+                }
+            }
+        }
+    });
 }
 
 TEST(CheckModel, FindsWhatDragsTheEpiglottisAlong) {

@@ -69,7 +69,7 @@ class Place {
     [[nodiscard]] bool yields(float x, float y, float z) const {
         const Vec3f point = newborn_.from_model({x, y, z});
         const Fields f = newborn_.fields(point);
-        return f.cavity < newborn_.shell_offset(point, f);
+        return newborn_.shell_field(point, f) > 0.0f;
     }
     [[nodiscard]] Vec3f landmark(Landmark which) const {
         return newborn_.to_model(newborn_.landmarks()[static_cast<std::size_t>(which)]);
