@@ -122,8 +122,7 @@ class Recomputed(support.Case):
         lever = [{"stage": "lever", "keep": True, "pitch_deg": turn, "speed_mm_per_s": 20} for turn in (-9, 9)]
         tube = [{**expert["tube"][0], "until": {"time_s": 3.0}}, {**expert["tube"][1], "hold_s": 4}]
         script = {**expert, "name": "twice", "laryngoscope": [*way_in, out, *way_in, *lever, out], "tube": tube}
-        premature = support.ROOT / "deploy/studies/patients/early_1700.yaml"
-        with h5py.File(self.record(premature, script)) as file:
+        with h5py.File(self.record("premature", script)) as file:
             _, parts = self.assert_recomputed(file)
             self.assertEqual(len(parts), 2)
 
