@@ -16,8 +16,12 @@ endif()
 set(cases "")
 foreach(suite ${suites})
   string(REGEX REPLACE "^\n|\\.$" "" suite "${suite}")
+  set(labels ${LABEL})
+  if(suite MATCHES "^Whole")
+    list(APPEND labels long)
+  endif()
   string(APPEND cases
     "add_test([==[${NAME}.${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==] --gtest_brief=1)\n"
-    "set_tests_properties([==[${NAME}.${suite}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 900)\n")
+    "set_tests_properties([==[${NAME}.${suite}]==] PROPERTIES LABELS [==[${labels}]==] TIMEOUT 900)\n")
 endforeach()
 file(WRITE ${OUT} "${cases}")

@@ -56,7 +56,8 @@ function(eti_test_label result)
   set(${result} ${label} PARENT_SCOPE)
 endfunction()
 
-# A test program; every suite becomes a ctest case PROGRAM.SUITE. What the tests of a suite share, such as a newborn that
+# A test program; every suite becomes a ctest case PROGRAM.SUITE. One whose name begins with Whole is labelled long, too:
+# deploy/test.sh runs it with --whole alone. What the tests of a suite share, such as a newborn that
 # takes seconds to build, is then made once. Under a sanitizer, where it takes a minute, the whole program is one case.
 function(eti_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
@@ -82,8 +83,8 @@ function(eti_test name)
   endif()
 endfunction()
 
-# A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. PROPERTIES are passed
-# to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it. Those under
+# A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. Those named test_whole_... are labelled long,
+# too. PROPERTIES are passed to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it. Those under
 # tests/unit are labelled scripts: they test no compiled code, so sanitizers have nothing to find.
 if(ETI_TESTS)
   find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
@@ -102,7 +103,11 @@ function(eti_python_test prefix script)
     string(REGEX REPLACE "^test_" "" short "${method}")
     add_test(NAME ${prefix}.${short}
              COMMAND ${ETI_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/${script} -v -k *.${method})
-    set_tests_properties(${prefix}.${short} PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT}
+    set(labels ${label})
+    if(short MATCHES "^whole_")
+      list(APPEND labels long)
+    endif()
+    set_tests_properties(${prefix}.${short} PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT}
                          SKIP_REGULAR_EXPRESSION "OK \\(skipped=" ENVIRONMENT "${ARG_ENVIRONMENT}" ${ARG_PROPERTIES})
   endforeach()
 endfunction()

@@ -9,19 +9,21 @@ set -u
 
 usage() {
     cat <<USAGE
-Usage: deploy/test.sh [--quick] [--fuzz] [--no-install]
-Builds into build/release and runs every test. The last line reads "N passed, N failed"; exit 0 only if none
+Usage: deploy/test.sh [--quick | --whole] [--fuzz] [--no-install]
+Builds into build/release and runs the tests. The last line reads "N passed, N failed"; exit 0 only if none
 failed. deploy/sanitize.sh runs the tests under the sanitizers.
   --quick        only the unit tests
+  --whole        also the long ones, whole sweeps of which a part runs otherwise
   --fuzz         then also what deploy/sanitize.sh --short runs: fuzz targets, built with clang in build/fuzz
   --no-install   do not look for missing packages
 USAGE
 }
 
-fuzz=no install=yes only=()
+fuzz=no install=yes only=() long=(--label-exclude '^long$')
 while [ $# -gt 0 ]; do
     case $1 in
         --quick) only=(--label-regex '^(unit|scripts)$') ;;
+        --whole) long=() ;;
         --fuzz) fuzz=yes ;;
         --no-install) install=no ;;
         --help) usage; exit 0 ;;
@@ -35,7 +37,7 @@ lists=(build client test figures lab security)
 [ $install = yes ] && eti_install "${lists[@]}"
 started=$SECONDS
 eti_say "== Building build/release"
-if eti_build release; then run release "${only[@]}"; else failed=$((failed + 1)); fi
+if eti_build release; then run release "${only[@]}" "${long[@]}"; else failed=$((failed + 1)); fi
 [ $fuzz = yes ] && fuzz_smoke
 eti_say "Took $((SECONDS - started)) s."
 ends

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include "common/mesh/quadric.hpp"
 
@@ -21,6 +24,63 @@ struct Candidate {
     bool operator<(const Candidate& o) const {
         return cost != o.cost ? cost > o.cost : a != o.a ? a > o.a : b > o.b;
     }
+};
+
+/// Candidates, cheapest first. A heap of all of them would miss the processor's caches at each of its levels:
+/// only the cheapest are in one, and the others wait in any order.
+class Queue {
+  public:
+    void clear() {
+        near_.clear();
+        far_.clear();
+        costliest_ = {-std::numeric_limits<float>::infinity(), 0, 0, 0};
+    }
+    void push(const Candidate& candidate) {
+        if (candidate < costliest_) {
+            far_.push_back(candidate);
+        } else {
+            near_.push_back(candidate);
+            std::push_heap(near_.begin(), near_.end());
+        }
+    }
+    /// The next one that is not `stale`.
+    template <class Stale>
+    std::optional<Candidate> pop(const Stale& stale) {
+        for (;;) {
+            if (near_.empty() && !fetch(stale)) {
+                return std::nullopt;
+            }
+            std::pop_heap(near_.begin(), near_.end());
+            const Candidate candidate = near_.back();
+            near_.pop_back();
+            if (!stale(candidate)) {
+                return candidate;
+            }
+        }
+    }
+
+  private:
+    /// Makes a heap of the cheapest that wait; says whether there were any.
+    template <class Stale>
+    bool fetch(const Stale& stale) {
+        constexpr std::size_t least = 16384;  // a quarter of a megabyte
+        std::erase_if(far_, stale);
+        if (far_.empty()) {
+            return false;
+        }
+        const auto first =
+            far_.end() - static_cast<std::ptrdiff_t>(std::min(far_.size(), std::max(least, far_.size() / 8)));
+        std::nth_element(far_.begin(), first, far_.end());
+        costliest_ = *first;
+        near_.assign(first, far_.end());
+        far_.erase(first, far_.end());
+        std::make_heap(near_.begin(), near_.end());
+        return true;
+    }
+
+    std::vector<Candidate> near_;  ///< a heap
+    std::vector<Candidate> far_;   ///< none is cheaper than `costliest_`
+    Candidate costliest_{};        ///< of those that were fetched into `near_`
 };
 
 /// The mesh under collapse. Corner 3 t + k is vertex k of triangle t; the corners of a vertex form a
@@ -60,7 +120,7 @@ class Collapser {
 
   private:
     void sweep() {
-        heap_.clear();
+        queue_.clear();
         for (std::uint32_t a = 0; a < head_.size(); ++a) {
             if (head_[a] == none || locked_[a]) {
                 continue;
@@ -68,19 +128,19 @@ class Collapser {
             neighbours(a, around_);
             for (const std::uint32_t b : around_) {
                 if (a < b && !locked_[b]) {
-                    heap_.push_back(evaluate(a, b));
+                    queue_.push(evaluate(a, b));
                 }
             }
         }
-        std::make_heap(heap_.begin(), heap_.end());
-        while (alive_ > settings_.triangles && !heap_.empty()) {
-            std::pop_heap(heap_.begin(), heap_.end());
-            const Candidate candidate = heap_.back();
-            heap_.pop_back();
-            if (stamp_[candidate.a] + stamp_[candidate.b] == candidate.stamp && head_[candidate.a] != none &&
-                head_[candidate.b] != none) {
-                try_collapse(candidate.a, candidate.b);
+        const auto stale = [this](const Candidate& c) {
+            return stamp_[c.a] + stamp_[c.b] != c.stamp || head_[c.a] == none || head_[c.b] == none;
+        };
+        while (alive_ > settings_.triangles) {
+            const std::optional<Candidate> cheapest = queue_.pop(stale);
+            if (!cheapest) {
+                break;
             }
+            try_collapse(cheapest->a, cheapest->b);
         }
     }
 
@@ -220,8 +280,7 @@ class Collapser {
         neighbours(a, around_);
         for (const std::uint32_t v : around_) {
             if (!locked_[v]) {
-                heap_.push_back(evaluate(std::min(a, v), std::max(a, v)));
-                std::push_heap(heap_.begin(), heap_.end());
+                queue_.push(evaluate(std::min(a, v), std::max(a, v)));
             }
         }
     }
@@ -296,7 +355,7 @@ class Collapser {
     std::vector<std::uint32_t> stamp_;
     std::vector<std::uint8_t> locked_;
     std::vector<Quadric> quadric_;
-    std::vector<Candidate> heap_;
+    Queue queue_;
     std::vector<std::uint32_t> around_;
     std::vector<std::uint32_t> around_other_;
 };

@@ -49,7 +49,7 @@ class Bench(unittest.TestCase):
                 self.assertEqual((row["joined"], row["server_survived"]), ("3", "1"), row)
         self.assertTrue(all(row["joined"] == "3" for row in rows if row["how"] == "joins"), rows)
 
-    def test_what_a_client_draws(self):
+    def test_whole_what_a_client_draws(self):
         rows = self.rows("scenes")
         lossy, = (row for row in rows if row["where"] == "link")
         self.assertGreater(float(lossy["drawn_p50_ms"]), 20)
@@ -61,7 +61,7 @@ class Bench(unittest.TestCase):
         self.assertLess(float(none["server_mbit_per_s"]), 1, none)
         self.assertGreater(float(two["server_mbit_per_s"]), float(none["server_mbit_per_s"]))
 
-    def test_soak_watches_the_server(self):
+    def test_whole_soak_watches_the_server(self):
         rows = self.rows("soak")
         self.assertGreater(int(rows[-1]["joined"]), 2)
         self.assertGreater(int(rows[-1]["killed"]) + int(rows[-1]["left"]), 0)

@@ -299,8 +299,9 @@ class Charts(unittest.TestCase):
         for row in self.shipped_cells(rows):
             self.assertNotEqual(row["fate"], "fails", row)
 
-    def test_speed_gives_a_positive_cost_for_every_part(self):
-        done = subprocess.run([BENCH, "speed", "--quick", "--json"], stdout=subprocess.PIPE, text=True)
+    def assert_speeds(self, threads, *options):
+        """Every part has a positive cost with each of these numbers of threads, and with no other."""
+        done = subprocess.run([BENCH, *options, "speed", "--quick", "--json"], stdout=subprocess.PIPE, text=True)
         self.assertEqual(done.returncode, 0)
         results = {result["name"]: result for result in json.loads(done.stdout)["results"]}
         parts = ["bandwidth over 256 MB (triad)", "shape matching, per membership",
@@ -318,8 +319,9 @@ class Charts(unittest.TestCase):
                                                       "clusters and links", "blade", "tube", "shell", "finish",
                                                       "skinning and snapshot")]
         for part in parts:
-            for threads in ("1 thread", "2 threads"):
-                self.assertIn(f"{part}, {threads}", results)
+            for number in threads:
+                self.assertIn(f"{part}, {number}", results)
+        self.assertEqual({name.rpartition(", ")[2] for name in results}, set(threads))
         for part in ("links, per link", "body of 4184 links, per substep",
                      "body of 3072 tetrahedra, per tetrahedron and substep"):
             self.assertGreater(results[f"{part}, 1 thread"]["peer"], 0)
@@ -328,11 +330,11 @@ class Charts(unittest.TestCase):
             self.assertGreater(result.get("bound", 1), 0, result)
             self.assertIn(result["unit"], ("ns", "us", "ms", "GB/s"))
 
-    def test_threads_say_what_speed_measures(self):
-        done = subprocess.run([BENCH, "--threads", "1", "speed", "--quick", "--json"], stdout=subprocess.PIPE, text=True)
-        self.assertEqual(done.returncode, 0)
-        for result in json.loads(done.stdout)["results"]:
-            self.assertTrue(result["name"].endswith(", 1 thread"), result["name"])
+    def test_threads_say_what_speed_measures_and_every_part_has_a_cost(self):
+        self.assert_speeds(("1 thread",), "--threads", "1")
+
+    def test_whole_speed_is_that_of_one_thread_and_two(self):
+        self.assert_speeds(("1 thread", "2 threads"))
 
     def test_calibration_runs(self):
         rows = self.quick_run("calibration")

@@ -137,14 +137,23 @@ class Shards(unittest.TestCase):
         self.assertEqual(self.merged((self.folder / "many").iterdir()), self.in_one())
 
     def test_newborns_in_shards_are_the_bytes_of_one_sweep(self):
+        """With a program in the place of eti-anatomy that builds nothing: a sum over its options stands for a newborn."""
+        builder = self.folder / "eti-anatomy"
+        builder.write_text("""#!/bin/sh
+[ $1 = check ] && exec echo '{"invariants": []}'
+echo "{\\"particles\\": $(echo "${*%--out*}" | cksum | cut -d' ' -f1)}"
+""")
+        builder.chmod(0o755)
         script = ROOT / "tests/validation/anatomy/sweep.py"
         sweep = [sys.executable, "-B", script, "--weights", "1", "3", "--spacing-mm", "3.5"]
         one, files = self.folder / "one.csv", [self.folder / f"{index}.csv" for index in range(2)]
-        whole = self.good(*sweep, "--out", one).stdout
+        here = {"ETI_BIN": str(self.folder)}
+        whole = self.good(*sweep, "--out", one, **here).stdout
         for index, file in enumerate(files):
-            self.good(*sweep, "--out", file, "--shard", f"{index}/2")
+            self.good(*sweep, "--out", file, "--shard", f"{index}/2", **here)
         merged = self.good(*sweep, "--out", self.folder / "all.csv", "--merge", *reversed(files))
         self.assertEqual((self.folder / "all.csv").read_bytes(), one.read_bytes())
+        self.assertEqual(len({row.split(",")[10] for row in one.read_text().splitlines()[1:]}), 2, "two newborns")
         self.assertEqual(merged.stdout.splitlines()[-1], whole.splitlines()[-1])
         self.assertIn("1 of 2 newborns are in none", run(*sweep, "--merge", files[0]).stderr)
         self.assertIn("another shard's", run(*sweep, "--merge", files[0], files[0]).stderr)

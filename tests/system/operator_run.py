@@ -16,24 +16,25 @@ import support
 
 FOLDER = support.BIN.parent / "operator-runs"
 
-# Name: scenario, operator, threads, and what is changed in the shipped scenario. One thread a run: several run at once.
+# Name: scenario, operator, and what is set in the scenario. One thread a run: several run at once.
 RUNS = {
-    "expert": ("term", "expert", 1, {}),
-    "expert_two_threads": ("term", "expert", 2, {}),
-    "novice": ("term", "novice", 1, {}),
-    "oesophageal": ("term", "oesophageal", 1, {}),
-    "no_lift": ("term", "no_lift", 1, {}),
-    "jaw_closed": ("term", "expert", 1, {"jaw_opening_deg": 0}),
-    "premature": ("premature", "expert", 1, {}),
+    "expert": ("term", "expert", {"vital_signs": "on"}),
+    "novice": ("term", "novice", {}),
+    "oesophageal": ("term", "oesophageal", {}),
+    "no_lift": ("term", "no_lift", {}),
+    "jaw_closed": ("term", "expert", {"jaw_opening_deg": 0}),
+    "premature": ("premature", "expert", {}),
+    "too_far": (support.COARSE_TERM, "too_far", {}),
 }
+PARTICIPANT = "P07"
 
 
-def scenario_for(name, shipped, changes):
-    """A shipped scenario with some values changed, as a file."""
+def scenario_for(name, shipped, settings):
+    """A shipped scenario with these values instead of its own, as a file."""
     text = (support.ROOT / f"deploy/scenarios/{shipped}.yaml").read_text()
-    for key, value in changes.items():
+    for key, value in settings.items():
         text, count = re.subn(rf"^(\s*{key}:).*$", rf"\1 {value}", text, flags=re.MULTILINE)
-        assert count == 1, f"scenario {shipped} has no line for {key}"
+        text += "" if count else f"{key}: {value}\n"
     file = FOLDER / f"{name}.yaml"
     file.write_text(text)
     return file
@@ -55,23 +56,27 @@ def recording(name):
 
 
 def expert_with_the_tube_too_far():
-    """The expert's script, but that the tube goes on past the carina."""
+    """The expert's script, but that the tube goes on past the carina, as a file."""
     script = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
     for stage in (*script["laryngoscope"], *script["tube"]):
         if "tube_depth_mm" in stage.get("until", {}):
             del stage["until"]  # which ends the advance in time
             stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 8})
-    return script
+    file = FOLDER / "too_far_operator.yaml"
+    file.write_text(yaml.safe_dump(script, sort_keys=False), encoding="utf-8")
+    return file
 
 
 def main(name):
-    shipped, operator, threads, changes = RUNS[name]
+    shipped, operator, settings = RUNS[name]
     FOLDER.mkdir(exist_ok=True)
-    scenario = scenario_for(name, shipped, changes) if changes else shipped
+    scenario = scenario_for(name, shipped, settings) if settings else shipped
+    if operator == "too_far":
+        operator = expert_with_the_tube_too_far()
     file = recording(name)
     file.unlink(missing_ok=True)
-    done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--threads", threads, "--fast",
-                       "--no-dds", "--json", "--record", file, timeout=900)
+    done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--threads", 1, "--fast", "--no-dds",
+                       "--participant", PARTICIPANT, "--json", "--record", file, timeout=900)
     (FOLDER / f"{name}.json").write_text(done.stdout)
     (FOLDER / f"{name}.log").write_text(done.stderr)
     print(done.stdout, done.stderr, sep="\n")

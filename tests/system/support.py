@@ -3,6 +3,7 @@
 """What the system tests share: running the programs, file systems that refuse, reading pictures."""
 
 import json
+import math
 import os
 import resource
 import shutil
@@ -14,9 +15,6 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-
-import numpy
-from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(os.environ.get("ETI_BIN", ROOT / "build/release/bin"))
@@ -40,6 +38,9 @@ def own_domain():
 DOMAIN, _domain_token = own_domain()
 SESSION = f"test-{os.getpid()}"
 SECONDS_TO_START = 120
+
+# The term scenario on particles of 3 mm, to be quick where a test asks nothing of the tissue.
+COARSE_TERM = ROOT / "deploy/studies/patients/term_3500.yaml"
 
 # Table 2 of the paper, by the names of JSON and session file.
 PAPER_PARAMETERS = {
@@ -83,7 +84,7 @@ class Case(unittest.TestCase):
             values = [parameters[name][part] for part in parts] if parts else [parameters[name]]
             for value in values:
                 self.assertIsInstance(value, (int, float), f"{name}: {parameters[name]}")
-                self.assertTrue(numpy.isfinite(value), f"{name}: {value}")
+                self.assertTrue(math.isfinite(value), f"{name}: {value}")
 
 
 class Programs(Case):
@@ -151,5 +152,7 @@ def on_file_system(options, folder):
 
 def read_picture(path):
     """Pixels of a picture as an array (height, width, channels)."""
+    import numpy  # which takes longer than most tests that read none
+    from PIL import Image
     with Image.open(path) as picture:
         return numpy.asarray(picture.convert("RGB"))

@@ -80,17 +80,17 @@ class Kill(support.Case):
         self.others_go_on_without("haptics")
         self.assert_told("laryngoscope")
 
-    def test_without_tracker(self):
+    def test_whole_without_tracker(self):
         self.others_go_on_without("tracker")
         self.assert_told("tube")
 
-    def test_without_controller(self):
+    def test_whole_without_controller(self):
         self.others_go_on_without("controller")
 
     def test_without_trainee(self):
         self.others_go_on_without("trainee")
 
-    def test_without_observer(self):
+    def test_whole_without_observer(self):
         self.others_go_on_without("observer")
 
     def test_without_server(self):

@@ -60,7 +60,7 @@ class Links(support.Case):
 
     # A scene of 1600 datagrams: its rounds of repair are about 65 ms each, and about five are needed at 5 %
     # (1600 * 0.05^n < 1 for n > 2.5, and requests get lost, too); ten times that on a busy machine.
-    def test_scene_arrives_with_one_percent_lost(self):
+    def test_whole_scene_arrives_with_one_percent_lost(self):
         self.scene_arrives(1, 3000)
 
     def test_scene_arrives_with_five_percent_lost(self):
@@ -186,10 +186,10 @@ class Lab(support.Case):
         return (f"env --default-signal=INT {' '.join(self.lab('--duration', 60))} >/dev/null 2>&1 & lab=$!; {running}; "
                 f"kill -s {name} $lab; wait $lab 2>/dev/null")
 
-    def test_nothing_remains_after_ctrl_c(self):
+    def test_whole_nothing_remains_after_ctrl_c(self):
         self.assert_nothing_remains(self.ended_by("INT"))
 
-    def test_nothing_remains_after_kill(self):
+    def test_whole_nothing_remains_after_kill(self):
         self.assert_nothing_remains(self.ended_by("TERM"))
 
     def test_nothing_remains_after_kill_9(self):

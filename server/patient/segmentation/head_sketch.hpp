@@ -28,7 +28,19 @@ struct Sketch {
 
     [[nodiscard]] double spacing() const { return geometry.step(0, 0); }
     /// The voxel that holds a point; nothing outside the grid.
-    [[nodiscard]] std::optional<std::size_t> at(const Vec3d& point) const;
+    [[nodiscard]] std::optional<std::size_t> at(const Vec3d& point) const {
+        // In the header and without a call of lround: the search for the head asks millions of times.
+        const Vec3d i = (point - geometry.origin) / spacing();
+        std::array<int, 3> voxel{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double along = i[static_cast<Eigen::Index>(k)];
+            if (!(along > -0.5 && along < geometry.size[k] - 0.5)) {
+                return std::nullopt;
+            }
+            voxel[k] = static_cast<int>(along + 0.5);
+        }
+        return geometry.index(voxel[0], voxel[1], voxel[2]);
+    }
     /// Edge [m] of a cube as large as the patient.
     [[nodiscard]] double across() const;
 };

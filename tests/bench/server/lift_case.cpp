@@ -30,7 +30,7 @@ struct LiftSetup {
         scenario.seed += tremor;
         scenario.physics.sleep = false;  // what stands still is to be measured, and what it costs
         if (quick) {
-            scenario.physics.spacing = 2.5e-3f;
+            scenario.physics.spacing = 3.5e-3f;
             choice.increment = 4e-3;
             choice.longest = 36;
         }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every parameter of recorded sessions follows from their files, by docs/metrics.md and docs/session-files.md alone. Two
-of the sessions are runs that operator_run.py made."""
+"""Every parameter of recorded sessions follows from their files, by docs/metrics.md and docs/session-files.md alone. All
+of the sessions but one are runs that operator_run.py made."""
 
 import json
 import re
@@ -17,7 +17,7 @@ import recompute
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
-from operator_run import expert_with_the_tube_too_far, recording
+from operator_run import PARTICIPANT, recording
 
 # The file holds forces, poses and places as float32, as the server has them: 2**-24 = 6e-8 of a value, or 6e-9 m of
 # 0.1 m. Sums over thousands of steps and differences over 1/30 s make up to a hundred times that.
@@ -27,18 +27,14 @@ ABSOLUTE = {"pitch_rocking_deg": 1e-4, "yaw_rocking_deg": 1e-4}
 
 
 class Recomputed(support.Case):
-    def record(self, scenario, operator):
-        record = self.folder / "run.eti.h5"
-        done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--fast", "--no-dds",
-                           "--participant", "P07", "--record", record, timeout=600)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return record
-
-    def written(self, name, script):
-        operator = self.folder / f"{name}.yaml"
+    def record(self, scenario, script):
+        operator, record = self.folder / "operator.yaml", self.folder / "run.eti.h5"
         without_aliases = json.loads(json.dumps(script))
         operator.write_text(yaml.safe_dump(without_aliases, sort_keys=False), encoding="utf-8")
-        return operator
+        done = support.run("eti-server", "--scenario", scenario, "--operator", operator, "--fast", "--no-dds",
+                           "--record", record, timeout=600)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return record
 
     def assert_row(self, file, row, found):
         keys = [key.replace(".", "/") for key in recompute.texts(file["scene/definitions/parameters/key"])]
@@ -91,11 +87,8 @@ class Recomputed(support.Case):
         self.assertGreaterEqual(len(set(opening[little:most])), 5, "looks between")
 
     def test_of_an_expert_with_vital_signs(self):
-        scenario = self.folder / "vital.yaml"
-        term = (support.ROOT / "deploy/scenarios/term.yaml").read_text(encoding="utf-8")
-        scenario.write_text(term + "\nvital_signs: on\n", encoding="utf-8")
-        with h5py.File(self.record(scenario, "expert")) as file:
-            self.assertEqual(file["meta/more"].attrs["participant"], "P07")
+        with h5py.File(recording("expert")) as file:
+            self.assertEqual(file["meta/more"].attrs["participant"], PARTICIPANT)
             self.assertIn("+y posterior", file["scene"].attrs["patient_frame"])
             self.assert_defined_as_in_the_documents(file)
             eye = file["metrics/eye_used"][:]
@@ -114,7 +107,7 @@ class Recomputed(support.Case):
 
     def test_of_a_tube_pushed_far_past_the_carina(self):
         """It is counted once, and in nothing else, wherever it goes then."""
-        with h5py.File(self.record("term", self.written("deep", expert_with_the_tube_too_far()))) as file:
+        with h5py.File(recording("too_far")) as file:
             steps, (part,) = self.assert_recomputed(file)
             farthest = (steps.along - steps.trachea_length).max()
             self.assertGreater(farthest, 0.01)
@@ -129,7 +122,7 @@ class Recomputed(support.Case):
         lever = [{"stage": "lever", "keep": True, "pitch_deg": turn, "speed_mm_per_s": 20} for turn in (-9, 9)]
         tube = [{**expert["tube"][0], "until": {"time_s": 3.0}}, {**expert["tube"][1], "hold_s": 4}]
         script = {**expert, "name": "twice", "laryngoscope": [*way_in, out, *way_in, *lever, out], "tube": tube}
-        with h5py.File(self.record("premature", self.written("twice", script))) as file:
+        with h5py.File(self.record("premature", script)) as file:
             _, parts = self.assert_recomputed(file)
             self.assertEqual(len(parts), 2)
 

@@ -18,7 +18,7 @@ add_custom_target(eti-server)
 add_custom_target(fuzz_targets)
 function(case name label command)
   add_test(NAME ${name} COMMAND sh -c "${command}")
-  set_tests_properties(${name} PROPERTIES LABELS ${label} SKIP_RETURN_CODE 4)
+  set_tests_properties(${name} PROPERTIES LABELS "${label}" SKIP_RETURN_CODE 4)
 endfunction()
 """
 
@@ -76,6 +76,12 @@ class TestScript(unittest.TestCase):
     def test_quick_counts_unit_tests_only(self):
         done = self.run_tests('case(a unit "true")\ncase(b scripts "true")\ncase(c system "exit 1")\n', "--quick")
         self.assert_ends_with(done, "2 passed, 0 failed", 0)
+
+    def test_long_tests_run_only_where_all_is_wanted(self):
+        cases = 'case(a unit "true")\ncase(b "unit;long" "exit 1")\ncase(c "system;long" "true")\n'
+        self.assert_ends_with(self.run_tests(cases), "1 passed, 0 failed", 0)
+        self.assert_ends_with(self.run_tests(cases, "--quick"), "1 passed, 0 failed", 0)
+        self.assert_ends_with(self.run_tests(cases, "--whole"), "2 passed, 1 failed", 1)
 
     def test_failed_test_is_counted_and_named(self):
         done = self.run_tests('case(good unit "true")\ncase(broken unit "exit 1")\n', "--quick")

@@ -11,15 +11,15 @@
 #include <memory>
 #include <string>
 
-#include "tests/support/coarse_newborn.hpp"
-
 namespace eti::app {
 namespace {
 
-using test::coarse_build;
+/// Surfaces of which only that they are the same is asked.
+constexpr anatomy::BuildSettings rough{
+    .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 5e-3f, .body_triangles = 10000};
 
 anatomy::BuildSettings with_spacing(float spacing) {
-    anatomy::BuildSettings settings = coarse_build;
+    anatomy::BuildSettings settings = rough;
     settings.spacing = spacing;
     return settings;
 }
@@ -31,7 +31,7 @@ class PatientCache : public ::testing::Test {
         const std::filesystem::path folder = folder_of("first");
         std::filesystem::create_directories(folder);
         ::setenv("ETI_CACHE", folder.c_str(), 1);
-        usual_ = std::make_unique<anatomy::Patient>(cached_patient({}, coarse_build));
+        usual_ = std::make_unique<anatomy::Patient>(cached_patient({}, rough));
         finer_ =
             std::make_unique<anatomy::Patient>(anatomy::build_patient(NewbornShape{}, with_spacing(3e-3f)));
     }
@@ -79,14 +79,14 @@ void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) 
 
 TEST_F(PatientCache, WhatWasBuiltIsReadAgain) {
     EXPECT_EQ(files(), 1);
-    const anatomy::Patient read = cached_patient({}, coarse_build);
+    const anatomy::Patient read = cached_patient({}, rough);
     EXPECT_EQ(files(), 1);
     EXPECT_EQ(read.particles.rest, usual_->particles.rest);
     expect_same_surfaces(read, *usual_);
 }
 
 TEST_F(PatientCache, AnotherStiffnessBuildsNothing) {
-    anatomy::BuildSettings settings = coarse_build;
+    anatomy::BuildSettings settings = rough;
     settings.tissue_stiffness = 12e3f;
     const anatomy::Patient stiff = cached_patient({}, settings);
     EXPECT_EQ(files(), 1);
@@ -106,7 +106,7 @@ TEST_F(PatientCache, OtherSpacingsBorrowTheSurfaces) {
 }
 
 TEST_F(PatientCache, AnotherShapeBorrowsNothing) {
-    const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, coarse_build);
+    const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, rough);
     EXPECT_NE(large.surfaces[0].mesh.vertices, usual_->surfaces[0].mesh.vertices);
     EXPECT_EQ(files(), 2);
 }

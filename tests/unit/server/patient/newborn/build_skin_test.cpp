@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "common/math/units.hpp"
 #include "common/model/posture_range.hpp"
+#include "server/app/patient_cache.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/patient/newborn/build.hpp"
 #include "server/patient/newborn/skinner.hpp"
-#include "tests/support/shipped_newborn.hpp"
 
 namespace eti::anatomy {
 namespace {
@@ -82,20 +82,16 @@ Stretch stretch(const Patient& patient, const Surface& surface, const Posture& p
     return found;
 }
 
+/// The newborns of the scenarios term and premature, from the cache where a server has built them.
 class BuildSkin : public testing::TestWithParam<NewbornShape> {
   protected:
     static const Patient& patient() {
-        if (GetParam() == NewbornShape()) {
-            return test::shipped_newborn();
+        static std::map<float, Patient> by_weight;
+        const auto [it, is_new] = by_weight.try_emplace(GetParam().weight);
+        if (is_new) {
+            it->second = app::cached_patient(GetParam(), {});
         }
-        static std::vector<std::pair<NewbornShape, Patient>> built;
-        for (const auto& [shape, patient] : built) {
-            if (shape == GetParam()) {
-                return patient;
-            }
-        }
-        built.reserve(8);
-        return built.emplace_back(GetParam(), build_patient(GetParam(), BuildSettings{})).second;
+        return it->second;
     }
 };
 

@@ -5,18 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/patient/newborn/build.hpp"
 #include "server/patient/newborn/newborn.hpp"
+#include "tests/support/coarse_newborn.hpp"
 
 namespace eti::anatomy {
 namespace {
-
-const BuildSettings coarse{.spacing = 4e-3f, .fine_spacing = 2e-3f, .surface_spacing = 1.5e-3f};
-
-const Patient& usual() {
-    static const Patient patient = build_patient(NewbornShape(), coarse);
-    return patient;
-}
 
 struct Off {
     double mean = 0.0;  // [mm]
@@ -61,7 +54,8 @@ TEST(HeadGrowth, IsThatOfANewbornBuiltSoLarge) {
     premature.gestational_age = 26.0f;
     premature.head_scale = 0.9f;
     for (const NewbornShape& shape : {NewbornShape(), premature}) {
-        const Patient patient = shape.weight < 1.0f ? build_patient(shape, coarse) : usual();
+        const Patient patient =
+            shape.weight < 1.0f ? build_patient(shape, test::coarse_build) : test::coarse_newborn();
         const Off untouched = off_built(shape, patient, shape.head_scale);
         for (const float wanted : {0.85f, 0.95f, 1.05f, 1.15f}) {
             const Off off = off_built(shape, patient, wanted);
@@ -72,7 +66,7 @@ TEST(HeadGrowth, IsThatOfANewbornBuiltSoLarge) {
 }
 
 TEST(HeadGrowth, WhatTheSkullDoesNotCarryAloneStays) {
-    const Patient& patient = usual();
+    const Patient& patient = test::coarse_newborn();
     const std::size_t first = bone_count + patient.clusters.size();
     std::size_t grow = 0;
     for (const Surface& surface : patient.surfaces) {

@@ -45,7 +45,7 @@ TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
 }
 
 TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
-    const Phantom& phantom = coarse_phantom(0.8e-3f);
+    const Phantom& phantom = coarse_phantom(1.0e-3f);
     const LabelledAnatomy anatomy(phantom.labels, phantom.landmarks, silent);
     const anatomy::Newborn truth(PhantomSettings().newborn);
     // Compared in the volume's frame, which is the phantom's.
@@ -90,7 +90,7 @@ TEST(LabelledAnatomy, MakesASoundModel) {
 }
 
 TEST(LabelledAnatomy, WithoutALarynxNoneIsInvented) {
-    Phantom phantom = coarse_phantom(1.5e-3f);
+    Phantom phantom = coarse_phantom(2.0e-3f);
     imaging::Geometry& g = phantom.labels.geometry;
     // Cut the volume off just below the chin.
     const auto cut = static_cast<int>((-0.028 - g.origin.z()) / g.step(2, 2));
@@ -101,7 +101,7 @@ TEST(LabelledAnatomy, WithoutALarynxNoneIsInvented) {
     g.size[2] -= cut;
     EXPECT_THROW(LabelledAnatomy(phantom.labels, {}, silent), NoLarynx);
 
-    Phantom jawless = coarse_phantom(1.5e-3f);
+    Phantom jawless = coarse_phantom(2.0e-3f);
     for (std::uint8_t& v : jawless.labels.value) {
         v = v == value_of(Label::mandible) ? value_of(Label::bone) : v;
     }

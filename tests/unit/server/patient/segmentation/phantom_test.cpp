@@ -79,7 +79,7 @@ TEST(Phantom, BordersAreMixedByShare) {
 }
 
 TEST(Phantom, LandmarksLieWhereTheyAreNamedFor) {
-    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Phantom& phantom = coarse_phantom(2.0e-3f);
     const auto label_at = [&](const char* name) {
         const Vec3d at = phantom.labels.geometry.to_index(phantom.landmarks.at(name).front());
         return static_cast<Label>(phantom.labels.at(static_cast<int>(std::lround(at.x())),

@@ -82,7 +82,7 @@ TEST(Surfaces, BudgetIsKept) {
 }
 
 TEST(Surfaces, PhantomIsClosedManifoldAndOriented) {
-    const Phantom& phantom = coarse_phantom(1.5e-3f);
+    const Phantom& phantom = coarse_phantom(2.0e-3f);
     const auto surfaces = make_surfaces(phantom.labels, &phantom.ct, {}, silent);
     ASSERT_EQ(surfaces.size(), 3u);
     for (const NamedSurface& surface : surfaces) {
