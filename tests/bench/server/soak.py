@@ -74,9 +74,9 @@ def main():
     parser.add_argument("--fast", action="store_true", help="ignore the clock and leave out the bus")
     parser.add_argument("--hours", type=float, default=1.0, help="of simulation (default: %(default)s)")
     parser.add_argument("--minutes", type=float, default=7 * 24 * 60.0, help="of real time, at most (default: a week)")
-    parser.add_argument("--scenario", default="term", help="(default: %(default)s)")
+    parser.add_argument("--scenario", default=ROOT / "tests/bench/server/soak.yaml", help="(default: %(default)s)")
     parser.add_argument("--operator", default="expert", help="(default: %(default)s)")
-    parser.add_argument("--threads", type=int, default=0, help="of the solver; 0: one per core")
+    parser.add_argument("--threads", type=int, default=1, help="of the solver; 0: one per core (default: %(default)s)")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     file = options.out / f"soak-{'fast' if options.fast else 'real'}.csv"
