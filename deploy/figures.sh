@@ -10,7 +10,7 @@ PARTS=(accuracy calibration stability sufficiency sleep haptics bus soak anatomy
 # How long each takes on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
-                  [bus]="an hour and three quarters" [soak]="three hours and more" [anatomy]="a minute" [pictures]="a minute"
+                  [bus]="an hour and three quarters" [soak]="three hours" [anatomy]="a minute" [pictures]="a minute"
                   [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes"
                   [report]="two minutes")
 PICTURES=(laryngoscope section overview)

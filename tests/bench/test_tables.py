@@ -156,7 +156,8 @@ class Tables(unittest.TestCase):
 
         columns = dict(enumerate(("simulated_s", "memory_mb", "threads", "files", "record_mb", "behind_s", "step_p50_ms",
                                   "step_p99_ms"), 1))
-        self.assertGreater(len(self.follows("Hours", "soak-real.csv", columns, named, page="reliability.md")), 3)
+        self.assertGreater(len(self.follows("An hour", "soak-real.csv", columns, named, page="reliability.md")), 3)
+        self.assertGreater(len(self.follows("Eight hours", "soak-fast.csv", columns, named, page="reliability.md")), 3)
 
 
 if __name__ == "__main__":
