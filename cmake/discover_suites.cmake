@@ -3,7 +3,14 @@
 #
 # Asks a GoogleTest program for its suites and writes a file of ctest cases, one a suite. Run by eti_test() after the
 # program is built, with -D: PROGRAM (path), NAME, LABEL, OUT (path of the file).
-execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status TIMEOUT 60)
+# Another process that began while the linker wrote the program may hold it open for a moment (ETXTBSY).
+foreach(try RANGE 20)
+  execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status TIMEOUT 60)
+  if(NOT status STREQUAL "Text file busy")
+    break()
+  endif()
+  execute_process(COMMAND ${CMAKE_COMMAND} -E sleep 0.5)
+endforeach()
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: exit status ${status}\n${listed}")
 endif()
