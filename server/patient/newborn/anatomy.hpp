@@ -71,8 +71,8 @@ class Anatomy {
     /// How a point of skin or skull moves [m] per unit of the cranium's growth over its own size.
     [[nodiscard]] virtual Vec3f head_growth(const Vec3f& point) const = 0;
 
-    /// The offset shell as a field [m], negative in what holds a tool. It lies within body_field() by what gives
-    /// way before: mucosa over bone hardly does; cords and gullet widen for a tube.
+    /// The offset shell as a field [m], negative in what holds a tool. It lies within body_field() by what
+    /// gives way before: mucosa over bone hardly does; cords and gullet widen for a tube.
     [[nodiscard]] virtual float shell_field(const Vec3f& point, const Fields& fields) const = 0;
 
     [[nodiscard]] virtual std::array<Vec3f, landmark_count> landmarks() const = 0;
