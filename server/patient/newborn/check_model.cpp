@@ -351,12 +351,14 @@ std::vector<Invariant> distances_agree(const Patient& patient) {
     return found;
 }
 
-// Behind the gums the shell holds what is in the mouth: no way leads from there to the edge of its grid.
+// Behind the gums the shell holds what is in the mouth: no way leads from there to the edge of its grid, but
+// downwards, where a volume may cut through trachea and gullet.
 Invariant shell_has_no_hole(const Patient& patient) {
     const DistanceGrid& grid = patient.shell.distance;
     const Vec3f gum = rest_of(patient, Landmark::upper_gum);
-    const float behind = std::max(gum.y(), rest_of(patient, Landmark::lower_gum).y()) +
-                         0.08f * (rest_of(patient, Landmark::glottis) - gum).norm();
+    const float behind =
+        std::max(gum.y(), rest_of(patient, Landmark::lower_gum).y()) +
+        0.16f * (rest_of(patient, Landmark::glottis) - gum).norm();  // corners of a wide mouth
     const auto node_at = [&](const Vec3f& p) {
         return std::array{std::lround((p.x() - grid.origin.x()) / grid.spacing),
                           std::lround((p.y() - grid.origin.y()) / grid.spacing),
@@ -377,7 +379,7 @@ Invariant shell_has_no_hole(const Patient& patient) {
         }
         reached[i] = true;
         ++count;
-        if (x == 0 || y == 0 || z == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1) {
+        if (x == 0 || y == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1) {
             out.add(grid.node(x, y, z));
         }
         front.push_back({x, y, z});
