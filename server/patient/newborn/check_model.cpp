@@ -356,9 +356,10 @@ std::vector<Invariant> distances_agree(const Patient& patient) {
 Invariant shell_has_no_hole(const Patient& patient) {
     const DistanceGrid& grid = patient.shell.distance;
     const Vec3f gum = rest_of(patient, Landmark::upper_gum);
-    const float behind =
-        std::max(gum.y(), rest_of(patient, Landmark::lower_gum).y()) +
-        0.16f * (rest_of(patient, Landmark::glottis) - gum).norm();  // corners of a wide mouth
+    const float size = (rest_of(patient, Landmark::glottis) - gum).norm();
+    // Farther back than the corners of a wide mouth.
+    const float behind = std::max(gum.y(), rest_of(patient, Landmark::lower_gum).y()) + 0.2f * size;
+    const float room = 0.02f * size;  // half as wide as the thinnest tube
     const auto node_at = [&](const Vec3f& p) {
         return std::array{std::lround((p.x() - grid.origin.x()) / grid.spacing),
                           std::lround((p.y() - grid.origin.y()) / grid.spacing),
@@ -374,7 +375,7 @@ Invariant shell_has_no_hole(const Patient& patient) {
             return;
         }
         const std::size_t i = grid.index(x, y, z);
-        if (reached[i] || grid.value[i] <= 0.0f || grid.node(x, y, z).y() < behind) {
+        if (reached[i] || grid.value[i] <= room || grid.node(x, y, z).y() < behind) {
             return;
         }
         reached[i] = true;
@@ -384,8 +385,10 @@ Invariant shell_has_no_hole(const Patient& patient) {
         }
         front.push_back({x, y, z});
     };
-    const auto start = node_at(rest_of(patient, Landmark::tongue_dorsum));
-    reach(static_cast<int>(start[0]), static_cast<int>(start[1]), static_cast<int>(start[2]));
+    for (const Landmark within : {Landmark::tongue_dorsum, Landmark::vallecula, Landmark::epiglottis_tip}) {
+        const auto start = node_at(rest_of(patient, within));
+        reach(static_cast<int>(start[0]), static_cast<int>(start[1]), static_cast<int>(start[2]));
+    }
     while (!front.empty()) {
         const auto [x, y, z] = front.back();
         front.pop_back();
@@ -395,9 +398,6 @@ Invariant shell_has_no_hole(const Patient& patient) {
         reach(x, y + 1, z);
         reach(x, y, z - 1);
         reach(x, y, z + 1);
-    }
-    if (count == 0) {
-        out.add(rest_of(patient, Landmark::tongue_dorsum));  // the shell fills the mouth
     }
     return out.report("out of the mouth a way leads between the gums alone", count, "grid nodes");
 }

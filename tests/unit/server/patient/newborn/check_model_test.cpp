@@ -110,7 +110,7 @@ TEST(CheckModel, FindsHolesAndCrossings) {
                 for (int x = 0; x < grid.size[0]; ++x) {
                     const Vec3f node = grid.node(x, y, z);
                     if (std::hypot(node.x(), node.y() - 15e-3f) < 2e-3f && node.z() < 0.0f) {
-                        grid.value[grid.index(x, y, z)] = 1e-3f;
+                        grid.value[grid.index(x, y, z)] = 2e-3f;
                     }
                 }
             }
