@@ -128,7 +128,7 @@ class Anatomy(support.Case):
             hashes.add(json.loads(done.stdout)["state_hash"])
         self.assertEqual(len(hashes), 1, "the same steps of the same patient end in different states")
 
-    def test_whole_a_newborn_cut_from_a_noisy_ct_is_intubated(self):
+    def test_a_newborn_cut_from_a_noisy_ct_is_intubated(self):
         ct = self.phantom(spacing=0.6)
         done = self.anatomy("segment", ct, "--out", self.folder / "labels.nrrd")
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -6,39 +6,12 @@
 #include <cmath>
 #include <queue>
 
+#include "common/mesh/components.hpp"
 #include "server/parallel/loops.hpp"
 
 namespace eti::imaging {
 
 namespace {
-
-/// Voxels that share a face with voxel `i`.
-template <class Visit>
-void for_each_neighbour(const Size& size, std::size_t i, const Visit& visit) {
-    const auto nx = static_cast<std::size_t>(size[0]);
-    const std::size_t slice = nx * static_cast<std::size_t>(size[1]);
-    const std::size_t all = slice * static_cast<std::size_t>(size[2]);
-    const std::size_t x = i % nx;
-    const std::size_t y = i % slice / nx;
-    if (x > 0) {
-        visit(i - 1);
-    }
-    if (x + 1 < nx) {
-        visit(i + 1);
-    }
-    if (y > 0) {
-        visit(i - nx);
-    }
-    if ((y + 1) * nx < slice) {
-        visit(i + nx);
-    }
-    if (i >= slice) {
-        visit(i - slice);
-    }
-    if (i + slice < all) {
-        visit(i + slice);
-    }
-}
 
 std::size_t count(const Size& size) {
     return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
@@ -203,40 +176,6 @@ Bits close(const Size& size, std::span<const std::uint8_t> mask, float radius) {
         }
     }
     return closed;
-}
-
-std::uint32_t Components::largest() const {
-    return static_cast<std::uint32_t>(std::max_element(voxels.begin(), voxels.end()) - voxels.begin());
-}
-
-Components components(const Size& size, std::span<const std::uint8_t> mask) {
-    Components found;
-    found.part.assign(mask.size(), 0);
-    found.voxels.push_back(0);
-    std::vector<std::size_t> open;
-    for (std::size_t seed = 0; seed < mask.size(); ++seed) {
-        if (mask[seed] == 0 || found.part[seed] != 0) {
-            continue;
-        }
-        const auto number = static_cast<std::uint32_t>(found.voxels.size());
-        std::size_t voxels = 0;
-        found.part[seed] = number;
-        open.assign(1, seed);
-        while (!open.empty()) {
-            const std::size_t i = open.back();
-            open.pop_back();
-            ++voxels;
-            const auto visit = [&](std::size_t other) {
-                if (mask[other] != 0 && found.part[other] == 0) {
-                    found.part[other] = number;
-                    open.push_back(other);
-                }
-            };
-            for_each_neighbour(size, i, visit);
-        }
-        found.voxels.push_back(voxels);
-    }
-    return found;
 }
 
 std::vector<float> smooth_within(const Size& size, std::span<const float> value,

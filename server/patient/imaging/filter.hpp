@@ -21,16 +21,6 @@ using Bits = std::vector<std::uint8_t>;
 /// Beyond the volume's faces lies empty space (the mask is padded), so that nothing grows along them.
 [[nodiscard]] Bits close(const Size& size, std::span<const std::uint8_t> mask, float radius);
 
-/// The parts of a mask that hang together through voxels' faces.
-struct Components {
-    std::vector<std::uint32_t> part;  ///< per voxel; 0 outside the mask, else the component's number
-    std::vector<std::size_t> voxels;  ///< per component; entry 0 stands for none and is 0
-
-    /// The largest component's number, 0 if there is none.
-    [[nodiscard]] std::uint32_t largest() const;
-};
-[[nodiscard]] Components components(const Size& size, std::span<const std::uint8_t> mask);
-
 /// Gaussian mean over the mask's voxels alone, so that what lies beside the mask does not bleed in
 /// (normalised convolution, Knutsson & Westin 1993). Outside the
 /// mask it is the mean of the mask's voxels in reach, 0 where there is none. `sigma` in voxels.

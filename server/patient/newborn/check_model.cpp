@@ -11,6 +11,7 @@
 
 #include "common/math/units.hpp"
 #include "common/mesh/check.hpp"
+#include "common/mesh/components.hpp"
 #include "common/mesh/distance.hpp"
 #include "common/model/landmark.hpp"
 #include "server/patient/newborn/build.hpp"
@@ -360,44 +361,42 @@ Invariant shell_has_no_hole(const Patient& patient) {
     // Farther back than the corners of a wide mouth.
     const float behind = std::max(gum.y(), rest_of(patient, Landmark::lower_gum).y()) + 0.2f * size;
     const float room = 0.02f * size;  // half as wide as the thinnest tube
-    const auto node_at = [&](const Vec3f& p) {
-        return std::array{std::lround((p.x() - grid.origin.x()) / grid.spacing),
-                          std::lround((p.y() - grid.origin.y()) / grid.spacing),
-                          std::lround((p.z() - grid.origin.z()) / grid.spacing)};
+    std::vector<std::uint8_t> free(grid.value.size(), 0);
+    const auto for_nodes = [&](const auto& visit) {
+        for (int z = 0; z < grid.size[2]; ++z) {
+            for (int y = 0; y < grid.size[1]; ++y) {
+                for (int x = 0; x < grid.size[0]; ++x) {
+                    visit(x, y, z, grid.index(x, y, z));
+                }
+            }
+        }
     };
-    const auto [nx, ny, nz] = grid.size;
-    std::vector<bool> reached(grid.value.size(), false);
-    std::vector<std::array<int, 3>> front;
+    for_nodes([&](int x, int y, int z, std::size_t i) {
+        free[i] = grid.value[i] > room && grid.node(x, y, z).y() >= behind ? 1 : 0;
+    });
+    const Components parts = components(grid.size, free);
+    std::vector<bool> within(parts.voxels.size(), false);
+    for (const Landmark inside : {Landmark::tongue_dorsum, Landmark::vallecula, Landmark::epiglottis_tip}) {
+        const Vec3f at = (rest_of(patient, inside) - grid.origin) / grid.spacing;
+        const Eigen::Array3i node = at.array().round().cast<int>();
+        if ((node >= 0).all() && (node < Eigen::Map<const Eigen::Array3i>(grid.size.data())).all()) {
+            within[parts.part[grid.index(node.x(), node.y(), node.z())]] = true;
+        }
+    }
+    within[0] = false;  // a landmark in the shell itself
     Faults out;
     std::size_t count = 0;
-    const auto reach = [&](int x, int y, int z) {
-        if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) {
+    for_nodes([&](int x, int y, int z, std::size_t i) {
+        if (!within[parts.part[i]]) {
             return;
         }
-        const std::size_t i = grid.index(x, y, z);
-        if (reached[i] || grid.value[i] <= room || grid.node(x, y, z).y() < behind) {
-            return;
-        }
-        reached[i] = true;
         ++count;
-        if (x == 0 || y == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1) {
+        if (x == 0 || y == 0 || x == grid.size[0] - 1 || y == grid.size[1] - 1 || z == grid.size[2] - 1) {
             out.add(grid.node(x, y, z));
         }
-        front.push_back({x, y, z});
-    };
-    for (const Landmark within : {Landmark::tongue_dorsum, Landmark::vallecula, Landmark::epiglottis_tip}) {
-        const auto start = node_at(rest_of(patient, within));
-        reach(static_cast<int>(start[0]), static_cast<int>(start[1]), static_cast<int>(start[2]));
-    }
-    while (!front.empty()) {
-        const auto [x, y, z] = front.back();
-        front.pop_back();
-        reach(x - 1, y, z);
-        reach(x + 1, y, z);
-        reach(x, y - 1, z);
-        reach(x, y + 1, z);
-        reach(x, y, z - 1);
-        reach(x, y, z + 1);
+    });
+    if (count == 0) {
+        out.add(rest_of(patient, Landmark::tongue_dorsum));  // the shell fills the mouth
     }
     return out.report("out of the mouth a way leads between the gums alone", count, "grid nodes");
 }

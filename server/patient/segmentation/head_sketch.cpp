@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/mesh/components.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/imaging/resample.hpp"
 #include "server/patient/newborn/newborn.hpp"
@@ -156,7 +157,7 @@ Sketch sketch_volume(const imaging::Volume& volume, const SegmentSettings& setti
         sketch.seen[i] = std::isnan(coarse.value[i]) ? 0 : 1;
         solid[i] = coarse.value[i] >= settings.air_below ? 1 : 0;
     }
-    const imaging::Components bodies = imaging::components(g.size, solid);
+    const Components bodies = components(g.size, solid);
     const std::uint32_t patient = bodies.largest();
     sketch.solid.assign(n, 0);
     for (std::size_t i = 0; i < n; ++i) {

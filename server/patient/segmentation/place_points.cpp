@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "server/patient/segmentation/place_points.hpp"
+#include "common/mesh/components.hpp"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -36,7 +37,7 @@ std::optional<Vec3d> find_mouth(const Geometry& g, const TissueMap& map, const H
                          ? 1
                          : 0;
     }
-    const imaging::Components patches = imaging::components(g.size, opening);
+    const Components patches = components(g.size, opening);
     std::vector<Vec3d> centre(patches.voxels.size(), Vec3d::Zero());
     for (std::size_t i = 0; i < opening.size(); ++i) {
         if (patches.part[i] != 0) {
@@ -91,7 +92,7 @@ std::vector<Vec3d> thickest_of_pieces(const Geometry& g, const Bits& bone, const
                                       const Vec3d& low, const Vec3d& high) {
     Bits cut(bone.size(), 0);
     for_each_in(g, bone, low, high, [&](std::size_t i, const Vec3d&) { cut[i] = 1; });
-    const imaging::Components pieces = imaging::components(g.size, cut);
+    const Components pieces = components(g.size, cut);
     std::vector<std::size_t> best(pieces.voxels.size(), bone.size());
     for (std::size_t i = 0; i < cut.size(); ++i) {
         std::size_t& b = best[pieces.part[i]];
@@ -112,7 +113,7 @@ Vec3d lowest_of_piece(const Geometry& g, const Bits& bone, const Vec3d& start, c
                       const Vec3d& high) {
     Bits cut(bone.size(), 0);
     for_each_in(g, bone, low, high, [&](std::size_t i, const Vec3d&) { cut[i] = 1; });
-    const imaging::Components pieces = imaging::components(g.size, cut);
+    const Components pieces = components(g.size, cut);
     const Vec3d at = g.to_index(start);
     const std::uint32_t own =
         pieces.part[g.index(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())),

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "common/mesh/components.hpp"
 #include "server/patient/imaging/level_set.hpp"
 #include "server/patient/imaging/resample.hpp"
 #include "server/patient/segmentation/organ_check.hpp"
@@ -409,7 +410,7 @@ void add_arches(const Work& work, const Vec3d& up, const Bits& mandible, Bits& s
     }
     constexpr double reach = 4e-3;    // [m], from the body to where the arch begins
     constexpr double largest = 2e-6;  // [m^3], of half an arch; the skull's pieces are larger
-    const imaging::Components pieces = imaging::components(g.size, rest);
+    const Components pieces = components(g.size, rest);
     const std::vector<float> to_spine = imaging::distance_to(g.size, spine);
     std::vector<std::uint8_t> near(pieces.voxels.size(), 0);
     for (std::size_t i = 0; i < rest.size(); ++i) {

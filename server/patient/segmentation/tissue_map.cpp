@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "server/patient/segmentation/tissue_map.hpp"
+#include "common/mesh/components.hpp"
 
 #include <fmt/format.h>
 #include <cmath>
@@ -17,7 +18,7 @@ using imaging::VolumeError;
 /// All of `open` that hangs together with the left, right, front and back faces of the volume. Above and
 /// below the scan may cut through the patient.
 Bits reached_from_sides(const Size& size, const Bits& open) {
-    const imaging::Components parts = imaging::components(size, open);
+    const Components parts = components(size, open);
     std::vector<std::uint8_t> beside(parts.voxels.size(), 0);
     std::size_t i = 0;
     for (int z = 0; z < size[2]; ++z) {
@@ -83,7 +84,7 @@ TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings
     for (std::size_t i = 0; i < n; ++i) {
         solid[i] = ct.value[i] >= settings.air_below ? 1 : 0;
     }
-    const imaging::Components bodies = imaging::components(g.size, solid);
+    const Components bodies = components(g.size, solid);
     const std::uint32_t patient = bodies.largest();
     Bits body(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -99,7 +100,7 @@ TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings
     for (std::size_t i = 0; i < n; ++i) {
         inner_air[i] = map.outside[i] == 0 && solid[i] == 0 ? 1 : 0;
     }
-    const imaging::Components spaces = imaging::components(g.size, inner_air);
+    const Components spaces = components(g.size, inner_air);
     std::vector<std::uint8_t> opens(spaces.voxels.size(), 0);
     for (std::size_t i = 0; i < n; ++i) {
         if (inner_air[i] != 0 && opens[spaces.part[i]] == 0 && touches(g, map.outside, i)) {
@@ -138,7 +139,7 @@ TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings
     }
     const auto least =
         static_cast<std::size_t>(static_cast<double>(settings.smallest_bone) / g.voxel_volume());
-    const imaging::Components bones = imaging::components(g.size, map.bone);
+    const Components bones = components(g.size, map.bone);
     for (std::size_t i = 0; i < n; ++i) {
         if (map.bone[i] != 0 && bones.voxels[bones.part[i]] < least) {
             map.bone[i] = 0;

@@ -75,16 +75,6 @@ TEST(Filter, ClosingFillsWhatTheBallCannotEnter) {
     });
 }
 
-TEST(Filter, ComponentsMeetAtFacesOnly) {
-    Bits mask = empty();
-    mask[at(1, 1, 1)] = mask[at(2, 1, 1)] = 1;
-    mask[at(3, 2, 1)] = 1;  // touches the first along an edge
-    const Components found = components(size, mask);
-    ASSERT_EQ(found.voxels.size(), 3u);
-    EXPECT_EQ(found.voxels[found.largest()], 2u);
-    EXPECT_NE(found.part[at(2, 1, 1)], found.part[at(3, 2, 1)]);
-}
-
 TEST(Filter, SmoothingWithinAMaskIgnoresTheRest) {
     Bits mask = empty();
     std::vector<float> value(mask.size(), -1000.0f);
