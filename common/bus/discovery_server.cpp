@@ -31,7 +31,7 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     std::vector<std::string> warnings;
     dds::DomainParticipantQos quality = discovery_server_quality(number, address, port, warnings);
     put_filter_before(quality.transport().user_transports, largest_datagram,
-                      std::make_shared<Admission>(false));
+                      std::make_shared<Admission>(false), options.profile);
     quality.name(options.name);
     for (const std::string& warning : warnings) {
         bus_log().warn("{}", warning);

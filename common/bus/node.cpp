@@ -124,7 +124,8 @@ Participant::Participant(const Options& wanted)
     auto quality = participant_quality(options, warnings_);
     apply_identity(options, quality, warnings_);
     put_filter_before(quality.transport().user_transports,
-                      options.identity.empty() ? largest_datagram : largest_secured_datagram, admission_);
+                      options.identity.empty() ? largest_datagram : largest_secured_datagram, admission_,
+                      options.profile);
     auto& discovery = quality.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {

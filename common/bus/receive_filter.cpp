@@ -5,11 +5,10 @@
 #include <fastdds/rtps/network/SenderResource.h>
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#include <fastdds/rtps/transport/TCPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/TCPv6TransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv6TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdlib>
 #include <string_view>
@@ -132,7 +131,7 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered_as(
 
 std::shared_ptr<transport::TransportDescriptorInterface> filtered(
     const std::shared_ptr<transport::TransportDescriptorInterface>& given, std::uint32_t largest,
-    const Questions& ask) {
+    const Questions& ask, const std::string& profile) {
     const auto as = [&]<class... Kinds>() {
         std::shared_ptr<transport::TransportDescriptorInterface> out;
         (void)((out = filtered_as<Kinds>(*given, largest, ask)) || ...);
@@ -140,11 +139,13 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
     };
     auto out =
         as.template operator()<transport::UDPv4TransportDescriptor, transport::SharedMemTransportDescriptor,
-                               transport::UDPv6TransportDescriptor, transport::TCPv4TransportDescriptor,
-                               transport::TCPv6TransportDescriptor>();
+                               transport::UDPv6TransportDescriptor>();
     if (!out) {
-        throw BusError(
-            "the profile names a transport that is neither UDP nor TCP nor shared memory; use one of these");
+        throw BusError(fmt::format(
+            "{}: names a transport that is neither UDP nor shared memory; use one of these. Over "
+            "TCP this release of the DDS library crashes: a network that lets no UDP through needs "
+            "a tunnel for it (docs/network.md)",
+            profile));
     }
     return out;
 }
@@ -152,10 +153,11 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 }  // namespace
 
 void put_filter_before(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
-                       std::uint32_t largest_datagram, const std::shared_ptr<const Admission>& admission) {
+                       std::uint32_t largest_datagram, const std::shared_ptr<const Admission>& admission,
+                       const std::string& profile) {
     const Questions ask{admission};
     for (auto& one : transports) {
-        one = filtered(one, largest_datagram, ask);
+        one = filtered(one, largest_datagram, ask, profile);
     }
 }
 
