@@ -18,7 +18,8 @@ import soak
 # Each: rows of a table, from the options.
 TABLES = {
     "latency": lambda o: latency.measure(o.bin, 2, (20,), (0, 5)) if o.quick else latency.measure(o.bin, 10),
-    "joins": lambda o: joins.measure(o.bin, 3, joins.LINKS[1:2]) if o.quick else joins.measure(o.bin, o.tries),
+    "joins": lambda o: (joins.measure(o.bin, 3, joins.LINKS[1:2], ("UDP, loopback",)) if o.quick
+                        else joins.measure(o.bin, o.tries)),
     "scenes": lambda o: scenes.measure(o.bin, 6, (20,), (5,)) if o.quick else scenes.measure(o.bin, 12),
     "observers": lambda o: observers.measure(o.bin, 3, (0, 2)) if o.quick else observers.measure(o.bin, 15),
     "soak": lambda o: soak.measure(o.bin, o.soak, o.out / "bus-soak.log"),

@@ -45,10 +45,10 @@ def row(where, how, count, times):
     return out
 
 
-def measure(bin_folder, count, links=LINKS):
+def measure(bin_folder, count, links=LINKS, local=tuple(runs.LOCAL)):
     """Rows for every place, joins and rejoins."""
     rows = []
-    places = [(name, ("alone",), None, meet, "alone") for name, meet in runs.LOCAL.items()]
+    places = [(name, ("alone",), None, runs.LOCAL[name], "alone") for name in local]
     places += [(name, ("server", "device"), {"delay": delay, "loss": loss}, None, "device")
                for name, delay, loss in links]
     for where, names, medium, meet, host in places:
