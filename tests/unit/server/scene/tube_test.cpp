@@ -249,7 +249,8 @@ TEST_F(TubeContactTest, TheHandFeelsWhatTheTubeMeets) {
     EXPECT_NEAR(push(4e-3f), free, 1e-3f);
 }
 
-/// A place in the newborn where a tube lies on an arc from before the lips to its tip at a landmark.
+/// A place in the newborn where a tube lies on an arc from before the lips to its tip at a landmark, or
+/// beyond.
 struct Lying {
     const char* name;
     Landmark tip;
@@ -257,6 +258,7 @@ struct Lying {
     float radius;  ///< [m], of the arc
     const char* of;
     float youngs_modulus;  ///< [Pa]
+    float beyond = 0.0f;   ///< [m], of the arc
 };
 
 /// A hand that holds a tracked tube feels nothing and pushes on where there is no way.
@@ -272,8 +274,9 @@ class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Ly
         axes.col(0) = Vec3f::UnitX();
         axes.col(2) = Vec3f(0, std::cos(turned), -std::sin(turned));
         axes.col(1) = axes.col(2).cross(axes.col(0));
-        const RigidTransform tip{Quatf(axes),
-                                 newborn.landmarks[static_cast<std::size_t>(GetParam().tip)].rest};
+        const RigidTransform landmark{Quatf(axes),
+                                      newborn.landmarks[static_cast<std::size_t>(GetParam().tip)].rest};
+        const RigidTransform tip = landmark * along_arc(1.0f / GetParam().radius, GetParam().beyond);
         // The fingers hold it 15 mm before the lips.
         const float lips = newborn.landmarks[static_cast<std::size_t>(Landmark::mouth_opening)].rest.y();
         float length = 0.0f;
@@ -349,6 +352,7 @@ std::vector<Lying> everywhere() {
         all.push_back({"trachea", Landmark::trachea_mid, 1.59f, 52e-3f, of, modulus});
         all.push_back({"carina", Landmark::carina, 1.64f, 74e-3f, of, modulus});
         all.push_back({"gullet", Landmark::oesophagus_mid, 1.51f, 58e-3f, of, modulus});
+        all.push_back({"lowestGullet", Landmark::oesophagus_mid, 1.51f, 58e-3f, of, modulus, 10e-3f});
     }
     return all;
 }
