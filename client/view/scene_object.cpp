@@ -99,7 +99,7 @@ bool read_skin(const msg::SceneDescription& message, RestSurface& surface, std::
         }
         for (std::size_t k = 0; k < frames_per_point; ++k) {
             const bool used = weights[first + k] > 0;
-            // Normalised here, so that rounding to 1/255 neither shrinks nor swells the surface.
+            // Normalised here, so that rounding neither shrinks nor swells the surface.
             surface.skin[v].weight[k] = static_cast<float>(weights[first + k]) / static_cast<float>(sum);
             surface.skin[v].frame[k] = used ? frames[first + k] : std::uint16_t{0};
             surface.highest_frame = std::max(surface.highest_frame, surface.skin[v].frame[k]);

@@ -14,7 +14,7 @@ namespace msg = ::eti::msg;
 /// Raised when a message or a topic changes so that older programs would misread it. Programs of different
 /// protocols do not meet; self_check() says so, with both versions. New keys of a SessionDescription do not
 /// count.
-inline constexpr int protocol = 6;
+inline constexpr int protocol = 7;
 
 /// From whom samples of a topic are taken.
 enum class Source : std::uint8_t {

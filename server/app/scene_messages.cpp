@@ -23,8 +23,8 @@ constexpr std::uint32_t refresh_states = 45;
 constexpr std::size_t frames_per_chunk = msg::bound::DeformationState_frames;
 constexpr std::size_t frames_in_first_chunk = 24;
 
-std::uint8_t quantised(float weight) {
-    return static_cast<std::uint8_t>(std::lround(weight * 255.0f));
+std::uint16_t quantised(float weight) {
+    return static_cast<std::uint16_t>(std::lround(weight * 65535.0f));
 }
 
 std::int16_t quantised_unit(float x) {

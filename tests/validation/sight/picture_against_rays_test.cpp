@@ -123,7 +123,7 @@ class PictureAgainstRays : public ::testing::Test {
             const Vec3f rest = carried.map.linear.transpose() * (before - carried.map.offset);
             object.vertices().insert(object.vertices().end(), rest.data(), rest.data() + 3);
             object.skin_frame().insert(object.skin_frame().end(), frames_per_point, 0);
-            object.skin_weight().push_back(255);
+            object.skin_weight().push_back(65535);
             object.skin_weight().insert(object.skin_weight().end(), frames_per_point - 1, 0);
         }
         const auto count = static_cast<std::uint32_t>(points.size()) - 1;

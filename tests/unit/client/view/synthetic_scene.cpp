@@ -103,7 +103,7 @@ msg::SceneDescription surface(const std::string& name, Tissue tissue, const Tria
         object.skin_frame().resize(object.skin_frame().size() + frames_per_point);
         object.skin_weight().resize(object.skin_weight().size() + frames_per_point);
         *(object.skin_frame().end() - frames_per_point) = on_skull ? skull : frame;
-        *(object.skin_weight().end() - frames_per_point) = 255;
+        *(object.skin_weight().end() - frames_per_point) = 65535;
     }
     return object;
 }
