@@ -53,8 +53,8 @@ inline constexpr std::size_t most_triangles = std::size_t{1} << 20;
 /// left out.
 [[nodiscard]] std::uint32_t packed(const FinerInstance& face);
 
-/// No bend goes farther from the flat triangle [m], so that what is drawn stays within about a tenth
-/// of a millimetre of what the server measures: rounding on the wire takes up to 0.082 mm of that.
+/// No bend goes farther from the flat triangle [m], so that what is drawn stays well within a tenth of a
+/// millimetre of what the server measures.
 inline constexpr float most_bend = 0.035e-3f;
 
 /// The corners' shares in a place of the grid, `i` steps towards corner 1 and `j` towards corner 2. On an

@@ -321,7 +321,7 @@ std::vector<Outline> outlines(const Shapes& shapes, const Raster& raster, double
             length += long_px;
             fine += long_px < pixels ? long_px : 0.0;
         }
-        if (length >= pixels) {
+        if (length >= 2.0 * pixels) {
             all.push_back({shape.name, 100.0 * fine / length, length});
         }
     }

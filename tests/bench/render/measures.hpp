@@ -71,8 +71,8 @@ struct Stretch {
 };
 [[nodiscard]] Stretch edge_stretch(const Shapes& shapes);
 
-/// Of an organ's outlines in sight, the share [%] of their length in edges shorter than `pixels`; NaN where
-/// less than `pixels` are in sight.
+/// Of an organ's outlines in sight, the share [%] of their length in edges shorter than `pixels`. Where less
+/// than twice that is in sight the organ is left out: one edge would decide.
 struct Outline {
     std::string name;
     double fine_percent = 0.0;

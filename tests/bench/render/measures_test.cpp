@@ -145,6 +145,13 @@ TEST(Measures, AFinerSphereHasAFinerOutline) {
     EXPECT_EQ(of(b).fine_percent, 100.0);
 }
 
+// About a circle of 2 pixels, which is 12 pixels long.
+TEST(Measures, AnOutlineOfAFewPixelsHasNoShares) {
+    Stage stage{{sphere(Vec3f::Zero(), 0.001f, 12)}, {}};
+    const Shapes shapes = stage.shapes();
+    EXPECT_TRUE(outlines(shapes, raster_of(shapes, from_front(0.3f), 400, 400), 10.0).empty());
+}
+
 TEST(Measures, APlaneCutsASphereInOneClosedContour) {
     Stage stage{{sphere(Vec3f::Zero(), 0.05f, 24)}, {}};
     auto contours = section_contours(stage.shapes(), Vec3f(1e-3f, 0.0f, 0.0f), Vec3f::UnitX());
