@@ -225,7 +225,7 @@ double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camer
     const Eigen::Matrix4f view_projection = projected(camera, width, height);
     Raster blade(width, height, view_projection, camera.eye);
     blade.draw(shapes.blade_triangles, shapes.blade, Shapes::blade_id);
-    std::vector<std::uint8_t> within(blade.hits().size(), 0);
+    std::vector<std::uint8_t> within(blade.hits().size(), 0), hidden(blade.hits().size(), 0);
     std::vector<std::int8_t> entered(blade.hits().size());
     for (const Shape& shape : shapes.organs) {
         if (shape.bone) {
@@ -238,7 +238,9 @@ double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camer
                   {shape.vertices[t[0]], shape.vertices[t[1]], shape.vertices[t[2]]},
                   [&](int x, int y, float depth) {
                       if (depth < blade.at(x, y).depth && blade.at(x, y).object >= 0) {
-                          entered[static_cast<std::size_t>(y * width + x)] += into;
+                          const auto i = static_cast<std::size_t>(y * width + x);
+                          entered[i] += into;
+                          hidden[i] |= into < 0 ? 1 : 0;
                       }
                   });
         }
@@ -248,7 +250,10 @@ double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camer
             }
         }
     }
-    const auto count = std::ranges::count(within, 1);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < within.size(); ++i) {
+        count += within[i] != 0 && hidden[i] == 0 ? 1 : 0;
+    }
     return 100.0 * static_cast<double>(count) / static_cast<double>(within.size());
 }
 

@@ -59,8 +59,8 @@ struct Shapes {
 /// Shading::object_id_both_sides.
 [[nodiscard]] double back_faces_percent(const render::Image& ids);
 
-/// Share of the pixels [%] in which the blade's face lies within an organ: a ray from the eye to it has
-/// entered that organ once more than left it.
+/// Share of the pixels [%] in which one sees an organ where the blade should be: a ray from the eye to the
+/// blade's face has entered that organ, and left nothing that would hide the blade anyway.
 [[nodiscard]] double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camera, int width,
                                              int height);
 

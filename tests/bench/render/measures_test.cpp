@@ -120,6 +120,9 @@ TEST(Measures, ABladeWithinTissueIsFoundAndOneBehindItIsNot) {
     EXPECT_GT(blade_in_tissue_percent(within.shapes(1), from_front(0.3f), 100, 100), 1.0);
     EXPECT_EQ(blade_in_tissue_percent(behind.shapes(1), from_front(0.3f), 100, 100), 0.0);
     EXPECT_EQ(blade_in_tissue_percent(before.shapes(1), from_front(0.3f), 100, 100), 0.0);
+    // A cheek before it hides it, whatever it lies in.
+    Stage hidden{{sphere(Vec3f(0.0f, 0.0f, 0.12f), 0.05f, 24), organ, sphere(Vec3f::Zero(), 0.02f, 24)}, {}};
+    EXPECT_EQ(blade_in_tissue_percent(hidden.shapes(2), from_front(0.3f), 100, 100), 0.0);
 }
 
 TEST(Measures, StretchIsWhatAMeshIsPulledBy) {
