@@ -59,7 +59,7 @@ void CoarseLevel::number_nodes(std::span<const Eigen::Vector4f> rest, std::span<
     elastic_.setZero(nodes, nodes);
     matrix_.setZero(nodes, nodes);
     motion_.setZero(nodes, 4);
-    factor_ = Eigen::LLT<Eigen::MatrixXf>(nodes);
+    factor_.compute(Eigen::MatrixXf::Identity(nodes, nodes));  // takes its memory
 }
 
 void CoarseLevel::add_tetrahedra(const Tetrahedra& mesh, float times) {
