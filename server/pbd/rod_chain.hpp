@@ -15,7 +15,10 @@ namespace eti::pbd {
 /// Cholesky from the rear to the front): the chain is solved at once, whatever its stiffness.
 class RodChain {
   public:
-    explicit RodChain(std::size_t blocks) : pivot_(blocks), link_(blocks), factor_(blocks) {}
+    /// Factors of something, as Eigen leaves part of an empty one unset, and a rod may be copied before its
+    /// first step.
+    explicit RodChain(std::size_t blocks)
+        : pivot_(blocks), link_(blocks), factor_(blocks, Eigen::LLT<Mat6d>(Mat6d(Mat6d::Identity()))) {}
 
     [[nodiscard]] std::size_t size() const { return pivot_.size(); }
 
