@@ -212,25 +212,26 @@ TEST_F(Profile, NotXml) {
     }
 }
 
-TEST_F(Profile, WrongName) {
+/// The good profile with `old` as `by`, and its transport under another name: the library keeps the
+/// transports of every file it has read.
+std::string changed_profile(const std::string& old, const std::string& by, const std::string& transport) {
     std::string text = good_profile;
-    text.replace(text.find("\"eti\""), 5, "\"lab\"");
-    // The library keeps the transports of every file it has read.
+    text.replace(text.find(old), old.size(), by);
     const std::string shared = "transport_id>udp";
     for (std::size_t at = text.find(shared); at != std::string::npos; at = text.find(shared)) {
-        text.replace(at, shared.size(), "transport_id>other");
+        text.replace(at, shared.size(), "transport_id>" + transport);
     }
+    return text;
+}
+
+TEST_F(Profile, WrongName) {
+    const std::string text = changed_profile("\"eti\"", "\"lab\"", "other");
     EXPECT_THAT(failure_of(with(text)), AllOf(HasSubstr("profile.xml"), HasSubstr("profile_name=\"eti\"")));
 }
 
 // Programs crashed over it in one meeting of seven (docs/decisions/0230).
 TEST_F(Profile, TcpIsRefused) {
-    std::string text = good_profile;
-    text.replace(text.find("UDPv4"), 5, "TCPv4");
-    const std::string shared = "transport_id>udp";
-    for (std::size_t at = text.find(shared); at != std::string::npos; at = text.find(shared)) {
-        text.replace(at, shared.size(), "transport_id>tcp");
-    }
+    const std::string text = changed_profile("UDPv4", "TCPv4", "tcp");
     EXPECT_THAT(
         failure_of(with(text)),
         AllOf(HasSubstr("profile.xml"), HasSubstr("neither UDP nor shared memory"), HasSubstr("tunnel")));
