@@ -20,6 +20,8 @@ const Vec3f neck_joint(0.0f, -12.0f, 2.0f);
 const Vec3f gum_crest(0.0f, 45.5f, -6.9f);
 // How far a tongue can be pressed into the floor of the mouth where nothing firm is nearer.
 constexpr float soft_floor = 9.0f;
+// How far mucosa over bone gives way.
+constexpr float over_bone = 0.4f;
 
 /// The cranium's size against that of an isometrically grown head.
 float cranium_of(const NewbornShape& shape) {
@@ -195,8 +197,12 @@ Vec3f Newborn::head_growth(const Vec3f& point) const {
 
 float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     const Vec3f p = to_model(point);
-    const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate}) / scale_;
-    float offset = 0.4f + 1.1f * smoothstep(0.0f, 2.0f, bony);
+    // The tongue grows from the mandible, and its field goes on within: bone holds a tool there, too.
+    const float root = std::max(fields.tongue, fields.mandible);
+    const float hollow =
+        std::min(fields.cavity, std::max(fields.tongue, scale_ * over_bone - fields.mandible));
+    const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate, root}) / scale_;
+    float offset = over_bone + 1.1f * smoothstep(0.0f, 2.0f, bony);
     // Lips are lifted aside.
     const float lips = smoothstep(45.5f, 49.0f, p.y()) * (1.0f - smoothstep(18.0f, 24.0f, std::fabs(p.x()))) *
                        smoothstep(-26.0f, -20.0f, p.z()) * (1.0f - smoothstep(2.0f, 8.0f, p.z()));
@@ -204,7 +210,7 @@ float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     // Floor of the mouth and the tissue before the tongue's root are as soft as the tongue that is pressed
     // into them: the shell keeps a tongue from mandible and skin, not from them.
     const Vec3f half = turn_about_jaw(p, rest_jaw_deg_ * 0.5f);
-    const float depth = std::min(fields.cavity, fields.tongue) / scale_;
+    const float depth = hollow / scale_;
     const float firm = std::min({fields.mandible, fields.skull, fields.spine, fields.lower_gum}) / scale_;
     const float soft = std::min({soft_floor, depth - fields.skin / scale_ - 2.5f, depth + firm - 1.0f});
     const float floor = smoothstep(2.0f, 8.0f, p.y()) * (1.0f - smoothstep(38.0f, 43.0f, p.y())) *
@@ -221,8 +227,7 @@ float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     const float in_larynx = 0.7f + 0.9f * cords * (1.0f - ring);
     offset += laryngeal * (in_larynx - offset);
     skin_offset += laryngeal * (in_larynx - skin_offset);
-    return std::max(fields.skin + scale_ * skin_offset,
-                    scale_ * offset - std::min(fields.cavity, fields.tongue));
+    return std::max(fields.skin + scale_ * skin_offset, scale_ * offset - hollow);
 }
 
 std::array<Vec3f, landmark_count> Newborn::landmarks() const {

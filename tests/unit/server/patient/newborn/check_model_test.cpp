@@ -199,6 +199,10 @@ TEST(CheckModel, FindsWrongWeightsFramesDistancesAndLandmarks) {
         float& deep = *std::ranges::min_element(p.shell.distance.value);
         deep = -deep;
     });
+    expect_fault("the shell lies inside tissue or mandible", [](Patient& p) {
+        p.shell.mesh.vertices[7] =
+            p.landmarks[static_cast<std::size_t>(Landmark::tongue_dorsum)].rest - Vec3f(0, 0, 5e-3f);
+    });
     expect_fault("distances are zero on its mesh", [](Patient& p) {
         for (float& d : p.shell.distance.value) {
             d -= 4e-3f;

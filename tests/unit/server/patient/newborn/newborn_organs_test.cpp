@@ -142,6 +142,29 @@ TEST(NewbornOrgans, FalseCordsLieAboveTheVentricleAndLeaveMoreRoomThanTheTrueOne
     }
 }
 
+// The tongue grows from the mandible: what presses it flat there ends on bone.
+TEST(NewbornOrgans, TheMandibleHoldsABladeBehindTheTongue) {
+    for (const auto& [name, shape] : shapes()) {
+        const Newborn newborn(shape);
+        int within = 0;
+        for (float x = -15.0f; x <= 15.0f; x += 1.0f) {
+            for (float y = 0.0f; y <= 48.0f; y += 1.0f) {
+                for (float z = -32.0f; z <= 12.0f; z += 1.0f) {
+                    const Vec3f point = newborn.from_model({x, y, z});
+                    const Fields f = newborn.fields(point);
+                    if (f.tongue > 0.0f || f.cavity < 0.0f || f.mandible > 0.0f) {
+                        continue;
+                    }
+                    ++within;
+                    ASSERT_LT(newborn.shell_field(point, f), 0.0f)
+                        << name << ": a tool is let through at " << x << " " << y << " " << z << " mm";
+                }
+            }
+        }
+        EXPECT_GT(within, 20) << name;
+    }
+}
+
 TEST(NewbornOrgans, TheGlottisIsWideBehindAndPointedInFront) {
     const Place place{NewbornShape()};
     const Vec3f front = place.landmark(Landmark::glottis_anterior);
