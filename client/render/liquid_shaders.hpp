@@ -14,6 +14,7 @@ layout(location = 0) in vec4 from;      // place [m], radius of the thread [m]
 layout(location = 1) in vec4 to;        // place [m], what the bead adds to the radius [m]
 #else
 layout(location = 0) in vec3 position;
+layout(location = 1) in float share;    // of a whole sphere's radius
 uniform float radius;       // [m]
 #endif
 uniform mat4 view;
@@ -30,7 +31,7 @@ void main() {
     float end = aside * aside * aside * aside;
     size = from.w * (1.0 + 2.0 * end * end) + to.w * exp(-60.0 * aside * aside);
 #else
-    size = radius;
+    size = share * radius;
 #endif
     vec4 p = view * vec4(position, 1.0);
     centre = p.xyz;

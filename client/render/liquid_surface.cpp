@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -81,6 +82,14 @@ struct PackedString {
 };
 static_assert(sizeof(PackedString) == 32);
 
+// Of a whole sphere's radius: a drop that is alone has a particle's volume, a cube of its spacing; amid
+// others spheres overlap.
+std::uint8_t share_of(float crowd) {
+    constexpr float alone = 0.62f, amid = 4.0f;
+    const float t = std::min(crowd / amid, 1.0f);
+    return static_cast<std::uint8_t>(std::lround(255.0f * std::lerp(alone, 1.0f, t * t * (3.0f - 2.0f * t))));
+}
+
 // Beads gather as a thread drains (Bhat et al. 2010, Nature Physics 6:625).
 float bead_of(const view::LiquidString& string) {
     return 1.2f * string.radius() * std::min(string.age / 0.5f, 1.0f);
@@ -128,6 +137,9 @@ LiquidSurface::LiquidSurface()
     glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
     glEnableVertexAttribArray(0);
     glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+    glBindBuffer(GL_ARRAY_BUFFER, shares_.name());
+    glEnableVertexAttribArray(1);
+    glVertexAttribPointer(1, 1, GL_UNSIGNED_BYTE, GL_TRUE, 1, nullptr);
     glBindVertexArray(string_array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, strings_.name());
     for (GLuint end = 0; end < 2; ++end) {
@@ -157,6 +169,11 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     for (const Vec3f& p : particles_) {
         box_.extend(p);
     }
+    crowds_.count(positions, spacing);
+    std::vector<std::uint8_t> shares(positions.size());
+    std::ranges::transform(crowds_.crowds(), shares.begin(), share_of);
+    glBindBuffer(GL_ARRAY_BUFFER, shares_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(shares.size()), shares.data(), GL_STREAM_DRAW);
     std::vector<PackedString> strings;
     for (const view::LiquidString& string : detail.strings().strings()) {
         strings.push_back({string.from.place, string.radius(), string.to.place, bead_of(string)});

@@ -14,6 +14,7 @@
 #include "client/render/liquid_look.hpp"
 #include "client/render/shader_family.hpp"
 #include "client/render/shader_program.hpp"
+#include "client/view/liquid_crowds.hpp"
 #include "client/view/liquid_detail.hpp"
 
 namespace eti::render {
@@ -70,7 +71,8 @@ class LiquidSurface {
     ShaderProgram smooth_;
     ShaderFamily surface_;
     VertexArray array_, string_array_, no_attributes_;
-    Buffer positions_, strings_;
+    Buffer positions_, shares_, strings_;
+    view::LiquidCrowds crowds_;
     FoamDrawing foam_;
     std::vector<Vec3f> particles_, extent_;  // extent: all that may be drawn lies about these
     GLsizei string_count_ = 0;

@@ -38,6 +38,8 @@ vec3 without_lights(Surface s, vec3 v) {
     float rim = 1.0 - clamp(dot(s.coat, v), 0.0, 1.0);
     return s.open * (s.albedo * ambient(s.n) + (0.03 + 0.12 * s.wet) * rim * rim * rim * ambient(reflect(-v, s.coat)));
 }
+// What comes from lit walls about: in a throat no shadow of the lamp's is black.
+vec3 from_walls(Surface s, vec3 lamp) { return 0.1 * s.albedo * s.albedo * lamp; }
 float openness(float sky) { return mix(1.0, mix(0.06, 1.0, sky), occlusion); }
 void wet_by(float film, vec3 stain, inout Surface s) {
     s.wet = max(s.wet, film);
@@ -76,6 +78,7 @@ void light_vertex() {
 #endif
 #if LIGHTS > 1
     Arriving lamp = unhindered(1, world);
+    unshaded += from_walls(s, lamp.colour);
     lit = lamp.colour * thrown_back(s, v, lamp.direction);
 #ifdef LAMP_SHADOW
     from_lamp = lit;
@@ -174,6 +177,9 @@ void main() {
     s.albedo *= 0.94 + 0.12 * swell.x;
 #endif
     vec3 sum = without_lights(s, v);
+#if LIGHTS > 1
+    sum += from_walls(s, unhindered(1, world).colour);
+#endif
     for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
 #ifndef ROOM_SHADOW

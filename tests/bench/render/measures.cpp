@@ -394,7 +394,7 @@ double opening_in_picture(const Raster& raster, const render::Camera& camera, st
 }
 
 Luminances luminances(const render::Image& picture, const Raster& raster, const Shapes& shapes,
-                      const render::Camera& camera, std::span<const Vec3f> contour) {
+                      const render::Camera& camera, std::span<const Vec3f> contour, float within) {
     constexpr float below = 0.5e-3f;  // [m]
     Mean cords, lumen, tongue;
     std::vector<std::uint8_t> in_opening(raster.hits().size(), 0);
@@ -407,6 +407,10 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
     for (int y = 0; y < raster.height(); ++y) {
         for (int x = 0; x < raster.width(); ++x) {
             const Hit& hit = raster.at(x, y);
+            if (std::hypot(2 * x - raster.width(), 2 * y - raster.height()) >
+                within * static_cast<float>(raster.height())) {
+                continue;
+            }
             const double light = luminance(picture.pixel(x, y));
             if (in_opening[static_cast<std::size_t>(y * raster.width() + x)] != 0) {
                 lumen.add(light);

@@ -93,13 +93,14 @@ struct Contours {
 [[nodiscard]] double opening_in_picture(const Raster& raster, const render::Camera& camera,
                                         std::span<const Vec3f> contour, float tolerance);
 
-/// Mean luminance (Rec. 709 of linear light, 0 to 1) of what is seen of cords, lumen below them, and tongue;
-/// NaN where fewer than 20 pixels are seen.
+/// Mean luminance (Rec. 709 of linear light, 0 to 1) of what is seen of cords, lumen below them, and tongue,
+/// `within` so many half heights of the picture's middle; NaN where fewer than 20 pixels are seen.
 struct Luminances {
     double cords = 0.0, lumen = 0.0, tongue = 0.0;
 };
 [[nodiscard]] Luminances luminances(const render::Image& picture, const Raster& raster, const Shapes& shapes,
-                                    const render::Camera& camera, std::span<const Vec3f> contour);
+                                    const render::Camera& camera, std::span<const Vec3f> contour,
+                                    float within);
 
 /// Share of the pixels [%] that differ by more than `levels` of 256 in a channel; 100 where the sizes differ.
 [[nodiscard]] double pixels_apart_percent(const render::Image& a, const render::Image& b, int levels);

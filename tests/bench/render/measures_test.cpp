@@ -125,6 +125,23 @@ TEST(Measures, ABladeWithinTissueIsFoundAndOneBehindItIsNot) {
     EXPECT_EQ(blade_in_tissue_percent(hidden.shapes(2), from_front(0.3f), 100, 100), 0.0);
 }
 
+// Two tongues, a black one in the middle and a white one beside it.
+TEST(Measures, LightIsMeasuredWithinALensDisc) {
+    Stage stage{{sphere(Vec3f::Zero(), 0.02f, 24), sphere(Vec3f(0.08f, 0.0f, 0.0f), 0.02f, 24)}, {}};
+    Shapes shapes = stage.shapes();
+    for (Shape& shape : shapes.organs) {
+        std::ranges::fill(shape.triangle_tissue, Tissue::tongue);
+    }
+    const render::Camera camera = from_front(0.3f);
+    render::Image picture{.width = 100, .height = 100, .rgba = std::vector<std::uint8_t>(40000, 0)};
+    for (std::size_t p = 0; p < picture.rgba.size(); ++p) {
+        picture.rgba[p] = p / 4 % 100 < 65 ? 0 : 255;
+    }
+    const Raster raster = raster_of(shapes, camera, 100, 100);
+    EXPECT_NEAR(luminances(picture, raster, shapes, camera, {}, 2.0f).tongue, 0.5, 0.1);
+    EXPECT_EQ(luminances(picture, raster, shapes, camera, {}, 0.3f).tongue, 0.0);
+}
+
 TEST(Measures, StretchIsWhatAMeshIsPulledBy) {
     const TriangleMesh corner{
         {{0.0f, 0.0f, 0.0f}, {1e-3f, 0.0f, 0.0f}, {0.0f, 1e-3f, 0.0f}, {0.0f, 0.0f, 1e-3f}},

@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include <fstream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -294,8 +295,10 @@ class Bench {
                 const Raster raster =
                     raster_of(held_aside(shapes, lip_retraction(camera.eye, scene.landmarks())), camera,
                               options_.width, options_.height);
+                // Beyond this a vignette takes more than half of the light.
+                const float within = view.tone.vignette > 0.0f ? 1.1f : std::numeric_limits<float>::max();
                 const Luminances light =
-                    luminances(picture, raster, shapes, camera, moment.snapshot.glottis_contour);
+                    luminances(picture, raster, shapes, camera, moment.snapshot.glottis_contour, within);
                 add(view.name, "lumen_to_cords", light.lumen / light.cords);
                 add(view.name, "lumen_to_tongue", light.lumen / light.tongue);
             }

@@ -69,6 +69,36 @@ TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
               picture(named("section"), wet, Shading::object_id).rgba);
 }
 
+// A particle stands for a cube of its spacing: alone it is a sphere of that volume, 0.62 spacings in radius.
+TEST_F(LiquidPicture, ADropThatIsAloneHasItsVolume) {
+    constexpr float spacing = 6e-3f;
+    const View& view = named("overview");
+    msg::SessionDescription description = source_.description;
+    description.liquid("blood");  // of which no pixel is overlooked
+    view::SceneView wet = scene_;
+    wet.apply(description);
+    const Vec3f place = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    msg::FluidState message;
+    bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), spacing, std::vector{place}}, 0,
+                         message);
+    ASSERT_TRUE(wet.apply(message));
+    wet.update();
+    const render::Image dry = picture(view, scene_, Shading::lit);
+    const render::Image drop = picture(view, wet, Shading::lit);
+    int changed = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            changed += std::memcmp(dry.pixel(x, y), drop.pixel(x, y), 3) != 0 ? 1 : 0;
+        }
+    }
+    const Eigen::Matrix4f projection =
+        view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
+    const float radius = 0.62f * spacing * 0.5f * height * projection.block<1, 3>(1, 0).norm() /
+                         (projection * place.homogeneous()).w();
+    const float area = 3.14159f * radius * radius;
+    EXPECT_NEAR(static_cast<float>(changed), area, 0.2f * area + 3.14159f * radius) << "half a pixel of rim";
+}
+
 // Two drops that clash before the mouth and part again: foam and threads are seen, about the liquid alone,
 // and they are gone once nothing has moved for longer than a bubble lives.
 TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "client/view/liquid_crowds.hpp"
 #include "common/math/random.hpp"
 
 namespace eti {
@@ -51,6 +52,20 @@ TEST(LiquidCells, FindsEverybodyNear) {
         EXPECT_EQ(near, expected);
         EXPECT_LT(visits, points.size()) << "all of them are no search";
     }
+}
+
+// A cube's lattice: six neighbours at a spacing within, three at a corner; a particle apart is alone.
+TEST(LiquidCrowds, TellDropsFromLiquid) {
+    std::vector<Vec3f> points = block(3);
+    points.emplace_back(4.6f * spacing, 0.0f, 0.0f);
+    view::LiquidCrowds liquid;
+    liquid.count(points, spacing);
+    // Those on a face's diagonal, at the square root of two, count 2 (1.5 - 1.414) each.
+    EXPECT_NEAR(liquid.crowds()[13], 6.0f + 12.0f * 0.1716f, 1e-3f);
+    EXPECT_NEAR(liquid.crowds()[0], 3.0f + 3.0f * 0.1716f, 1e-3f);
+    EXPECT_EQ(liquid.crowds().back(), 0.0f);
+    liquid.count({}, spacing);
+    EXPECT_TRUE(liquid.crowds().empty());
 }
 
 // Reference: a body that turns and falls, whose velocities are known; its particles come in another order in
