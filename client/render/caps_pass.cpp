@@ -127,8 +127,10 @@ void CapsPass::draw_organ(const Drawing& drawing, PatientMesh& patient, std::siz
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthMask(GL_FALSE);
     glStencilFunc(GL_ALWAYS, 0, 0xff);
-    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
-    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+    // Inside counts as one from either side of the plane.
+    const bool from_kept = drawing.clip_plane.dot(drawing.camera.eye.homogeneous()) > 0.0f;
+    glStencilOpSeparate(from_kept ? GL_FRONT : GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    glStencilOpSeparate(from_kept ? GL_BACK : GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
     patient.draw(cut);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_TRUE);
@@ -154,6 +156,8 @@ void CapsPass::draw_organ(const Drawing& drawing, PatientMesh& patient, std::siz
     glBindVertexArray(no_attributes_.name());
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     if (!drawing.ids()) {
+        // Where an organ has been pressed into itself, what lies within it twice has no rim.
+        glStencilFunc(GL_EQUAL, 1, 0xff);
         band_.use();
         band_.set("view_projection", drawing.view_projection);
         band_.set("plane", drawing.clip_plane);
