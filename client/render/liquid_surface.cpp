@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -169,9 +170,11 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     for (const Vec3f& p : particles_) {
         box_.extend(p);
     }
-    crowds_.count(positions, spacing);
-    std::vector<std::uint8_t> shares(positions.size());
-    std::ranges::transform(crowds_.crowds(), shares.begin(), share_of);
+    std::vector<std::uint8_t> shares(positions.size(), std::numeric_limits<std::uint8_t>::max());
+    if (positions.size() <= view::LiquidDetail::most_particles) {
+        crowds_.count(positions, spacing);
+        std::ranges::transform(crowds_.crowds(), shares.begin(), share_of);
+    }
     glBindBuffer(GL_ARRAY_BUFFER, shares_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(shares.size()), shares.data(), GL_STREAM_DRAW);
     std::vector<PackedString> strings;
