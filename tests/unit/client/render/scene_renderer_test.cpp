@@ -60,8 +60,8 @@ TEST_F(SceneRendererTest, SectionFillsWhatThePlaneCuts) {
     EXPECT_GT(count(ids, render::object_colour(Tissue::soft)), width * height / 5);
 }
 
-// A ball within the tongue, as its tip may lie there while a blade draws it in: tissue over tissue, of which
-// the cut shows nothing.
+// A ball within the tongue, as its back may lie there while a blade folds it forward: tissue over tissue, of
+// which the cut shows nothing.
 TEST_F(SceneRendererTest, WhatIsPressedIntoItsOwnOrganHasNoRimInACut) {
     const render::Image plain = picture(named("section"), scene_, Shading::lit);
     synthetic::Scene folded = source_;
@@ -402,26 +402,29 @@ TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
         return lighting;
     };
     const render::Image tissues = picture(opened, scene_, Shading::tissue_id);
-    const auto lit = [&](const View& view, const render::Quality& quality) {
-        render::SceneRenderer renderer(quality);
-        renderer.sync(scene_);
-        renderer.draw(view, scene_, target_, {0, 0, width, height});
-        const render::Image image = target_.read();
-        int pixels = 0;
-        for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-            const std::uint8_t tissue = tissues.rgba[i];
-            const bool lumen = tissue == render::tissue_label(Tissue::larynx) ||
-                               tissue == render::tissue_label(Tissue::trachea);
-            pixels += lumen && image.rgba[i] > 60 ? 1 : 0;
-        }
-        return pixels;
-    };
     View through = opened;
     std::erase(through.passes, render::Pass::lamp_shadow);
     for (const render::Quality& quality : render::qualities()) {
-        const int all = lit(through, quality);
+        render::SceneRenderer renderer(quality);
+        renderer.sync(scene_);
+        const auto drawn = [&](const View& view) {
+            renderer.draw(view, scene_, target_, {0, 0, width, height});
+            return target_.read();
+        };
+        const render::Image without_shadow = drawn(through), with_shadow = drawn(opened);
+        int all = 0, lit = 0;
+        for (std::size_t i = 0; i < tissues.rgba.size(); i += 4) {
+            const std::uint8_t tissue = tissues.rgba[i];
+            if ((tissue == render::tissue_label(Tissue::larynx) ||
+                 tissue == render::tissue_label(Tissue::trachea)) &&
+                without_shadow.rgba[i] > 60) {
+                ++all;
+                // In sRGB, where a tenth of the light is a third: what lit walls give.
+                lit += 2 * with_shadow.rgba[i] > without_shadow.rgba[i] ? 1 : 0;
+            }
+        }
         EXPECT_GT(all, 50) << quality.name;
-        EXPECT_LT(lit(opened, quality), all / 4) << quality.name;
+        EXPECT_LT(lit, all / 4) << quality.name;
     }
 }
 
