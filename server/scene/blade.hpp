@@ -39,6 +39,8 @@ class BladeContact {
                      const RigidTransform& pose);
 
     [[nodiscard]] const Laryngoscope& scope() const { return scope_; }
+    /// Whether it may touch a particle in this step.
+    [[nodiscard]] bool reaches_tissue() const { return !reachable_.empty(); }
     /// [m], that it goes in this step where there is tissue near.
     [[nodiscard]] float way() const { return way_; }
     /// Where the blade is after this share of the step.

@@ -224,6 +224,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     lap(Stage::reach);
     Tongue& tongue = tissue_.tongue();
     const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
+    tongue.note_tools(!blade_.reaches_tissue() && !tube_.meets_tissue());
     const int solves = tongue_moves ? Tongue::solves_for(blade_.way(), substeps) : 1;
     const int per_solve = substeps / solves;
     for (int s = 0; s < substeps; ++s) {

@@ -14,6 +14,7 @@ namespace eti::scene {
 namespace {
 
 constexpr float most_blade_way = 1e-3f;  // [m] in a solve; 0.18 m/s with one in a step
+constexpr float draw = 0.5f;             // stiffness of what draws a particle to rest, over its own
 
 }  // namespace
 
@@ -49,7 +50,7 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
     contacts_.configure(std::move(movers), std::move(surface));
     // So that a step does not allocate.
     mesh_.contacts.reserve(contacts_.most());
-    mesh_.springs.reserve(2 * movers_count);
+    mesh_.springs.reserve(3 * movers_count);
     pulls_.reserve(movers_count);
     for (std::vector<Vec3f>* of : {&from_, &to_, &push_}) {
         of->assign(mesh_.particles().size(), Vec3f::Zero());
@@ -58,6 +59,7 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
 
 void Tongue::reset(pbd::Particles& particles) {
     contacts_.reset();
+    away_ = drawn_until;
     mesh_.contacts.clear();
     mesh_.springs.clear();
     pulls_.clear();
@@ -79,10 +81,18 @@ void Tongue::set_youngs_modulus(std::span<const float> moduli, pbd::Particles& p
     take_masses(particles);
 }
 
+void Tongue::note_tools(bool away) {
+    away_ = away ? std::min(away_ + 1, drawn_until) : 0;
+}
+
 void Tongue::gather_springs(const pbd::Particles& particles) {
     mesh_.springs = pulls_;
     const auto used = mesh_.particles();
+    const bool drawn = away_ > drawn_from && away_ < drawn_until;
     for (std::size_t k = 0; k < used.size(); ++k) {
+        if (drawn && moved_[used[k]]) {
+            mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k)});
+        }
         if (!push_[k].isZero(0.0f)) {
             mesh_.springs.push_back(
                 {used[k], particles.position[used[k]] + push_[k], mesh_.own_stiffness(k)});

@@ -39,6 +39,10 @@ class Tongue {
     /// Into how many solves a step of `substeps` is cut in which the blade goes so far [m]; divides them.
     [[nodiscard]] static int solves_for(float blade_way, int substeps);
 
+    /// Once before a step's solves: whether no tool is near any tissue. A while after the last has left, the
+    /// tongue is drawn to rest for a moment: what has been wound about itself would stay so.
+    void note_tools(bool away);
+
     /// Solves for a part of a step of `dt` [s], in which `blade` goes from one pose to the other. Particles
     /// held by bone go the `fraction` of the remaining way to their rest position. The blade's impulses go to
     /// `felt`.
@@ -63,6 +67,9 @@ class Tongue {
     std::vector<pbd::ImplicitTetrahedra::Spring> pulls_;  // of clusters
     std::vector<Vec3f> from_, to_, push_;                 // by corner [m]
     float substep_ = 0.0f, dt_ = 0.0f;                    // [s]
+    // Steps since the last tool left, in some of which the tongue is drawn.
+    static constexpr int drawn_from = 18, drawn_until = 108;
+    int away_ = drawn_until;
 };
 
 }  // namespace eti::scene
