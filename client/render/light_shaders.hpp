@@ -90,18 +90,23 @@ float unshadowed(sampler2DShadow map, vec3 p) {
 )";
 
 inline constexpr std::string_view arrivals = R"(
-Arriving arriving(int i) {
-    Arriving light = unhindered(i, world);
+// The share of a light with nothing in its way.
+float reaching(int i) {
 #ifdef ROOM_SHADOW
     if (i == 0) {
-        light.colour *= unshadowed(room_depth, room_at);
+        return unshadowed(room_depth, room_at);
     }
 #endif
 #ifdef LAMP_SHADOW
     if (i == 1) {
-        light.colour *= unshadowed(lamp_depth, lamp_at);
+        return unshadowed(lamp_depth, lamp_at);
     }
 #endif
+    return 1.0;
+}
+Arriving arriving(int i) {
+    Arriving light = unhindered(i, world);
+    light.colour *= reaching(i);
     return light;
 }
 )";

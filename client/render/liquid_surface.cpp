@@ -17,6 +17,7 @@
 #include "client/render/liquid_shaders.hpp"
 #include "client/render/shadow_pass.hpp"
 #include "client/render/tone_shaders.hpp"
+#include "common/math/smoothstep.hpp"
 
 namespace eti::render {
 namespace {
@@ -87,8 +88,8 @@ static_assert(sizeof(PackedString) == 32);
 // others spheres overlap.
 std::uint8_t share_of(float crowd) {
     constexpr float alone = 0.62f, amid = 4.0f;
-    const float t = std::min(crowd / amid, 1.0f);
-    return static_cast<std::uint8_t>(std::lround(255.0f * std::lerp(alone, 1.0f, t * t * (3.0f - 2.0f * t))));
+    return static_cast<std::uint8_t>(
+        std::lround(255.0f * std::lerp(alone, 1.0f, smoothstep(0.0f, amid, crowd))));
 }
 
 // Beads gather as a thread drains (Bhat et al. 2010, Nature Physics 6:625).

@@ -177,11 +177,10 @@ void main() {
     s.albedo *= 0.94 + 0.12 * swell.x;
 #endif
     vec3 sum = without_lights(s, v);
-#if LIGHTS > 1
-    sum += from_walls(s, unhindered(1, world).colour);
-#endif
     for (int i = 0; i < LIGHTS; ++i) {
-        Arriving light = arriving(i);
+        Arriving light = unhindered(i, world);
+        sum += i == 1 ? from_walls(s, light.colour) : vec3(0.0);
+        light.colour *= reaching(i);
 #ifndef ROOM_SHADOW
         light.colour *= i == 0 ? s.open : 1.0;
 #endif

@@ -275,6 +275,11 @@ Invariant tetrahedra_are_whole(const Patient& patient) {
                          patient.tetrahedra.corners.size(), "tetrahedra");
 }
 
+/// Distances to a surface where a grid has its nodes, exact within three spacings.
+DistanceGrid distance_to(const TriangleMesh& mesh, const DistanceGrid& grid) {
+    return mesh_distance(mesh, grid.origin, grid.spacing, grid.size, 3.0f * grid.spacing);
+}
+
 Invariant particles_keep_out_of_bone(const Patient& patient) {
     const ParticleSet& set = patient.particles;
     Faults faults;
@@ -283,8 +288,7 @@ Invariant particles_keep_out_of_bone(const Patient& patient) {
             continue;  // the hyoid moves with the tissue it lies in
         }
         const DistanceGrid& shell = patient.shell.distance;
-        const DistanceGrid bone =
-            mesh_distance(surface.mesh, shell.origin, shell.spacing, shell.size, 3.0f * shell.spacing);
+        const DistanceGrid bone = distance_to(surface.mesh, shell);
         for (std::size_t i = 0; i < set.size(); ++i) {
             // The surface follows a grid of 1.5 spacings and is simplified: bone is known to that.
             if (bone.distance(set.rest[i]) < -1.5f * shell.spacing) {
@@ -307,10 +311,7 @@ std::vector<Invariant> distances_agree(const Patient& patient) {
             off.add(v);
         }
     }
-    const auto distance_to = [&](const TriangleMesh& mesh) {
-        return mesh_distance(mesh, grid.origin, grid.spacing, grid.size, 3.0f * grid.spacing);
-    };
-    const DistanceGrid exact = distance_to(shell.mesh);
+    const DistanceGrid exact = distance_to(shell.mesh, grid);
     std::size_t compared = 0;
     for (std::size_t i = 0; i < exact.value.size(); ++i) {
         if (std::fabs(exact.value[i]) > tolerance) {
@@ -332,12 +333,12 @@ std::vector<Invariant> distances_agree(const Patient& patient) {
         found.push_back({"the shell lies inside tissue or mandible", false, "there is no surface 'body'"});
         return found;
     }
-    const DistanceGrid skin = distance_to(body->mesh);
+    const DistanceGrid skin = distance_to(body->mesh, grid);
     // The mandible holds tools where the tongue grows from it, too.
     std::vector<DistanceGrid> mandible;
     for (const Surface& surface : patient.surfaces) {
         if (surface.tissue == Tissue::mandible) {
-            mandible.push_back(distance_to(surface.mesh));
+            mandible.push_back(distance_to(surface.mesh, grid));
         }
     }
     // The body is cut off below, at the shoulders, where the shell may go on.

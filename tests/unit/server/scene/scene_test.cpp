@@ -362,7 +362,7 @@ TEST_F(SceneTest, ATongueIsNotLeftInAKnot) {
         scene.step(away_);
     }
     EXPECT_LT(farthest(), 0.1e-3f);
-    EXPECT_TRUE(!scene.tissue().body().sleep.mesh_awake()) << "and then it rests";
+    EXPECT_FALSE(scene.tissue().body().sleep.mesh_awake()) << "and then it rests";
 }
 
 TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
