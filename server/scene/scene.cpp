@@ -210,6 +210,10 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         shell_revision_ = shell_.revision();
         wake_tissue();
     }
+    Tongue& tongue = tissue_.tongue();
+    if (tongue.note_tools(!blade_.reaches_tissue() && !tube_.meets_tissue())) {
+        wake_tissue();  // where it lies in a knot it may have fallen asleep while a tool was near
+    }
     blade_.wake(body, blade_pose_, blade_to);
     tube_.wake(body, grip_, inputs.tube_grip);
     body.begin_step();
@@ -222,9 +226,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
     lap(Stage::reach);
-    Tongue& tongue = tissue_.tongue();
     const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
-    tongue.note_tools(!blade_.reaches_tissue() && !tube_.meets_tissue());
     const int solves = tongue_moves ? Tongue::solves_for(blade_.way(), substeps) : 1;
     const int per_solve = substeps / solves;
     for (int s = 0; s < substeps; ++s) {

@@ -81,8 +81,10 @@ void Tongue::set_youngs_modulus(std::span<const float> moduli, pbd::Particles& p
     take_masses(particles);
 }
 
-void Tongue::note_tools(bool away) {
+bool Tongue::note_tools(bool away) {
+    const bool begins = away && away_ == drawn_from;
     away_ = away ? std::min(away_ + 1, drawn_until) : 0;
+    return begins;
 }
 
 void Tongue::gather_springs(const pbd::Particles& particles) {

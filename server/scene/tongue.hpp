@@ -40,8 +40,9 @@ class Tongue {
     [[nodiscard]] static int solves_for(float blade_way, int substeps);
 
     /// Once before a step's solves: whether no tool is near any tissue. A while after the last has left, the
-    /// tongue is drawn to rest for a moment: what has been wound about itself would stay so.
-    void note_tools(bool away);
+    /// tongue is drawn to rest for a moment: what has been wound about itself would stay so. Returns whether
+    /// that begins, for which the tongue has to be awake.
+    [[nodiscard]] bool note_tools(bool away);
 
     /// Solves for a part of a step of `dt` [s], in which `blade` goes from one pose to the other. Particles
     /// held by bone go the `fraction` of the remaining way to their rest position. The blade's impulses go to

@@ -336,33 +336,65 @@ float tongue_height(const Scene& scene) {
 
 // Turned by half a turn, implicit tetrahedra end in a knot (docs/solver/stability.md): all are right side
 // out, but wound about each other. With the tools away the tongue does not stay so.
-TEST_F(SceneTest, ATongueIsNotLeftInAKnot) {
-    Scene scene = make();
-    press(scene);
-    scene.place_laryngoscope(away_.laryngoscope);
-    auto& p = const_cast<pbd::Particles&>(scene.tissue().body().particles);  // NOLINT: as a hand might
-    const Quatf half_a_turn(Eigen::AngleAxisf(180.0f * degree, Vec3f::UnitZ()));
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        if (scene.tissue().tongue().moves(i)) {
-            p.position[i] = tongue_ + half_a_turn * (p.position[i] - tongue_);
-            p.velocity[i].setZero();
-        }
-    }
-    const auto farthest = [&] {
-        float most = 0.0f;
+/// The tongue of a scene, which is turned by half a turn and so comes to lie in a knot.
+class TurnedTongue {
+  public:
+    TurnedTongue(Scene& scene, const Vec3f& about) : scene_(scene) {
+        auto& p = const_cast<pbd::Particles&>(scene.tissue().body().particles);  // NOLINT: as a hand might
+        const Quatf half_a_turn(Eigen::AngleAxisf(180.0f * degree, Vec3f::UnitZ()));
         for (std::size_t i = 0; i < p.size(); ++i) {
             if (scene.tissue().tongue().moves(i)) {
+                p.position[i] = about + half_a_turn * (p.position[i] - about);
+                p.velocity[i].setZero();
+            }
+        }
+    }
+
+    [[nodiscard]] bool awake() const { return scene_.tissue().body().sleep.mesh_awake(); }
+    /// Of its particles, from where they rest [m].
+    [[nodiscard]] float farthest() const {
+        const pbd::Particles& p = scene_.tissue().body().particles;
+        float most = 0.0f;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            if (scene_.tissue().tongue().moves(i)) {
                 most = std::max(most, (p.position[i] - p.rest[i]).norm());
             }
         }
         return most;
-    };
-    EXPECT_GT(farthest(), 10e-3f);
+    }
+
+  private:
+    Scene& scene_;
+};
+
+TEST_F(SceneTest, ATongueIsNotLeftInAKnot) {
+    Scene scene = make();
+    press(scene);
+    scene.place_laryngoscope(away_.laryngoscope);
+    const TurnedTongue tongue(scene, tongue_);
+    EXPECT_GT(tongue.farthest(), 10e-3f);
     for (int k = 0; k < 4 * steps_per_second; ++k) {
         scene.step(away_);
     }
-    EXPECT_LT(farthest(), 0.1e-3f);
-    EXPECT_FALSE(scene.tissue().body().sleep.mesh_awake()) << "and then it rests";
+    EXPECT_LT(tongue.farthest(), 0.1e-3f);
+    EXPECT_FALSE(tongue.awake()) << "and then it rests";
+}
+
+TEST_F(SceneTest, ATongueThatFellAsleepInAKnotIsWokenWhenTheBladeLeaves) {
+    Scene scene = make();
+    press(scene);
+    const Inputs above = pressing(-12e-3f);
+    scene.place_laryngoscope(above.laryngoscope);
+    const TurnedTongue tongue(scene, tongue_);
+    for (int k = 0; k < 10 * steps_per_second && tongue.awake(); ++k) {
+        scene.step(above);
+    }
+    ASSERT_FALSE(tongue.awake());
+    EXPECT_GT(tongue.farthest(), 1e-3f) << "nothing draws it while a blade is near";
+    for (int k = 0; k < 4 * steps_per_second; ++k) {
+        scene.step(away_);
+    }
+    EXPECT_LT(tongue.farthest(), 0.1e-3f);
 }
 
 TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
