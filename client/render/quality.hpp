@@ -15,6 +15,7 @@ struct Quality {
     int shadow_size;      ///< texels along a shadow map's side
     bool coarse_shadows;  ///< thrown by surfaces of fewer triangles
     int shadow_taps;      ///< looks into a shadow map along each side of a soft edge
+    int lens_taps;        ///< the same for a lens in the mouth, before which a texel is many pixels wide
     bool
         lit_at_vertices;  ///< tissue, where no lens is close to it: its triangles are a few pixels wide there
     bool refraction;      ///< the tube bends what lies behind it; without, it only covers it in part

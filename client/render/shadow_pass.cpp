@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "client/render/shadow_pass.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 
@@ -71,6 +72,7 @@ bool lamp_shadow_of(const Drawing& drawing) {
 
 ShadowPass::ShadowPass(const Quality& quality)
     : taps_(quality.shadow_taps),
+      lens_taps_(quality.lens_taps),
       room_(quality.shadow_size, Beyond::lit),
       lamp_(quality.shadow_size, Beyond::dark),
       depth_("depth", source::mesh_vertex, std::string(source::flat_fragment)) {}
@@ -110,7 +112,7 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const C
     glDisable(GL_CULL_FACE);
     // Slope-scaled bias against a surface shading itself: as far as looks into the map lie aside, along both
     // of its axes (see unshadowed()). 4 steps cover what rounding leaves.
-    const float slopes = 2.0f * (1.25f + 0.75f * static_cast<float>(taps_ - 1));
+    const float slopes = 2.0f * (1.25f + 0.75f * static_cast<float>(std::max(taps_, lens_taps_) - 1));
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(slopes, 4.0f);
     ShaderProgram::Defines defines;
@@ -159,7 +161,7 @@ ShaderProgram::Defines ShadowPass::defines(const Drawing& drawing, bool lamplit)
     if (lamplit && lamp_shadow_of(drawing)) {
         defines.emplace_back("LAMP_SHADOW");
     }
-    defines.push_back(fmt::format("TAPS {}", taps_));
+    defines.push_back(fmt::format("TAPS {}", drawing.view.lens ? lens_taps_ : taps_));
     return defines;
 }
 

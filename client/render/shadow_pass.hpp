@@ -37,7 +37,7 @@ class ShadowPass {
     void fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const Caster& caster, const Drawing& drawing,
               SceneMeshes& meshes);
 
-    int taps_;
+    int taps_, lens_taps_;
     ShadowMap room_, lamp_;
     ShaderFamily depth_;
 };

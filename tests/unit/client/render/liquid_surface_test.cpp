@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -22,6 +23,39 @@ using test::height;
 using test::named;
 using test::width;
 using LiquidPicture = test::ScenePicture;
+
+struct OnPicture {
+    Eigen::Vector2f pixel;
+    float pixels_per_metre;
+};
+
+OnPicture on_picture(const View& view, const view::SceneView& scene, const Vec3f& place) {
+    const render::Camera camera = view.camera(scene, {});
+    const Eigen::Matrix4f projection = camera.projection(static_cast<float>(width) / height) * camera.view();
+    const Eigen::Vector4f clip = projection * place.homogeneous();
+    return {{0.5f * width * (1.0f + clip.x() / clip.w()), 0.5f * height * (1.0f - clip.y() / clip.w())},
+            0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w()};
+}
+
+std::vector<Eigen::Vector2f> differing_pixels(const render::Image& a, const render::Image& b) {
+    std::vector<Eigen::Vector2f> pixels;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (std::memcmp(a.pixel(x, y), b.pixel(x, y), 3) != 0) {
+                pixels.emplace_back(static_cast<float>(x), static_cast<float>(y));
+            }
+        }
+    }
+    return pixels;
+}
+
+float farthest(const std::vector<Eigen::Vector2f>& pixels, const Eigen::Vector2f& from) {
+    float most = 0.0f;
+    for (const Eigen::Vector2f& pixel : pixels) {
+        most = std::max(most, (pixel - from).norm());
+    }
+    return most;
+}
 
 TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
     // A drop of 5 mm before the mouth, on the half that the section keeps.
@@ -42,27 +76,14 @@ TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
         }
         const render::Image dry_picture = picture(view, scene_, Shading::lit);
         const render::Image wet_picture = picture(view, wet, Shading::lit);
-        const Eigen::Matrix4f projection =
-            view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
-        const Eigen::Vector4f clip = projection * (drop.front() + Vec3f::Constant(2e-3f)).homogeneous();
-        const Eigen::Vector2f centre = Eigen::Vector2f(0.5f * width * (1.0f + clip.x() / clip.w()),
-                                                       0.5f * height * (1.0f - clip.y() / clip.w()));
-        const float pixels_per_metre = 0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w();
+        const OnPicture middle = on_picture(view, wet, drop.front() + Vec3f::Constant(2e-3f));
         // Half the drop's diagonal and a sphere beyond it.
-        const float reach = 7e-3f * pixels_per_metre + 2.0f;
-        int changed = 0;
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                if (std::memcmp(dry_picture.pixel(x, y), wet_picture.pixel(x, y), 3) != 0) {
-                    ++changed;
-                    EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
-                              reach)
-                        << view.name << " at " << x << ", " << y;
-                }
-            }
-        }
+        const float reach = 7e-3f * middle.pixels_per_metre + 2.0f;
+        const auto changed = differing_pixels(dry_picture, wet_picture);
+        EXPECT_LT(farthest(changed, middle.pixel), reach) << view.name;
         // Of the square of the drop's outer particles at least a quarter: the rest may be hidden.
-        EXPECT_GT(static_cast<float>(changed), 0.25f * std::pow(4e-3f * pixels_per_metre, 2.0f)) << view.name;
+        EXPECT_GT(static_cast<float>(changed.size()), 0.25f * std::pow(4e-3f * middle.pixels_per_metre, 2.0f))
+            << view.name;
     }
     // What is measured on flat colours does not see it.
     EXPECT_EQ(picture(named("section"), scene_, Shading::object_id).rgba,
@@ -85,16 +106,8 @@ TEST_F(LiquidPicture, ADropThatIsAloneHasItsVolume) {
     wet.update();
     const render::Image dry = picture(view, scene_, Shading::lit);
     const render::Image drop = picture(view, wet, Shading::lit);
-    int changed = 0;
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            changed += std::memcmp(dry.pixel(x, y), drop.pixel(x, y), 3) != 0 ? 1 : 0;
-        }
-    }
-    const Eigen::Matrix4f projection =
-        view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
-    const float radius = 0.62f * spacing * 0.5f * height * projection.block<1, 3>(1, 0).norm() /
-                         (projection * place.homogeneous()).w();
+    const std::size_t changed = differing_pixels(dry, drop).size();
+    const float radius = 0.62f * spacing * on_picture(view, wet, place).pixels_per_metre;
     const float area = 3.14159f * radius * radius;
     EXPECT_NEAR(static_cast<float>(changed), area, 0.2f * area + 3.14159f * radius) << "half a pixel of rim";
 }
@@ -143,24 +156,10 @@ TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {
     }
     still.update();
     const render::Image plain = picture(view, still, Shading::lit);
-    const Eigen::Matrix4f projection =
-        view.camera(wet, {}).projection(static_cast<float>(width) / height) * view.camera(wet, {}).view();
-    const Eigen::Vector4f clip = projection * mouth.homogeneous();
-    const Eigen::Vector2f centre(0.5f * width * (1.0f + clip.x() / clip.w()),
-                                 0.5f * height * (1.0f - clip.y() / clip.w()));
-    const float reach = 16e-3f * 0.5f * height * projection.block<1, 3>(1, 0).norm() / clip.w();
-    int changed = 0;
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            if (std::memcmp(frothy.pixel(x, y), plain.pixel(x, y), 3) != 0) {
-                ++changed;
-                EXPECT_LT((Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - centre).norm(),
-                          reach)
-                    << x << ", " << y;
-            }
-        }
-    }
-    EXPECT_GT(changed, 20);
+    const OnPicture middle = on_picture(view, wet, mouth);
+    const auto changed = differing_pixels(frothy, plain);
+    EXPECT_LT(farthest(changed, middle.pixel), 16e-3f * middle.pixels_per_metre);
+    EXPECT_GT(changed.size(), 20u);
     for (int s = 0; s < 90 * 10; ++s) {
         state(3e-3f);
     }
