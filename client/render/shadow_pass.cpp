@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include "client/render/shadow_pass.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <span>
 
@@ -111,8 +110,9 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& into_light, const C
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     // Slope-scaled bias against a surface shading itself: as far as looks into the map lie aside, along both
-    // of its axes (see unshadowed()). 4 steps cover what rounding leaves.
-    const float slopes = 2.0f * (1.25f + 0.75f * static_cast<float>(std::max(taps_, lens_taps_) - 1));
+    // of its axes (see unshadowed()). 4 steps cover what rounding leaves. Where a lens has more of them,
+    // shadows are of coarse surfaces, whose own bias covers those.
+    const float slopes = 2.0f * (1.25f + 0.75f * static_cast<float>(taps_ - 1));
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(slopes, 4.0f);
     ShaderProgram::Defines defines;
