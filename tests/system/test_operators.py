@@ -66,6 +66,7 @@ class Operators(support.Case):
         run = result("premature")
         self.assertTrue(run["success"], run["reason"])
         self.assert_parameters(run["parameters"])
+        self.assertLess(run["parameters"]["gum_force_n"]["max"], 5.3)  # as test_expert_stays_within_what_people_do
 
     def test_novice_presses_and_rocks_more_than_the_expert(self):
         novice, expert = result("novice")["parameters"], result("expert")["parameters"]
