@@ -45,14 +45,19 @@ class Progress {
   public:
     Progress(const Study& study, const std::filesystem::path& folder)
         : folder_(folder), sessions_(plan_of(study)) {
-        for (const PlannedSession& session : sessions_) {
-            states_.push_back(state_of(folder / session.file));
-        }
+        look_again();
     }
 
     [[nodiscard]] const std::vector<PlannedSession>& sessions() const { return sessions_; }
     [[nodiscard]] State state(std::size_t i) const { return states_[i]; }
-    void look_again(std::size_t i) { states_[i] = state_of(folder_ / sessions_[i].file); }
+    /// Others may run other participants in the same folder. What is done stays so.
+    void look_again() {
+        for (std::size_t i = 0; i < sessions_.size(); ++i) {
+            if (states_[i] != State::done) {
+                states_[i] = state_of(folder_ / sessions_[i].file);
+            }
+        }
+    }
     [[nodiscard]] std::size_t done() const {
         return static_cast<std::size_t>(std::ranges::count(states_, State::done));
     }
@@ -75,7 +80,7 @@ class Progress {
   private:
     std::filesystem::path folder_;
     std::vector<PlannedSession> sessions_;
-    std::vector<State> states_;
+    std::vector<State> states_ = std::vector<State>(sessions_.size(), State::open);
 };
 
 /// The folder belongs to one study: what it was asked to run lies in it.
@@ -187,8 +192,11 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
     progress.write();
     for (std::size_t i = 0; i < count; ++i) {
         const PlannedSession& session = progress.sessions()[i];
-        if (progress.state(i) == State::done ||
-            (!how.participant.empty() && session.participant->name != how.participant)) {
+        if (!how.participant.empty() && session.participant->name != how.participant) {
+            continue;
+        }
+        progress.look_again();
+        if (progress.state(i) == State::done) {
             continue;
         }
         if (stop_asked() || (session.participant->operator_.empty() && !ready(session))) {
@@ -204,7 +212,7 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
         if (stop_asked() && std::filesystem::exists(file, ignored)) {
             put_aside(file);  // ended before its time, though in order
         }
-        progress.look_again(i);
+        progress.look_again();
         progress.write();
         if (stop_asked()) {
             return end(interrupted);

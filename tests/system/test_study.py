@@ -118,6 +118,26 @@ class Study(support.Case):
         self.assertIn("stage 'wait beside the mouth': waits for 25 % of the glottis", waits.stderr)
         self.assertNotIn("lift further", waits.stderr)  # which does not wait
 
+    def test_what_another_has_done_meanwhile_is_not_done_again(self):
+        self.run_study("--participant", "P02", *SHORT)
+        by_another = self.out.rename(self.folder / "by_another")
+        began = subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out, *SHORT],
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(began.kill)
+        end = time.monotonic() + 60
+        while not list(self.out.glob("*/P01.eti.h5")):
+            self.assertLess(time.monotonic(), end, "the study does not begin")
+            time.sleep(0.01)
+        for file in by_another.glob("*/P02.eti.h5"):
+            folder = self.out / file.parent.name
+            folder.mkdir(exist_ok=True)
+            file.rename(folder / file.name)
+        printed, said = began.communicate(timeout=300)
+        self.assertEqual(began.returncode, 0, said)
+        self.assertIn("4 of 4", printed)
+        self.assertNotIn("P02", printed)
+        self.assertEqual({row["state"] for row in read_plan(self.out)}, {"done"})
+
     def test_skill_goes_from_the_study_into_the_file(self):
         self.study.write_text(STUDY.replace("no_lift}", "expert, skill: 0.25, skill_to: 0.75, attempts: 2}"))
         self.run_study(*SHORT)
