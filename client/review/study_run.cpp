@@ -192,11 +192,8 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
     progress.write();
     for (std::size_t i = 0; i < count; ++i) {
         const PlannedSession& session = progress.sessions()[i];
-        if (!how.participant.empty() && session.participant->name != how.participant) {
-            continue;
-        }
-        progress.look_again();
-        if (progress.state(i) == State::done) {
+        if (progress.state(i) == State::done ||
+            (!how.participant.empty() && session.participant->name != how.participant)) {
             continue;
         }
         if (stop_asked() || (session.participant->operator_.empty() && !ready(session))) {

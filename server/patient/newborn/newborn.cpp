@@ -24,7 +24,7 @@ constexpr float soft_floor = 9.0f;
 constexpr float over_bone = 0.4f;
 // How far from the lower gum bone begins to hold a tool, and does wholly. A jaw gives way to a blade that
 // lies on its ridge. This one does not, and the blade would be a lever between both gums.
-constexpr float ridge_begins = 3.0f, ridge_ends = 1.0f;
+constexpr float held_from = 1.0f, held_wholly = 3.0f;
 // More than the tongue goes into bone.
 constexpr float out_of_bone = 5.0f;
 
@@ -203,7 +203,7 @@ Vec3f Newborn::head_growth(const Vec3f& point) const {
 float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     const Vec3f p = to_model(point);
     // The tongue grows from the mandible, and its field goes on within: bone holds a tool there, too.
-    const float ridge = 1.0f - smoothstep(ridge_ends, ridge_begins, fields.lower_gum / scale_);
+    const float ridge = 1.0f - smoothstep(held_from, held_wholly, fields.lower_gum / scale_);
     const float bone = fields.mandible + scale_ * out_of_bone * ridge;
     const float root = std::max(fields.tongue, bone);
     const float hollow = std::min(fields.cavity, std::max(fields.tongue, scale_ * over_bone - bone));

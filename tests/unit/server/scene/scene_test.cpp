@@ -336,7 +336,6 @@ float tongue_height(const Scene& scene) {
 
 // Turned by half a turn, implicit tetrahedra end in a knot (docs/solver/stability.md): all are right side
 // out, but wound about each other. With the tools away the tongue does not stay so.
-/// The tongue of a scene, which is turned by half a turn and so comes to lie in a knot.
 class TurnedTongue {
   public:
     TurnedTongue(Scene& scene, const Vec3f& about) : scene_(scene) {
