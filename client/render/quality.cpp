@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::array ladder{
     Quality{.name = "low",
-            .help = "one sample a pixel, hard shadows of 512 texels, no fine relief, outlines as "
-                    "coarse as the surfaces, a tube that does not bend light",
+            .help = "one sample a pixel, shadows of 512 texels, hard but before the lens, no fine relief, "
+                    "outlines as coarse as the surfaces, a tube that does not bend light",
             .samples = 1,
             .shadow_size = 512,
             .coarse_shadows = true,
