@@ -12,6 +12,7 @@
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
+#include "common/session/liveness.hpp"
 
 namespace eti::review {
 
@@ -20,14 +21,17 @@ namespace {
 constexpr int interrupted = 130;
 constexpr int no_server = 127;
 
-enum class State : std::uint8_t { open, done, cut_off };
-constexpr std::string_view state_words[] = {"open", "done", "cut off"};
+enum class State : std::uint8_t { open, done, cut_off, recorded_now };
+constexpr std::string_view state_words[] = {"open", "done", "cut off", "being recorded"};
 
 /// Of a session's file. Reads it in a process of its own.
 State state_of(const std::filesystem::path& file) {
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
         return State::open;
+    }
+    if (session::being_written(file)) {
+        return State::recorded_now;
     }
     const Guarded read = run_guarded([&file] {
         try {
@@ -50,13 +54,17 @@ class Progress {
 
     [[nodiscard]] const std::vector<PlannedSession>& sessions() const { return sessions_; }
     [[nodiscard]] State state(std::size_t i) const { return states_[i]; }
-    /// Others may run other participants in the same folder. What is done stays so.
+    /// Others may run sessions in the same folder. What is done stays so.
     void look_again() {
         for (std::size_t i = 0; i < sessions_.size(); ++i) {
-            if (states_[i] != State::done) {
-                states_[i] = state_of(folder_ / sessions_[i].file);
-            }
+            look_again(i);
         }
+    }
+    State look_again(std::size_t i) {
+        if (states_[i] != State::done) {
+            states_[i] = state_of(folder_ / sessions_[i].file);
+        }
+        return states_[i];
     }
     [[nodiscard]] std::size_t done() const {
         return static_cast<std::size_t>(std::ranges::count(states_, State::done));
@@ -192,8 +200,15 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
     progress.write();
     for (std::size_t i = 0; i < count; ++i) {
         const PlannedSession& session = progress.sessions()[i];
-        if (progress.state(i) == State::done ||
-            (!how.participant.empty() && session.participant->name != how.participant)) {
+        if ((!how.participant.empty() && session.participant->name != how.participant) ||
+            progress.look_again(i) == State::done) {
+            continue;
+        }
+        if (progress.state(i) == State::recorded_now) {
+            std::cerr << fmt::format(
+                "eti-review: session {} of {} ({}, {}) is being recorded by another process, and is left to "
+                "it\n",
+                i + 1, count, session.participant->name, session.condition->name);
             continue;
         }
         if (stop_asked() || (session.participant->operator_.empty() && !ready(session))) {

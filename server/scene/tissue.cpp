@@ -118,6 +118,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
         body_.shapes.configure(held, p);
     }
     fitted_.configure(description(fitted_clusters_, substep), p);
+    drawn_.configure(patient, meshed_, fitted_clusters_);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
     if (auto epiglottis = epiglottis_of(patient, held, p)) {
         body_.further.emplace_back(std::move(*epiglottis));
@@ -252,6 +253,7 @@ void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
     if (body_.sleep.mesh_awake() || body_.sleep.held_awake()) {
         fitted_.fit(body_.particles.position);
         frames_of(fitted_, fitted_clusters_, 0, fitted_clusters_.size(), frames);
+        drawn_.shift(body_.particles.position, frames);
     }
     const RigidTransform& skull = bones_[static_cast<std::size_t>(anatomy::Bone::skull)];
     for (std::size_t f = anatomy::bone_count + cluster_turn_.size(); f < frames.size(); ++f) {

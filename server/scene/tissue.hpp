@@ -9,6 +9,7 @@
 #include "server/patient/model/patient.hpp"
 #include "server/patient/model/skeleton.hpp"
 #include "server/pbd/soft_body.hpp"
+#include "server/scene/drawn_fit.hpp"
 #include "server/scene/tongue.hpp"
 
 namespace eti::scene {
@@ -37,7 +38,7 @@ class SoftTissue {
     void let_sleep();
 
     /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
-    /// that tetrahedra stand in for are fitted to the particles here. Those that sleep are left in `frames`
+    /// that tetrahedra stand in for are fitted to the particles here, and to the drawn surface. Those that sleep are left in `frames`
     /// as the last call put them, which is to be from before they fell asleep. `head_size` is the cranium's
     /// over that of the built one.
     void frames(std::vector<FramePose>& frames, float head_size = 1.0f);
@@ -73,6 +74,7 @@ class SoftTissue {
     std::vector<std::array<std::uint32_t, 2>> surface_edges_;
     Tongue tongue_;
     pbd::ShapeMatching fitted_;  // to particles that tetrahedra move: only for their frames
+    DrawnFit drawn_;             // what is fitted, to the tetrahedra
     std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // the patient's numbers of both
     anatomy::BonePoses bones_;
     std::vector<anatomy::BoneWeights> cluster_bones_;  // mean over a cluster's members

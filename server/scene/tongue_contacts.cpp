@@ -14,8 +14,8 @@ namespace eti::scene {
 
 namespace {
 
-// [m], beyond a capsule's reach: an edge that touches has an end within it.
-constexpr float edge_reach = 4e-3f;
+// [m], beyond a capsule's reach: a contact of the last step that lies farther off has ended.
+constexpr float left_behind = 4e-3f;
 // Of an edge's way from one end to the other; nearer to an end, that end touches itself.
 constexpr float least_along = 0.1f;
 
@@ -91,7 +91,6 @@ void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle)
 void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBlade& blade) {
     const RigidTransform carry = blade.to * blade.from.inverse();
     const auto slip_of = [&](const Vec3f& before, const Vec3f& now) -> Vec3f { return now - carry * before; };
-    near_.assign(particles.size(), false);
     float widest = 0.0f;
     for (const std::uint32_t i : movers_) {
         widest = std::max(widest, particles.radius[i]);
@@ -100,25 +99,21 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
         const Capsule& capsule = blade.scope.capsules[c];
         const Vec3f a = blade.to * capsule.a;
         const Vec3f b = blade.to * capsule.b;
-        bool any = false;
         Eigen::AlignedBox3f box(a.cwiseMin(b), a.cwiseMax(b));
-        const Vec3f margin = Vec3f::Constant(capsule.radius + widest + edge_reach);
+        const Vec3f margin = Vec3f::Constant(capsule.radius + widest + left_behind);
         box.min() -= margin;
         box.max() += margin;
         for (const std::uint32_t i : movers_) {
             const Vec3f& x = particles.predicted[i];
             if (!box.contains(x)) {
-                near_[i] = false;
                 continue;
             }
             const Vec3f away = pbd::away_from(a, b, x);
             const float reach = capsule.radius + particles.radius[i];
             const float squared = away.squaredNorm();
-            near_[i] = squared < (reach + edge_reach) * (reach + edge_reach);
-            if (!near_[i]) {
+            if (squared >= (reach + left_behind) * (reach + left_behind)) {
                 continue;
             }
-            any = true;
             const float distance = std::sqrt(squared);
             pbd::MeshContact contact;
             contact.particle = {i, i};
@@ -129,23 +124,28 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
             add(contact, c);
         }
         for (const auto& [i, k] : edges_) {
-            if (!any || !near_[i] || !near_[k]) {
+            const Vec3f& x = particles.predicted[i];
+            const Vec3f& y = particles.predicted[k];
+            // Its ends may lie anywhere: a blade drawn back and pushed on stretches edges to a centimetre.
+            if (!box.intersects(Eigen::AlignedBox3f(x.cwiseMin(y), x.cwiseMax(y)))) {
                 continue;
             }
-            const Vec3f& x = particles.predicted[i];
-            const Vec3f along = particles.predicted[k] - x;
-            const auto [t, on_axis] = closest_on_segments(x, particles.predicted[k], a, b);
+            const auto [t, on_axis] = closest_on_segments(x, y, a, b);
             if (t < least_along || t > 1.0f - least_along) {
                 continue;
             }
-            const Vec3f point = x + t * along;
+            const Vec3f point = x + t * (y - x);
             const Vec3f away = point - a - on_axis * (b - a);
             const float distance = away.norm();
+            const float reach = capsule.radius + 0.5f * (particles.radius[i] + particles.radius[k]);
+            if (distance >= reach + left_behind) {
+                continue;
+            }
             pbd::MeshContact contact;
             contact.particle = {i, k};
             contact.along = t;
             contact.normal = away / std::max(distance, 1e-9f);
-            contact.gap = distance - capsule.radius - 0.5f * (particles.radius[i] + particles.radius[k]);
+            contact.gap = distance - reach;
             contact.slip = slip_of((1.0f - t) * particles.position[i] + t * particles.position[k], point);
             contact.friction = mucosa_on_steel;
             add(contact, c);

@@ -65,7 +65,6 @@ class TongueContacts {
     std::vector<std::uint32_t> movers_;
     std::vector<Edge> edges_;
     ShellClearance clearance_;  // of the movers
-    std::vector<bool> near_;    // by particle
     std::vector<Known> last_;   // sorted
     std::vector<pbd::MeshContact> now_;
     std::vector<std::uint8_t> obstacle_;

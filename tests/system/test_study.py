@@ -3,11 +3,13 @@
 """Studies: sessions in turn, compared as an independent program compares them, rated, asked about, without names."""
 
 import csv
+import fcntl
 import json
 import os
 import pty
 import shutil
 import signal
+import struct
 import subprocess
 import time
 import unittest
@@ -137,6 +139,21 @@ class Study(support.Case):
         self.assertIn("4 of 4", printed)
         self.assertNotIn("P02", printed)
         self.assertEqual({row["state"] for row in read_plan(self.out)}, {"done"})
+
+    def test_what_another_records_now_is_left_to_it(self):
+        file = self.out / "one" / "P01.eti.h5"
+        file.parent.mkdir(parents=True)
+        shutil.copy(self.record(), file)
+        before = file.read_bytes()
+        with file.open("r+b") as held:  # the mark of a writer, as the server sets it
+            fcntl.fcntl(held, 37, struct.pack("hhqqi", fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0))  # F_OFD_SETLK
+            self.assertIn("P01 one being recorded", self.run_study("--status").stdout)
+            done = self.run_study(*SHORT)
+        self.assertIn("session 1 of 4 (P01, one) is being recorded by another process", done.stderr)
+        self.assertIn("3 of 4 sessions done", done.stdout)
+        self.assertEqual([row["state"] for row in read_plan(self.out)], ["being recorded", "done", "done", "done"])
+        self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
+        self.assertEqual(file.read_bytes(), before)
 
     def test_skill_goes_from_the_study_into_the_file(self):
         self.study.write_text(STUDY.replace("no_lift}", "expert, skill: 0.25, skill_to: 0.75, attempts: 2}"))

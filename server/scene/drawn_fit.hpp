@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/patient/model/patient.hpp"
+
+namespace eti::scene {
+
+/// Shifts frames so that what they draw lies where its tetrahedra have it. A frame turns and goes along with
+/// its cluster, but does not stretch: beside a blade the surface would be drawn up to millimetres from the
+/// mesh that the blade has met (docs/decisions/0236-the-drawn-tongue-lies-on-its-mesh.md).
+class DrawnFit {
+  public:
+    /// `tetrahedra` of the patient, whose tissue's surface is drawn by `clusters`, too: both by the patient's
+    /// numbers.
+    void configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra,
+                   std::span<const std::uint32_t> clusters);
+
+    /// Shifts the clusters' frames by the mean of what vertices that they carry lack, weighted as they carry
+    /// them. `position` [m], one per particle; `frames`: all of the patient's, fitted to the clusters.
+    void shift(std::span<const Vec3f> position, std::span<FramePose> frames);
+
+    /// How many vertices are asked.
+    [[nodiscard]] std::size_t size() const { return anchors_.size(); }
+
+  private:
+    /// A vertex of the surface, as a point of a tetrahedron.
+    struct Anchor {
+        anatomy::CarriedPoint point;
+        std::array<std::uint32_t, 4> corner = {};  // particles
+        std::array<float, 4> share = {};           // sum to one
+    };
+    struct Lack {
+        Vec3f sum = Vec3f::Zero();  // [m]
+        float weight = 0.0f;
+    };
+
+    std::vector<Anchor> anchors_;
+    std::vector<Vec3f> rest_centre_;      // [m], by frame
+    std::vector<std::uint16_t> used_;     // frames that carry an anchor
+    std::vector<std::uint16_t> shifted_;  // of these the clusters'
+    std::vector<FrameMap> maps_;          // scratch, by frame
+    std::vector<Lack> lacks_;             // scratch, by frame
+};
+
+}  // namespace eti::scene

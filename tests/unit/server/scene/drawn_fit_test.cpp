@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/drawn_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "server/app/patient_cache.hpp"
+#include "server/patient/model/tetrahedra_of.hpp"
+
+namespace eti::scene {
+namespace {
+
+/// One tetrahedron and three vertices within it, carried by a cluster and in part by a bone.
+anatomy::Patient small() {
+    anatomy::Patient patient;
+    patient.particles.rest = {Vec3f::Zero(), Vec3f::UnitX(), Vec3f::UnitY(), Vec3f::UnitZ()};
+    patient.tetrahedra.corners = {{0, 1, 2, 3}};
+    patient.clusters.first = {0, 4};
+    patient.clusters.member = {0, 1, 2, 3};
+    patient.frame_rest_centre.assign(anatomy::bone_count + 1, Vec3f::Constant(0.25f));
+    Surface& surface = patient.surfaces.emplace_back();
+    surface.tissue = Tissue::tongue;
+    for (const Vec3f& at : {Vec3f(0.1f, 0.1f, 0.1f), Vec3f(0.2f, 0.1f, 0.1f), Vec3f(0.1f, 0.2f, 0.1f)}) {
+        surface.mesh.vertices.push_back(at);
+        surface.skin.push_back({{static_cast<std::uint16_t>(anatomy::bone_count), 0}, {0.75f, 0.25f}});
+    }
+    return patient;
+}
+
+/// All frames of it, unturned.
+std::vector<FramePose> frames_at(const Vec3f& centre) {
+    FramePose pose;
+    pose.centre = centre;
+    return std::vector<FramePose>(anatomy::bone_count + 1, pose);
+}
+
+TEST(DrawnFit, AFrameGoesByWhatItsVerticesLack) {
+    const anatomy::Patient patient = small();
+    DrawnFit fit;
+    fit.configure(patient, std::array{0u}, std::array{0u});
+    ASSERT_EQ(fit.size(), 1u);
+    const Vec3f by(0.01f, -0.02f, 0.03f);
+    std::vector<Vec3f> position = patient.particles.rest;
+    for (Vec3f& x : position) {
+        x += by;
+    }
+    std::vector<FramePose> frames = frames_at(Vec3f::Constant(0.25f));
+    fit.shift(position, frames);
+    EXPECT_LT((frames[anatomy::bone_count].centre - Vec3f::Constant(0.25f) - by).norm(), 1e-6f);
+    EXPECT_EQ(frames[0].centre, Vec3f::Constant(0.25f));  // a bone stays
+}
+
+TEST(DrawnFit, WhereTheMeshIsWhereFramesDrawItNothingMoves) {
+    const anatomy::Patient patient = small();
+    DrawnFit fit;
+    fit.configure(patient, std::array{0u}, std::array{0u});
+    std::vector<FramePose> frames = frames_at(Vec3f::Constant(0.25f));
+    fit.shift(patient.particles.rest, frames);
+    EXPECT_LT((frames[anatomy::bone_count].centre - Vec3f::Constant(0.25f)).norm(), 1e-6f);
+}
+
+TEST(DrawnFit, WithoutTetrahedraNothingMoves) {
+    const anatomy::Patient patient = small();
+    DrawnFit fit;
+    fit.configure(patient, {}, std::array{0u});
+    EXPECT_EQ(fit.size(), 0u);
+    std::vector<FramePose> frames = frames_at(Vec3f::Ones());
+    fit.shift(patient.particles.rest, frames);
+    EXPECT_EQ(frames[anatomy::bone_count].centre, Vec3f::Ones());
+}
+
+/// A dent in a newborn's tongue, of which every point's way is known.
+TEST(DrawnFit, ADentIsDrawnWhereItIs) {
+    const anatomy::Patient patient = app::cached_patient(
+        NewbornShape(), {.spacing = 2.5e-3f, .fine_spacing = 1.25e-3f, .surface_spacing = 2.5e-3f});
+    const auto tongue = std::ranges::find(patient.surfaces, Tissue::tongue, &Surface::tissue);
+    ASSERT_NE(tongue, patient.surfaces.end());
+    const auto highest = std::ranges::min_element(tongue->mesh.vertices, {}, [](const Vec3f& v) {
+        return -v.z();  // up is to the crown
+    });
+    const auto way = [&](const Vec3f& rest) -> Vec3f {
+        return -4e-3f * std::exp(-(rest - *highest).squaredNorm() / (2.0f * 4e-3f * 4e-3f)) * Vec3f::UnitZ();
+    };
+    std::vector<Vec3f> position = patient.particles.rest;
+    for (Vec3f& x : position) {
+        x += way(x);
+    }
+    // Frames as a fit without turns has them: with the mean of their members.
+    std::vector<FramePose> frames(patient.frame_rest_centre.size());
+    std::vector<std::uint32_t> clusters(patient.clusters.size());
+    std::iota(clusters.begin(), clusters.end(), 0u);
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        frames[f].centre = patient.frame_rest_centre[f];
+    }
+    for (const std::uint32_t c : clusters) {
+        const auto members = patient.clusters.members(c);
+        for (const std::uint32_t i : members) {
+            frames[anatomy::bone_count + c].centre +=
+                way(patient.particles.rest[i]) / static_cast<float>(members.size());
+        }
+    }
+    const auto error = [&] {  // [m], root mean square where the dent is
+        double sum = 0.0;
+        double count = 0.0;
+        for (std::size_t v = 0; v < tongue->skin.size(); ++v) {
+            const Vec3f& rest = tongue->mesh.vertices[v];
+            if (way(rest).norm() > 1e-3f) {
+                const Vec3f drawn = skin_point(rest, tongue->skin[v], patient.frame_rest_centre, frames);
+                sum += static_cast<double>((drawn - rest - way(rest)).squaredNorm());
+                count += 1.0;
+            }
+        }
+        EXPECT_GT(count, 50.0);
+        return std::sqrt(sum / count);
+    };
+    const double before = error();
+    DrawnFit fit;
+    fit.configure(patient, anatomy::tetrahedra_of(Tissue::tongue, patient), clusters);
+    EXPECT_GT(fit.size(), tongue->skin.size() / 4);
+    fit.shift(position, frames);
+    RecordProperty("before_um", static_cast<int>(1e6 * before));
+    RecordProperty("after_um", static_cast<int>(1e6 * error()));
+    EXPECT_LT(error(), 0.6 * before);
+}
+
+}  // namespace
+}  // namespace eti::scene

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/tongue_contacts.hpp"
+
+#include <gtest/gtest.h>
+
+namespace eti::scene {
+namespace {
+
+constexpr float radius = 3e-3f;  // [m], of the blade's one capsule
+constexpr float ball = 0.5e-3f;  // [m], of a particle
+
+/// An edge along x, met by a blade along z, whose axis passes it `height` [m] above.
+class EdgeUnderBlade : public ::testing::Test {
+  protected:
+    std::vector<pbd::MeshContact> met(float half_length, float height) {
+        pbd::Particles particles;
+        particles.resize(2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            const Vec3f at(i == 0 ? -half_length : half_length, 0.0f, 0.0f);
+            particles.position[i] = particles.predicted[i] = at;
+            particles.radius[i] = ball;
+        }
+        Laryngoscope scope;
+        scope.capsules.fill({Vec3f::Ones(), Vec3f::Ones(), 0.0f});  // a metre away
+        scope.capsules.back() = {{0.0f, height, -20e-3f}, {0.0f, height, 20e-3f}, radius};
+        DistanceGrid nothing;
+        nothing.size = {2, 2, 2};
+        nothing.value.assign(8, 1.0f);
+        TongueContacts contacts;
+        contacts.configure({0, 1}, {{0, 1}});
+        std::vector<pbd::MeshContact> found;
+        contacts.find(particles, {scope, {}, {}}, {nothing, 1}, found);
+        return found;
+    }
+};
+
+TEST_F(EdgeUnderBlade, ItIsMetHoweverFarItsEndsAre) {
+    for (const float half_length : {5e-3f, 8e-3f, 12e-3f, 30e-3f}) {
+        const std::vector<pbd::MeshContact> found = met(half_length, 2e-3f);
+        ASSERT_EQ(found.size(), 1u) << half_length;
+        EXPECT_TRUE(found[0].is_edge());
+        EXPECT_NEAR(found[0].along, 0.5f, 1e-5f);
+        EXPECT_NEAR(found[0].gap, 2e-3f - radius - ball, 1e-7f);
+        EXPECT_NEAR(found[0].normal.y(), -1.0f, 1e-5f);
+    }
+}
+
+TEST_F(EdgeUnderBlade, OneBesideTheBladeIsNot) {
+    EXPECT_TRUE(met(12e-3f, radius + ball + 1e-5f).empty());
+}
+
+}  // namespace
+}  // namespace eti::scene
