@@ -15,8 +15,8 @@ namespace {
 // Of so many vertices one is asked: those between them are carried by the same frames.
 constexpr std::size_t every = 3;
 // A vertex may lie outside its tetrahedron by so much of the tetrahedron's height: the drawn surface is
-// smooth where the mesh's has corners.
-constexpr float outside = 1.0f;
+// smooth where the mesh's has corners. Farther outside, one that is drawn out says too much.
+constexpr float outside = 0.5f;
 
 /// Shares of a tetrahedron's corners in `point`: affine, negative beyond the face before a corner.
 std::optional<std::array<float, 4>> shares_of(const Vec3f& point, const std::array<Vec3f, 4>& corner) {
@@ -31,8 +31,7 @@ std::optional<std::array<float, 4>> shares_of(const Vec3f& point, const std::arr
 
 }  // namespace
 
-void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra,
-                         std::span<const std::uint32_t> clusters) {
+void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra) {
     *this = {};
     rest_centre_ = patient.frame_rest_centre;
     maps_.resize(rest_centre_.size());
@@ -52,9 +51,9 @@ void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::u
         return;
     }
     const PointGrid grid(centre, reach);
-    std::vector<bool> fitted(rest_centre_.size(), false), used(rest_centre_.size(), false);
-    for (const std::uint32_t c : clusters) {
-        fitted[anatomy::bone_count + c] = true;
+    std::vector<bool> tongues(rest_centre_.size(), false), used(rest_centre_.size(), false);
+    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
+        tongues[anatomy::bone_count + c] = patient.clusters.tissue[c] == Tissue::tongue;
     }
     for (const Surface& surface : patient.surfaces) {
         for (std::size_t v = 0; surface.tissue == Tissue::tongue && v < surface.skin.size(); v += every) {
@@ -89,7 +88,7 @@ void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::u
     for (std::size_t f = 0; f < used.size(); ++f) {
         if (used[f]) {
             used_.push_back(static_cast<std::uint16_t>(f));
-            if (fitted[f]) {
+            if (tongues[f]) {
                 shifted_.push_back(static_cast<std::uint16_t>(f));
             }
         }

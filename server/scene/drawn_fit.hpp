@@ -16,13 +16,12 @@ namespace eti::scene {
 /// mesh that the blade has met (docs/decisions/0236-the-drawn-tongue-lies-on-its-mesh.md).
 class DrawnFit {
   public:
-    /// `tetrahedra` of the patient, whose tissue's surface is drawn by `clusters`, too: both by the patient's
-    /// numbers.
-    void configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra,
-                   std::span<const std::uint32_t> clusters);
+    /// `tetrahedra`: the patient's numbers of those in the tongue.
+    void configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra);
 
-    /// Shifts the clusters' frames by the mean of what vertices that they carry lack, weighted as they carry
-    /// them. `position` [m], one per particle; `frames`: all of the patient's, fitted to the clusters.
+    /// Shifts the frames of the tongue's clusters by the mean of what vertices that they carry lack, weighted
+    /// as they carry them. `position` [m], one per particle; `frames`: all of the patient's, fitted to the
+    /// clusters.
     void shift(std::span<const Vec3f> position, std::span<FramePose> frames);
 
     /// How many vertices are asked.
@@ -43,7 +42,7 @@ class DrawnFit {
     std::vector<Anchor> anchors_;
     std::vector<Vec3f> rest_centre_;      // [m], by frame
     std::vector<std::uint16_t> used_;     // frames that carry an anchor
-    std::vector<std::uint16_t> shifted_;  // of these the clusters'
+    std::vector<std::uint16_t> shifted_;  // of these the tongue's
     std::vector<FrameMap> maps_;          // scratch, by frame
     std::vector<Lack> lacks_;             // scratch, by frame
 };

@@ -118,7 +118,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
         body_.shapes.configure(held, p);
     }
     fitted_.configure(description(fitted_clusters_, substep), p);
-    drawn_.configure(patient, meshed_, fitted_clusters_);
+    drawn_.configure(patient, meshed_);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
     if (auto epiglottis = epiglottis_of(patient, held, p)) {
         body_.further.emplace_back(std::move(*epiglottis));
@@ -243,14 +243,15 @@ void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
+    const bool mesh_awake = body_.sleep.mesh_awake() || body_.sleep.held_awake();
     constexpr std::size_t block = pbd::ShapeMatching::block_size;
     for (std::size_t first = 0; first < held_clusters_.size(); first += block) {
-        if (body_.sleep.block_awake(first / block)) {
+        if (mesh_awake || body_.sleep.block_awake(first / block)) {
             frames_of(body_.shapes, held_clusters_, first, std::min(first + block, held_clusters_.size()),
                       frames);
         }
     }
-    if (body_.sleep.mesh_awake() || body_.sleep.held_awake()) {
+    if (mesh_awake) {
         fitted_.fit(body_.particles.position);
         frames_of(fitted_, fitted_clusters_, 0, fitted_clusters_.size(), frames);
         drawn_.shift(body_.particles.position, frames);

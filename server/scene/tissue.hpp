@@ -38,9 +38,9 @@ class SoftTissue {
     void let_sleep();
 
     /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
-    /// that tetrahedra stand in for are fitted to the particles here, and to the drawn surface. Those that sleep are left in `frames`
-    /// as the last call put them, which is to be from before they fell asleep. `head_size` is the cranium's
-    /// over that of the built one.
+    /// that tetrahedra stand in for are fitted to the particles here, and to the drawn surface. Those that
+    /// sleep are left in `frames` as the last call put them, which is to be from before they fell asleep.
+    /// `head_size` is the cranium's over that of the built one.
     void frames(std::vector<FramePose>& frames, float head_size = 1.0f);
 
     /// Edges of the mesh's surface whose ends both move: pairs of particles.
