@@ -3,7 +3,7 @@
 # Copyright the NeoETI authors
 """How hard each difficulty preset is for the scripted operators.
 
-Usage: presets.py BIN [--scenario NAME] [--preset NAME]... [--operator NAME]... [--seeds N]
+Usage: presets.py BIN [--scenario NAME] [--preset NAME]... [--set NAME=VALUE]... [--operator NAME]... [--seeds N]
 
 Each preset's values are put into the scenario, so that they hold from the start, and expert and novice intubate, as
 fast as the machine can, with seeds 1 to N. Prints a table: share of the glottis at the best view, greatest force on the
@@ -62,6 +62,7 @@ def main():
     parser.add_argument("bin", type=Path, help="folder with eti-server")
     parser.add_argument("--scenario", default="term", help="shipped scenario [term]")
     parser.add_argument("--preset", action="append", help="default: all that are shipped")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="counts more than the preset's")
     parser.add_argument("--operator", action="append", choices=OPERATORS, help="default: both")
     parser.add_argument("--seeds", type=int, default=3, help="runs of each [3]")
     wanted = parser.parse_args()
@@ -79,7 +80,9 @@ def main():
             if wanted.preset and file.stem not in wanted.preset:
                 continue
             scenario = Path(folder) / f"{file.stem}.yaml"
-            scenario.write_text(with_preset(wanted.scenario, yaml.safe_load(file.read_text())["set"], keys))
+            values = yaml.safe_load(file.read_text())["set"] | {
+                name: yaml.safe_load(value) for name, value in (one.split("=", 1) for one in wanted.set)}
+            scenario.write_text(with_preset(wanted.scenario, values, keys))
             for operator in wanted.operator or OPERATORS:
                 results = [run(server, scenario, operator, seed) for seed in range(1, wanted.seeds + 1)]
                 print(row(file.stem, operator, results), flush=True)
