@@ -243,6 +243,7 @@ void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
+    // Then also clusters that sleep are written anew: what is drawn is shifted from where their fit has it.
     const bool mesh_awake = body_.sleep.mesh_awake() || body_.sleep.held_awake();
     constexpr std::size_t block = pbd::ShapeMatching::block_size;
     for (std::size_t first = 0; first < held_clusters_.size(); first += block) {

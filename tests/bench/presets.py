@@ -74,6 +74,9 @@ def main():
     for name in wanted.preset or []:
         if name not in known:
             parser.error(f"--preset {name}: expected one of {', '.join(known)}")
+    for one in wanted.set:
+        if "=" not in one:
+            parser.error(f"--set {one}: expected NAME=VALUE")
     print("| preset | operator | glottis at best [%] | gum force [N] | time [s] | success |\n|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for file in files:

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "server/app/patient_cache.hpp"
 #include "server/patient/model/tetrahedra_of.hpp"
@@ -80,8 +79,8 @@ TEST(DrawnFit, ADentIsDrawnWhereItIs) {
         NewbornShape(), {.spacing = 2.5e-3f, .fine_spacing = 1.25e-3f, .surface_spacing = 2.5e-3f});
     const auto tongue = std::ranges::find(patient.surfaces, Tissue::tongue, &Surface::tissue);
     ASSERT_NE(tongue, patient.surfaces.end());
-    const auto highest = std::ranges::min_element(tongue->mesh.vertices, {}, [](const Vec3f& v) {
-        return -v.z();  // up is to the crown
+    const auto highest = std::ranges::max_element(tongue->mesh.vertices, {}, [](const Vec3f& v) {
+        return v.z();  // up is to the crown
     });
     const auto way = [&](const Vec3f& rest) -> Vec3f {
         return -4e-3f * std::exp(-(rest - *highest).squaredNorm() / (2.0f * 4e-3f * 4e-3f)) * Vec3f::UnitZ();
@@ -92,12 +91,10 @@ TEST(DrawnFit, ADentIsDrawnWhereItIs) {
     }
     // Frames as a fit without turns has them: with the mean of their members.
     std::vector<FramePose> frames(patient.frame_rest_centre.size());
-    std::vector<std::uint32_t> clusters(patient.clusters.size());
-    std::iota(clusters.begin(), clusters.end(), 0u);
     for (std::size_t f = 0; f < frames.size(); ++f) {
         frames[f].centre = patient.frame_rest_centre[f];
     }
-    for (const std::uint32_t c : clusters) {
+    for (std::uint32_t c = 0; c < patient.clusters.size(); ++c) {
         const auto members = patient.clusters.members(c);
         for (const std::uint32_t i : members) {
             frames[anatomy::bone_count + c].centre +=
