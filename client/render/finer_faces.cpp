@@ -107,8 +107,8 @@ FinerFaces::FinerFaces(std::span<const Triangle> triangles, std::size_t vertex_c
 }
 
 bool FinerFaces::may_be_long(float edge, float distance, const OutlineLook& look) {
-    // Folds and lips are stretched; beyond that an edge far off stays as it is.
-    constexpr float stretch = 1.5f;
+    // A blade stretches tongue and folds; beyond that an edge far off stays as it is.
+    constexpr float stretch = 4.0f;
     return stretch * edge * scale_of(look.view_projection).y() > stays * distance;
 }
 

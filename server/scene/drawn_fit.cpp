@@ -14,6 +14,8 @@ namespace {
 
 // Of so many vertices one is asked: those between them are carried by the same frames.
 constexpr std::size_t every = 3;
+// Each halves about what is lacking; more of them draw kinks that the mesh does not have.
+constexpr int rounds = 3;
 // A vertex may lie outside its tetrahedron by so much of the tetrahedron's height: the drawn surface is
 // smooth where the mesh's has corners. Farther outside, one that is drawn out says too much.
 constexpr float outside = 0.5f;
@@ -96,23 +98,25 @@ void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::u
 }
 
 void DrawnFit::shift(std::span<const Vec3f> position, std::span<FramePose> frames) {
-    for (const std::uint16_t f : used_) {
-        maps_[f] = frame_map(frames[f], rest_centre_[f]);
-        lacks_[f] = {};
-    }
-    for (const Anchor& anchor : anchors_) {
-        Vec3f lack = -skin_point(anchor.point.rest, anchor.point.skin, maps_);
-        for (std::size_t k = 0; k < anchor.corner.size(); ++k) {
-            lack += anchor.share[k] * position[anchor.corner[k]];
+    for (int round = 0; round < rounds; ++round) {
+        for (const std::uint16_t f : used_) {
+            maps_[f] = frame_map(frames[f], rest_centre_[f]);
+            lacks_[f] = {};
         }
-        const SkinWeights& skin = anchor.point.skin;
-        for (std::size_t k = 0; k < frames_per_point; ++k) {
-            lacks_[skin.frame[k]].sum += skin.weight[k] * lack;
-            lacks_[skin.frame[k]].weight += skin.weight[k];
+        for (const Anchor& anchor : anchors_) {
+            Vec3f lack = -skin_point(anchor.point.rest, anchor.point.skin, maps_);
+            for (std::size_t k = 0; k < anchor.corner.size(); ++k) {
+                lack += anchor.share[k] * position[anchor.corner[k]];
+            }
+            const SkinWeights& skin = anchor.point.skin;
+            for (std::size_t k = 0; k < frames_per_point; ++k) {
+                lacks_[skin.frame[k]].sum += skin.weight[k] * lack;
+                lacks_[skin.frame[k]].weight += skin.weight[k];
+            }
         }
-    }
-    for (const std::uint16_t f : shifted_) {
-        frames[f].centre += lacks_[f].sum / lacks_[f].weight;
+        for (const std::uint16_t f : shifted_) {
+            frames[f].centre += lacks_[f].sum / lacks_[f].weight;
+        }
     }
 }
 

@@ -20,8 +20,8 @@ class DrawnFit {
     void configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra);
 
     /// Shifts the frames of the tongue's clusters by the mean of what vertices that they carry lack, weighted
-    /// as they carry them. `position` [m], one per particle; `frames`: all of the patient's, fitted to the
-    /// clusters.
+    /// as they carry them, several times over. `position` [m], one per particle; `frames`: all of the
+    /// patient's, fitted to the clusters.
     void shift(std::span<const Vec3f> position, std::span<FramePose> frames);
 
     /// How many vertices are asked.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -33,6 +34,28 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
                                     .load = pbd::ClusterLoad::tongue},
                                    wanted)
         .put_in;
+}
+
+// Spacings from a cluster's middle. A cluster reaches farther, and what is drawn by the mean of all its
+// members does not follow a blade's dent (docs/decisions/0237-the-drawn-tongue-follows-dents.md).
+constexpr float fitted_reach = 1.75f;
+// Fewer say too little of a turn: a cluster has at least as many.
+constexpr std::size_t fewest_members = 4;
+
+/// A cluster's members within so many spacings of their middle; all of them where those are too few.
+std::vector<std::uint32_t> members_about_middle(const anatomy::Patient& patient, std::uint32_t cluster,
+                                                float reach) {
+    const anatomy::ParticleSet& set = patient.particles;
+    const auto members = patient.clusters.members(cluster);
+    Vec3f middle = Vec3f::Zero();
+    for (const std::uint32_t i : members) {
+        middle += set.rest[i] / static_cast<float>(members.size());
+    }
+    std::vector<std::uint32_t> near;
+    std::ranges::copy_if(members, std::back_inserter(near), [&](std::uint32_t i) {
+        return (set.rest[i] - middle).norm() <= reach * 2.0f * set.radius[i];
+    });
+    return near.size() < fewest_members ? std::vector(members.begin(), members.end()) : near;
 }
 
 /// The epiglottis, bending from its stalk to its tip; none where it is a single cluster.
@@ -117,7 +140,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
         held.early = meshed;
         body_.shapes.configure(held, p);
     }
-    fitted_.configure(description(fitted_clusters_, substep), p);
+    fitted_.configure(description(fitted_clusters_, substep, fitted_reach), p);
     drawn_.configure(patient, meshed_);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
     if (auto epiglottis = epiglottis_of(patient, held, p)) {
@@ -134,8 +157,8 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
     reset();
 }
 
-pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uint32_t> wanted,
-                                                        float substep) const {
+pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uint32_t> wanted, float substep,
+                                                        float reach) const {
     const anatomy::ParticleSet& set = patient_.particles;
     pbd::ShapeMatching::Description shapes;
     for (const float radius : set.radius) {
@@ -145,7 +168,7 @@ pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uin
     }
     shapes.first.push_back(0);
     for (const std::uint32_t c : wanted) {
-        const auto members = patient_.clusters.members(c);
+        const std::vector<std::uint32_t> members = members_about_middle(patient_, c, reach);
         shapes.member.insert(shapes.member.end(), members.begin(), members.end());
         shapes.first.push_back(static_cast<std::uint32_t>(shapes.member.size()));
         shapes.youngs_modulus.push_back(

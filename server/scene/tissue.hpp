@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -59,9 +60,11 @@ class SoftTissue {
     void reset();
 
   private:
-    /// The patient's clusters that `wanted` names, as the solver takes them.
-    [[nodiscard]] pbd::ShapeMatching::Description description(std::span<const std::uint32_t> wanted,
-                                                              float substep) const;
+    /// The patient's clusters that `wanted` names, as the solver takes them; of their members those within
+    /// so many spacings of the middle.
+    [[nodiscard]] pbd::ShapeMatching::Description description(
+        std::span<const std::uint32_t> wanted, float substep,
+        float reach = std::numeric_limits<float>::infinity()) const;
     /// The particle at rest in the model's posture, as far as the tongue has grown.
     [[nodiscard]] Vec3f grown(std::size_t particle) const;
     void update_moduli();
