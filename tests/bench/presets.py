@@ -25,6 +25,11 @@ ROOT = Path(__file__).resolve().parents[2]
 OPERATORS = ("expert", "novice")
 
 
+def stands_for(key, name):
+    """Whether a preset's `name` means the scenario's `key`."""
+    return key.replace(".", "_") == name or key == f"patient.{name}"
+
+
 def with_preset(scenario, values, keys):
     """The scenario as text, with a preset's values at its own keys."""
     out = yaml.safe_load((ROOT / f"deploy/scenarios/{scenario}.yaml").read_text())
@@ -32,7 +37,7 @@ def with_preset(scenario, values, keys):
         if name == "secretion":
             out["saliva"] = True
             continue
-        section, key = next(key for key in keys if key.replace(".", "_") == name or key == f"patient.{name}").split(".")
+        section, key = next(key for key in keys if stands_for(key, name)).split(".")
         out.setdefault(section, {})[key] = value
     text = yaml.safe_dump(out, sort_keys=False)
     return text.replace("saliva: true", "saliva: on").replace("saliva: false", "saliva: off")
@@ -75,8 +80,11 @@ def main():
         if name not in known:
             parser.error(f"--preset {name}: expected one of {', '.join(known)}")
     for one in wanted.set:
-        if "=" not in one:
+        name, equals, _ = one.partition("=")
+        if not equals:
             parser.error(f"--set {one}: expected NAME=VALUE")
+        if name != "secretion" and not any(stands_for(key, name) for key in keys):
+            parser.error(f"--set {one}: no key of a scenario is named {name}; the preset's own names are in deploy/presets")
     print("| preset | operator | glottis at best [%] | gum force [N] | time [s] | success |\n|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for file in files:
