@@ -31,13 +31,19 @@ std::optional<std::array<float, 4>> shares_of(const Vec3f& point, const std::arr
     return std::array{1.0f - u.sum(), u.x(), u.y(), u.z()};
 }
 
+Eigen::Vector4f wide(const Vec3f& v) {
+    return {v.x(), v.y(), v.z(), 0.0f};
+}
+
 }  // namespace
 
 void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra) {
     *this = {};
     rest_centre_ = patient.frame_rest_centre;
     maps_.resize(rest_centre_.size());
-    lacks_.resize(rest_centre_.size());
+    carried_.assign(rest_centre_.size(), 0.0f);
+    sum_.assign(rest_centre_.size(), Eigen::Vector4f::Zero());
+    way_ = sum_;
     std::vector<Vec3f> centre;
     float reach = 0.0f;  // [m], of the largest tetrahedron
     for (const std::uint32_t t : tetrahedra) {
@@ -53,22 +59,18 @@ void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::u
         return;
     }
     const PointGrid grid(centre, reach);
-    std::vector<bool> tongues(rest_centre_.size(), false), used(rest_centre_.size(), false);
-    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
-        tongues[anatomy::bone_count + c] = patient.clusters.tissue[c] == Tissue::tongue;
-    }
     for (const Surface& surface : patient.surfaces) {
         for (std::size_t v = 0; surface.tissue == Tissue::tongue && v < surface.skin.size(); v += every) {
-            Anchor anchor;
-            anchor.point = {surface.mesh.vertices[v], surface.skin[v]};
+            const Vec3f& rest = surface.mesh.vertices[v];
+            Anchor anchor{.rest = rest.homogeneous(), .corner = {}, .share = {}};
             float innermost = -outside;
             bool found = false;
-            grid.within(anchor.point.rest, 2.0f * reach, [&](std::uint32_t n, float) {
+            grid.within(rest, 2.0f * reach, [&](std::uint32_t n, float) {
                 const auto& corner = patient.tetrahedra.corners[tetrahedra[n]];
                 std::array<Vec3f, 4> at;
                 std::ranges::transform(corner, at.begin(),
                                        [&](std::uint32_t i) { return patient.particles.rest[i]; });
-                const auto share = shares_of(anchor.point.rest, at);
+                const auto share = shares_of(rest, at);
                 if (share && *std::ranges::min_element(*share) > innermost) {
                     innermost = *std::ranges::min_element(*share);
                     anchor.corner = corner;
@@ -76,46 +78,77 @@ void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::u
                     found = true;
                 }
             });
-            if (!found) {
-                continue;
-            }
-            anchors_.push_back(anchor);
-            for (std::size_t k = 0; k < frames_per_point; ++k) {
-                if (anchor.point.skin.weight[k] > 0.0f) {
-                    used[anchor.point.skin.frame[k]] = true;
-                }
+            if (found) {
+                add(anchor, surface.skin[v]);
             }
         }
     }
-    for (std::size_t f = 0; f < used.size(); ++f) {
-        if (used[f]) {
+    lack_.resize(anchors_.size());
+    for (std::size_t f = 0; f < carried_.size(); ++f) {
+        if (carried_[f] > 0.0f) {
             used_.push_back(static_cast<std::uint16_t>(f));
-            if (tongues[f]) {
+            const std::size_t cluster = f - anatomy::bone_count;
+            if (f >= anatomy::bone_count && cluster < patient.clusters.size() &&
+                patient.clusters.tissue[cluster] == Tissue::tongue) {
                 shifted_.push_back(static_cast<std::uint16_t>(f));
             }
         }
     }
 }
 
-void DrawnFit::shift(std::span<const Vec3f> position, std::span<FramePose> frames) {
-    for (int round = 0; round < rounds; ++round) {
-        for (const std::uint16_t f : used_) {
-            maps_[f] = frame_map(frames[f], rest_centre_[f]);
-            lacks_[f] = {};
+void DrawnFit::add(const Anchor& anchor, const SkinWeights& skin) {
+    Anchor& added = anchors_.emplace_back(anchor);
+    added.first = static_cast<std::uint32_t>(carriers_.size());
+    for (std::size_t k = 0; k < frames_per_point; ++k) {
+        if (skin.weight[k] > 0.0f) {
+            carriers_.push_back({skin.frame[k], skin.weight[k]});
+            carried_[skin.frame[k]] += skin.weight[k];
         }
-        for (const Anchor& anchor : anchors_) {
-            Vec3f lack = -skin_point(anchor.point.rest, anchor.point.skin, maps_);
-            for (std::size_t k = 0; k < anchor.corner.size(); ++k) {
-                lack += anchor.share[k] * position[anchor.corner[k]];
+    }
+    added.end = static_cast<std::uint32_t>(carriers_.size());
+}
+
+void DrawnFit::shift(std::span<const Vec3f> position, std::span<FramePose> frames) {
+    for (const std::uint16_t f : used_) {
+        const FrameMap map = frame_map(frames[f], rest_centre_[f]);
+        for (int column = 0; column < 3; ++column) {
+            maps_[f][static_cast<std::size_t>(column)] = wide(map.linear.col(column));
+        }
+        maps_[f][3] = wide(map.offset);
+        sum_[f].setZero();
+    }
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t a = 0; a < anchors_.size(); ++a) {
+            const Anchor& anchor = anchors_[a];
+            const std::span<const Carrier> carriers(carriers_.data() + anchor.first,
+                                                    carriers_.data() + anchor.end);
+            Eigen::Vector4f& lack = lack_[a];
+            if (round == 0) {
+                Vec3f wanted = Vec3f::Zero();
+                for (std::size_t k = 0; k < anchor.corner.size(); ++k) {
+                    wanted += anchor.share[k] * position[anchor.corner[k]];
+                }
+                lack = wide(wanted);
+                for (const Carrier& c : carriers) {
+                    const Columns& map = maps_[c.frame];
+                    lack -= c.weight * (map[0] * anchor.rest.x() + map[1] * anchor.rest.y() +
+                                        map[2] * anchor.rest.z() + map[3]);
+                }
+            } else {
+                for (const Carrier& c : carriers) {
+                    lack -= c.weight * way_[c.frame];
+                }
             }
-            const SkinWeights& skin = anchor.point.skin;
-            for (std::size_t k = 0; k < frames_per_point; ++k) {
-                lacks_[skin.frame[k]].sum += skin.weight[k] * lack;
-                lacks_[skin.frame[k]].weight += skin.weight[k];
+            for (const Carrier& c : carriers) {
+                sum_[c.frame] += c.weight * lack;
             }
         }
         for (const std::uint16_t f : shifted_) {
-            frames[f].centre += lacks_[f].sum / lacks_[f].weight;
+            way_[f] = sum_[f] / carried_[f];  // of all others it stays zero
+            frames[f].centre += Vec3f(way_[f].x(), way_[f].y(), way_[f].z());
+        }
+        for (const std::uint16_t f : used_) {
+            sum_[f].setZero();
         }
     }
 }

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <Eigen/Core>
+
 #include <array>
 #include <cstdint>
 #include <span>
@@ -28,23 +30,31 @@ class DrawnFit {
     [[nodiscard]] std::size_t size() const { return anchors_.size(); }
 
   private:
-    /// A vertex of the surface, as a point of a tetrahedron.
+    /// A vertex of the surface: a point of a tetrahedron that frames carry. Its fourth coordinate is 1.
     struct Anchor {
-        anatomy::CarriedPoint point;
+        Eigen::Vector4f rest;
         std::array<std::uint32_t, 4> corner = {};  // particles
         std::array<float, 4> share = {};           // sum to one
+        std::uint32_t first = 0, end = 0;          // in carriers_
     };
-    struct Lack {
-        Vec3f sum = Vec3f::Zero();  // [m]
-        float weight = 0.0f;
+    struct Carrier {
+        std::uint16_t frame;
+        float weight;
     };
+    /// What a frame does to rest points: columns, four numbers each for the processor's sake.
+    using Columns = std::array<Eigen::Vector4f, 4>;
+
+    void add(const Anchor& anchor, const SkinWeights& skin);
 
     std::vector<Anchor> anchors_;
-    std::vector<Vec3f> rest_centre_;      // [m], by frame
-    std::vector<std::uint16_t> used_;     // frames that carry an anchor
-    std::vector<std::uint16_t> shifted_;  // of these the tongue's
-    std::vector<FrameMap> maps_;          // scratch, by frame
-    std::vector<Lack> lacks_;             // scratch, by frame
+    std::vector<Carrier> carriers_;
+    std::vector<Vec3f> rest_centre_;          // [m], by frame
+    std::vector<std::uint16_t> used_;         // frames that carry an anchor
+    std::vector<std::uint16_t> shifted_;      // of these the tongue's
+    std::vector<float> carried_;              // by frame, sum of weights
+    std::vector<Columns> maps_;               // scratch, by frame
+    std::vector<Eigen::Vector4f> sum_, way_;  // scratch, by frame [m]
+    std::vector<Eigen::Vector4f> lack_;       // scratch, by anchor [m]
 };
 
 }  // namespace eti::scene
