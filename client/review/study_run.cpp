@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 #include "client/review/output.hpp"
 #include "client/review/prompt.hpp"
@@ -204,11 +207,17 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
             progress.look_again(i) == State::done) {
             continue;
         }
-        if (progress.state(i) == State::recorded_now) {
+        const auto left_to_another = [&] {
+            if (progress.state(i) != State::recorded_now) {
+                return false;
+            }
             std::cerr << fmt::format(
                 "eti-review: session {} of {} ({}, {}) is being recorded by another process, and is left to "
                 "it\n",
                 i + 1, count, session.participant->name, session.condition->name);
+            return true;
+        };
+        if (left_to_another()) {
             continue;
         }
         if (stop_asked() || (session.participant->operator_.empty() && !ready(session))) {
@@ -225,9 +234,17 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
             put_aside(file);  // ended before its time, though in order
         }
         progress.look_again();
+        // Who began this session at the same moment may not have marked its file yet.
+        for (int tries = 0; tries < 20 && progress.state(i) == State::cut_off && !stop_asked(); ++tries) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            progress.look_again(i);
+        }
         progress.write();
         if (stop_asked()) {
             return end(interrupted);
+        }
+        if (left_to_another()) {
+            continue;  // who began at the same moment came first
         }
         // Its status tells whether the trachea was intubated; that is in the file.
         if (progress.state(i) != State::done) {

@@ -155,6 +155,17 @@ class Study(support.Case):
         self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
         self.assertEqual(file.read_bytes(), before)
 
+    def test_two_that_begin_at_once_share_the_sessions(self):
+        both = [subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out, *SHORT],
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+        for one in both:
+            self.addCleanup(one.kill)
+        for one in both:
+            _, said = one.communicate(timeout=300)
+            self.assertEqual(one.returncode, 0, said)
+        self.assertIn("4 of 4 sessions done", self.run_study().stdout)
+        self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
+
     def test_skill_goes_from_the_study_into_the_file(self):
         self.study.write_text(STUDY.replace("no_lift}", "expert, skill: 0.25, skill_to: 0.75, attempts: 2}"))
         self.run_study(*SHORT)
