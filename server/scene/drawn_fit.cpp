@@ -62,7 +62,7 @@ void DrawnFit::configure(const anatomy::Patient& patient, std::span<const std::u
     for (const Surface& surface : patient.surfaces) {
         for (std::size_t v = 0; surface.tissue == Tissue::tongue && v < surface.skin.size(); v += every) {
             const Vec3f& rest = surface.mesh.vertices[v];
-            Anchor anchor{.rest = rest.homogeneous(), .corner = {}, .share = {}};
+            Anchor anchor{.rest = rest, .corner = {}, .share = {}};
             float innermost = -outside;
             bool found = false;
             grid.within(rest, 2.0f * reach, [&](std::uint32_t n, float) {
@@ -115,7 +115,6 @@ void DrawnFit::shift(std::span<const Vec3f> position, std::span<FramePose> frame
             maps_[f][static_cast<std::size_t>(column)] = wide(map.linear.col(column));
         }
         maps_[f][3] = wide(map.offset);
-        sum_[f].setZero();
     }
     for (int round = 0; round < rounds; ++round) {
         for (std::size_t a = 0; a < anchors_.size(); ++a) {

@@ -30,9 +30,9 @@ class DrawnFit {
     [[nodiscard]] std::size_t size() const { return anchors_.size(); }
 
   private:
-    /// A vertex of the surface: a point of a tetrahedron that frames carry. Its fourth coordinate is 1.
+    /// A vertex of the surface: a point of a tetrahedron that frames carry.
     struct Anchor {
-        Eigen::Vector4f rest;
+        Vec3f rest = Vec3f::Zero();                // [m]
         std::array<std::uint32_t, 4> corner = {};  // particles
         std::array<float, 4> share = {};           // sum to one
         std::uint32_t first = 0, end = 0;          // in carriers_
@@ -53,7 +53,7 @@ class DrawnFit {
     std::vector<std::uint16_t> shifted_;      // of these the tongue's
     std::vector<float> carried_;              // by frame, sum of weights
     std::vector<Columns> maps_;               // scratch, by frame
-    std::vector<Eigen::Vector4f> sum_, way_;  // scratch, by frame [m]
+    std::vector<Eigen::Vector4f> sum_, way_;  // by frame [m]; between rounds sums are zero
     std::vector<Eigen::Vector4f> lack_;       // scratch, by anchor [m]
 };
 

@@ -47,10 +47,7 @@ std::vector<std::uint32_t> members_about_middle(const anatomy::Patient& patient,
                                                 float reach) {
     const anatomy::ParticleSet& set = patient.particles;
     const auto members = patient.clusters.members(cluster);
-    Vec3f middle = Vec3f::Zero();
-    for (const std::uint32_t i : members) {
-        middle += set.rest[i] / static_cast<float>(members.size());
-    }
+    const Vec3f& middle = patient.frame_rest_centre[anatomy::bone_count + cluster];
     std::vector<std::uint32_t> near;
     std::ranges::copy_if(members, std::back_inserter(near), [&](std::uint32_t i) {
         return (set.rest[i] - middle).norm() <= reach * 2.0f * set.radius[i];
