@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cerrno>
+#include <cstring>
 #include <iostream>
-#include <thread>
 
 #include "client/review/output.hpp"
 #include "client/review/prompt.hpp"
@@ -46,6 +48,46 @@ State state_of(const std::filesystem::path& file) {
     });
     return !read.broken && read.status == 0 ? State::done : State::cut_off;
 }
+
+/// Of several processes that run a study in one folder the one that runs a session: it locks the byte of that
+/// number of an empty file. The kernel gives it back as the process ends, however it ends.
+class Claim {
+  public:
+    Claim(const std::filesystem::path& folder, std::size_t session) {
+        const std::filesystem::path file = folder / "study.lock";
+        descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        struct flock lock {};
+        lock.l_type = F_WRLCK;
+        lock.l_whence = SEEK_SET;
+        lock.l_start = static_cast<off_t>(session);
+        lock.l_len = 1;
+        held_ = descriptor_ >= 0 && ::fcntl(descriptor_, F_OFD_SETLK, &lock) == 0;
+        const int error = errno;
+        if (descriptor_ < 0 || (!held_ && error != EAGAIN && error != EACCES)) {
+            if (descriptor_ >= 0) {
+                ::close(descriptor_);
+            }
+            throw InputError(
+                fmt::format("{}: cannot be locked ({}), so another process might run the same "
+                            "session; expected is a file that may be written, in a folder that "
+                            "knows locks: choose one with --out",
+                            file.string(), std::strerror(error)));
+        }
+    }
+    ~Claim() {
+        if (descriptor_ >= 0) {
+            ::close(descriptor_);
+        }
+    }
+    Claim(const Claim&) = delete;
+    Claim& operator=(const Claim&) = delete;
+
+    [[nodiscard]] bool held() const { return held_; }
+
+  private:
+    int descriptor_ = -1;
+    bool held_ = false;
+};
 
 /// The study as it is run in a folder.
 class Progress {
@@ -99,7 +141,7 @@ void keep_study(const Study& study, const std::filesystem::path& folder) {
     const std::filesystem::path kept = folder / "study.yaml";
     std::error_code ignored;
     if (!std::filesystem::exists(kept, ignored)) {
-        write_new_file(kept, study.text, "--out");
+        write_file(kept, study.text, "--out");
     } else if (read_text_file(kept) != study.text) {
         throw InputError(
             fmt::format("{}: the study in this folder is not the one that was given; expected is the same to "
@@ -207,17 +249,16 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
             progress.look_again(i) == State::done) {
             continue;
         }
-        const auto left_to_another = [&] {
-            if (progress.state(i) != State::recorded_now) {
-                return false;
-            }
+        const Claim claim(how.folder, i);
+        // Another may have ended it just now, or have been killed while its server goes on.
+        if (claim.held() && progress.look_again(i) == State::done) {
+            continue;
+        }
+        if (!claim.held() || progress.state(i) == State::recorded_now) {
             std::cerr << fmt::format(
                 "eti-review: session {} of {} ({}, {}) is being recorded by another process, and is left to "
                 "it\n",
                 i + 1, count, session.participant->name, session.condition->name);
-            return true;
-        };
-        if (left_to_another()) {
             continue;
         }
         if (stop_asked() || (session.participant->operator_.empty() && !ready(session))) {
@@ -234,17 +275,9 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
             put_aside(file);  // ended before its time, though in order
         }
         progress.look_again();
-        // Who began this session at the same moment may not have marked its file yet.
-        for (int tries = 0; tries < 20 && progress.state(i) == State::cut_off && !stop_asked(); ++tries) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
-            progress.look_again(i);
-        }
         progress.write();
         if (stop_asked()) {
             return end(interrupted);
-        }
-        if (left_to_another()) {
-            continue;  // who began at the same moment came first
         }
         // Its status tells whether the trachea was intubated; that is in the file.
         if (progress.state(i) != State::done) {

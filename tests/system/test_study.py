@@ -155,6 +155,24 @@ class Study(support.Case):
         self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
         self.assertEqual(file.read_bytes(), before)
 
+    def test_a_file_that_another_has_just_made_is_not_put_aside(self):
+        file = self.out / "one" / "P01.eti.h5"
+        file.parent.mkdir(parents=True)
+        file.write_bytes(b"its server has not marked it yet")
+        with (self.out / "study.lock").open("w+b") as claim:  # as a study that runs its first session has it
+            fcntl.fcntl(claim, 37, struct.pack("hhqqi", fcntl.F_WRLCK, os.SEEK_SET, 0, 1, 0))  # F_OFD_SETLK
+            done = self.run_study(*SHORT)
+        self.assertIn("session 1 of 4 (P01, one) is being recorded by another process", done.stderr)
+        self.assertIn("3 of 4 sessions done", done.stdout)
+        self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
+        self.assertEqual(file.read_bytes(), b"its server has not marked it yet")
+
+    def test_a_folder_without_a_lock_is_named(self):
+        self.out.mkdir()
+        (self.out / "study.lock").mkdir()
+        refused = self.run_study(*SHORT, status=1)
+        self.assertIn("study.lock: cannot be locked", refused.stderr)
+
     def test_two_that_begin_at_once_share_the_sessions(self):
         both = [subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out, *SHORT],
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(2)]
