@@ -37,9 +37,16 @@ float tetrahedron_modulus(const Patient& patient, std::uint32_t tetrahedron, flo
 
 float link_stiffness(const Patient& patient, std::uint32_t link, float soft) {
     const auto& ends = patient.links.ends[link];
-    const bool of_epiglottis = std::ranges::any_of(
-        ends, [&](std::uint32_t i) { return patient.particles.tissue[i] == Tissue::epiglottis; });
-    return of_epiglottis ? ligament : soft * 2.0f * patient.particles.radius[ends[0]];
+    const auto joins = [&](Tissue tissue) {
+        return std::ranges::any_of(ends,
+                                   [&](std::uint32_t i) { return patient.particles.tissue[i] == tissue; });
+    };
+    if (joins(Tissue::epiglottis) && joins(Tissue::tongue)) {
+        return ligament;
+    }
+    // What grows out of something is as stiff there as a particle of it: E A / l.
+    const float modulus = joins(Tissue::epiglottis) ? youngs_modulus_of(Tissue::larynx, soft) : soft;
+    return modulus * 2.0f * patient.particles.radius[ends[0]];
 }
 
 void set_tissue_stiffness(Patient& patient, float soft) {

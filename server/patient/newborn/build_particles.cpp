@@ -86,6 +86,11 @@ std::vector<std::vector<std::uint32_t>> strips(const std::vector<Vec3f>& places,
     return out;
 }
 
+/// Of the epiglottis, where it is rooted in the larynx. `size`: the patient's, over the model's.
+bool of_stalk(const ParticleSet& set, std::uint32_t i, const Vec3f& stalk, float size) {
+    return set.tissue[i] == Tissue::epiglottis && (set.rest[i] - stalk).norm() < 3.0e-3f * size;
+}
+
 }  // namespace
 
 void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
@@ -147,9 +152,7 @@ void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patie
     const auto points = anatomy.landmarks();
     const Vec3f stalk = at(points, Landmark::epiglottis_base);
     const Vec3f along = (at(points, Landmark::epiglottis_tip) - stalk).normalized();
-    const auto is_stalk = [&](std::uint32_t i) {
-        return set.tissue[i] == Tissue::epiglottis && (set.rest[i] - stalk).norm() < 3.0e-3f * size;
-    };
+    const auto is_stalk = [&](std::uint32_t i) { return of_stalk(set, i, stalk, size); };
     std::vector<std::uint32_t> epiglottis;
     std::vector<Vec3f> plate;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
@@ -257,6 +260,17 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
         }
         grid.within(set.rest[i], reach, [&](std::uint32_t k, float) {
             if (set.tissue[k] == Tissue::tongue && std::fabs(set.rest[k].x()) < 3.0e-3f * size) {
+                patient.links.ends.push_back({i, k});
+            }
+        });
+    }
+    // Aryepiglottic folds grow out of the plate's edges, above its stalk.
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        if (set.tissue[i] != Tissue::epiglottis || of_stalk(set, i, base, size)) {
+            continue;
+        }
+        grid.within(set.rest[i], 1.5f * settings.fine_spacing * size, [&](std::uint32_t k, float) {
+            if (set.tissue[k] == Tissue::larynx && set.mass[k] > 0.0f) {
                 patient.links.ends.push_back({i, k});
             }
         });

@@ -244,14 +244,19 @@ std::vector<Invariant> tissue_hangs_on_bone(const Patient& patient) {
     found.push_back(loose.report("each moving particle is in a cluster or tetrahedron", moving, "particles"));
     found.push_back(adrift.report("each moving particle hangs on bone", moving, "particles"));
 
-    std::size_t ligament = 0, floor = 0;
+    std::size_t ligament = 0, floor = 0, left = 0, right = 0;
     for (const auto& [a, b] : patient.links.ends) {
         const int one = family_of(set.tissue[a]);
         const int other = family_of(set.tissue[b]);
+        if ((one == 0 && other == 2) || (one == 2 && other == 0)) {
+            (set.rest[a].x() < 0.0f ? right : left) += 1;
+        }
         ligament += (one == 1 && other == 2) || (one == 2 && other == 1) ? 1 : 0;
         floor += (one == 1 && other == 0) || (one == 0 && other == 1) ? 1 : 0;
     }
     found.push_back({"the hyoepiglottic ligament is there", ligament > 0, fmt::format("{} links", ligament)});
+    found.push_back({"aryepiglottic folds hold the epiglottis on both sides", left > 0 && right > 0,
+                     fmt::format("{} and {} links", left, right)});
     found.push_back({"the tongue grows out of the mouth's floor", floor > 0, fmt::format("{} links", floor)});
     return found;
 }

@@ -93,6 +93,19 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
         patient_.clusters = joined;
     }
 
+    /// Links between the plate and what grows out of its edges.
+    [[nodiscard]] std::vector<std::uint32_t> links_of_folds() const {
+        std::vector<std::uint32_t> folds;
+        for (std::uint32_t l = 0; l < patient_.links.ends.size(); ++l) {
+            const auto& [a, b] = patient_.links.ends[l];
+            if (patient_.particles.tissue[a] == Tissue::epiglottis &&
+                patient_.particles.tissue[b] == Tissue::larynx) {
+                folds.push_back(l);
+            }
+        }
+        return folds;
+    }
+
     static constexpr float pull = 2e-3f;
     anatomy::Patient patient_;
     std::size_t dragged_ = 0;
@@ -121,6 +134,36 @@ TEST_P(EpiglottisTest, WithTongueInItsClusterItSticks) {
     const float free = mean_of_plate(drag({0.0f, pull, 0.0f}));
     join_neighbours();
     EXPECT_LT(mean_of_plate(drag({0.0f, pull, 0.0f})), 0.5f * free);
+}
+
+TEST_P(EpiglottisTest, FoldsGoWithItAndAlikeOnBothSides) {
+    const std::vector<std::uint32_t> folds = links_of_folds();
+    ASSERT_GT(folds.size(), 20u);
+    Vec3f sides = Vec3f::Zero();
+    for (const std::uint32_t l : folds) {
+        const auto [plate, fold] = patient_.links.ends[l];
+        sides += patient_.particles.rest[plate];
+        // E A / l of a particle; tissue of the larynx has 32 kPa.
+        EXPECT_FLOAT_EQ(patient_.links.stiffness[l], 32e3f * 1.25e-3f);
+    }
+    EXPECT_NEAR(sides.x() / static_cast<float>(folds.size()), 0.0f, 1e-6f);
+
+    // Lifted, it draws them along. Where they are cut off, they stay: what is left goes by its root.
+    const auto mean_of_folds = [&] {
+        const std::vector<float> moved = drag({0.0f, -pull, 0.0f});
+        float sum = 0.0f;
+        for (const std::uint32_t l : folds) {
+            sum += moved[patient_.links.ends[l][1]];
+        }
+        return sum / static_cast<float>(folds.size());
+    };
+    const float held = mean_of_folds();
+    std::vector<float>& stiffness = patient_.links.stiffness;
+    std::ranges::for_each(folds, [&](std::uint32_t l) { stiffness[l] = 1e-6f; });
+    const float cut = mean_of_folds();
+    RecordProperty("held_um", static_cast<int>(1e6f * held));
+    RecordProperty("cut_um", static_cast<int>(1e6f * cut));
+    EXPECT_GT(held, 2.0f * cut);
 }
 
 INSTANTIATE_TEST_SUITE_P(TissueMethods, EpiglottisTest,

@@ -188,6 +188,14 @@ TEST(CheckModel, FindsLooseTissueAndMissingLigaments) {
         }
     });
     expect_fault("the hyoepiglottic ligament", [](Patient& p) { p.links = {}; });
+    expect_fault("aryepiglottic folds", [](Patient& p) {
+        // On one side they are cut.
+        std::erase_if(p.links.ends, [&](const auto& ends) {
+            return p.particles.rest[ends[0]].x() > 0.0f &&
+                   std::ranges::any_of(ends, [&](auto i) { return p.particles.tissue[i] == Tissue::larynx; });
+        });
+        p.links.stiffness.resize(p.links.ends.size());
+    });
     expect_fault("grows out of the mouth's floor", [](Patient& p) { p.links = {}; });
 }
 
