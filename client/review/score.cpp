@@ -51,6 +51,14 @@ constexpr ScoreFeature features[] = {
 };
 constexpr std::size_t feature_count = std::size(features);
 
+// Of the penalty on the outcome's weight: next to none. As failures mostly took long, too, a penalty would
+// have time tell them, and praise a failure that was quick.
+constexpr double outcome_penalty = 0.01;
+
+constexpr double penalty_share(const ScoreFeature& feature) {
+    return feature.key == intubated_key ? outcome_penalty : 1.0;
+}
+
 double parameter(const Parameters& parameters, std::string_view key) {
     return parameters.*std::ranges::find(parameter_fields, key, &ParameterField::key)->value;
 }
@@ -135,9 +143,10 @@ double objective(unsigned count, const double* x, double* gradient, void* data) 
         }
     }
     for (std::size_t j = 0; j < feature_count; ++j) {
-        sum += 0.5 * problem.penalty * weights[j] * weights[j];
+        const double penalty = problem.penalty * penalty_share(features[j]);
+        sum += 0.5 * penalty * weights[j] * weights[j];
         if (gradient != nullptr) {
-            gradient[cuts + j] += problem.penalty * weights[j];
+            gradient[cuts + j] += penalty * weights[j];
         }
     }
     if (gradient != nullptr) {

@@ -106,8 +106,9 @@ class ScoreError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Fits weights and thresholds by the greatest likelihood, less `penalty` / 2 times the weights' squares
-/// (NLopt's SLSQP, Kraft 1994), with no weight of the wrong sign. Throws ScoreError.
+/// Fits weights and thresholds by the greatest likelihood, less `penalty` / 2 times the weights' squares, of
+/// which the outcome's counts for a hundredth (NLopt's SLSQP, Kraft 1994). No weight has the wrong sign.
+/// Throws ScoreError.
 [[nodiscard]] ScoreModel fit(std::span<const Example> examples, double penalty);
 
 /// Predicts each example by a model that was fitted without its patient and without a fifth of the persons,

@@ -54,8 +54,8 @@ TEST(AutomaticScore, WithoutAnythingToTellThemApartChancesAreShares) {
     }
 }
 
-// Reference: the same likelihood written for SciPy 1.10, with thresholds that are sorted instead of built
-// from differences, minimised by BFGS from five starts (gradient below 1e-9).
+// Reference, here and below: the same likelihood written for SciPy 1.10, with thresholds that are sorted
+// instead of built from differences, minimised by BFGS from five starts (gradient below 1e-9).
 TEST(AutomaticScore, IsFittedAsBySciPy) {
     const ScoreModel model = fit(twelve, 0.5);
     const double thresholds[] = {-3.48353585, -1.34780605, 0.16917167, 2.56703372};
@@ -65,6 +65,23 @@ TEST(AutomaticScore, IsFittedAsBySciPy) {
     EXPECT_NEAR(model.weights[feature("pitch_peaks")].weight, -1.90076171, 1e-4);
     EXPECT_NEAR(model.weights[feature("time_s")].weight, -1.08053385, 1e-4);
     EXPECT_NEAR(model.weights[feature("attempts")].weight, 0.0, 1e-9) << "never varies";
+}
+
+// Who failed had grade 2 or less, and mostly took long. A penalty on the outcome's weight as on the others'
+// would make it 1.6, and time's -0.61.
+TEST(AutomaticScore, TheOutcomeIsPenalisedByAHundredth) {
+    std::vector<Example> examples = twelve;
+    for (Example& one : examples) {
+        one.intubated = one.grade > 2;
+    }
+    const ScoreModel model = fit(examples, 0.5);
+    const double thresholds[] = {-9.46383754, -2.62239890, 3.11157084, 5.50187537};
+    for (std::size_t k = 0; k < model.thresholds.size(); ++k) {
+        EXPECT_NEAR(model.thresholds[k], thresholds[k], 1e-3);
+    }
+    EXPECT_NEAR(model.weights[feature("intubated")].weight, 5.09736248, 1e-3);
+    EXPECT_NEAR(model.weights[feature("pitch_peaks")].weight, -1.76381815, 1e-3);
+    EXPECT_NEAR(model.weights[feature("time_s")].weight, -0.38020595, 1e-3);
 }
 
 TEST(AutomaticScore, ContributionsAddUpToIt) {
