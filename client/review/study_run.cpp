@@ -246,11 +246,11 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
     for (std::size_t i = 0; i < count; ++i) {
         const PlannedSession& session = progress.sessions()[i];
         if ((!how.participant.empty() && session.participant->name != how.participant) ||
-            progress.look_again(i) == State::done) {
+            progress.state(i) == State::done) {
             continue;
         }
         const Claim claim(how.folder, i);
-        // Another may have ended it just now, or have been killed while its server goes on.
+        // Another may have ended it since, or have been killed while its server goes on.
         if (claim.held() && progress.look_again(i) == State::done) {
             continue;
         }

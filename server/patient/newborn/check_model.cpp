@@ -248,11 +248,12 @@ std::vector<Invariant> tissue_hangs_on_bone(const Patient& patient) {
     for (const auto& [a, b] : patient.links.ends) {
         const int one = family_of(set.tissue[a]);
         const int other = family_of(set.tissue[b]);
-        if ((one == 0 && other == 2) || (one == 2 && other == 0)) {
+        const auto joins = [&](int x, int y) { return (one == x && other == y) || (one == y && other == x); };
+        if (joins(0, 2)) {
             (set.rest[a].x() < 0.0f ? right : left) += 1;
         }
-        ligament += (one == 1 && other == 2) || (one == 2 && other == 1) ? 1 : 0;
-        floor += (one == 1 && other == 0) || (one == 0 && other == 1) ? 1 : 0;
+        ligament += joins(1, 2) ? 1 : 0;
+        floor += joins(0, 1) ? 1 : 0;
     }
     found.push_back({"the hyoepiglottic ligament is there", ligament > 0, fmt::format("{} links", ligament)});
     found.push_back({"aryepiglottic folds hold the epiglottis on both sides", left > 0 && right > 0,

@@ -54,8 +54,8 @@ TEST(AutomaticScore, WithoutAnythingToTellThemApartChancesAreShares) {
     }
 }
 
-// Reference, here and below: the same likelihood written for SciPy 1.10, with thresholds that are sorted
-// instead of built from differences, minimised by BFGS from five starts (gradient below 1e-9).
+// Reference: the same likelihood written for SciPy 1.10, with thresholds that are sorted instead of built
+// from differences, minimised by BFGS from five starts (gradient below 1e-9).
 TEST(AutomaticScore, IsFittedAsBySciPy) {
     const ScoreModel model = fit(twelve, 0.5);
     const double thresholds[] = {-3.48353585, -1.34780605, 0.16917167, 2.56703372};
@@ -67,8 +67,9 @@ TEST(AutomaticScore, IsFittedAsBySciPy) {
     EXPECT_NEAR(model.weights[feature("attempts")].weight, 0.0, 1e-9) << "never varies";
 }
 
-// Who failed had grade 2 or less, and mostly took long. A penalty on the outcome's weight as on the others'
-// would make it 1.6, and time's -0.61.
+// Reference: the same, by L-BFGS-B with bounds and then Nelder-Mead, from eight starts. Who failed had grade
+// 2 or less, and mostly took long. A penalty on the outcome's weight as on the others' would make it 1.6, and
+// time's -0.61.
 TEST(AutomaticScore, TheOutcomeIsPenalisedByAHundredth) {
     std::vector<Example> examples = twelve;
     for (Example& one : examples) {
