@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "common/process/descriptor.hpp"
+
 namespace eti::client {
 namespace {
 
@@ -33,11 +35,9 @@ void prepare_folder(const std::filesystem::path& folder) {
         refuse(folder, error.message());
     }
     const auto trial = folder / fmt::format(".written-{}", ::getpid());
-    const int file = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    if (file < 0) {
+    if (!Descriptor(::open(trial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600))) {
         refuse(folder, std::strerror(errno));
     }
-    ::close(file);
     std::filesystem::remove(trial, error);
 }
 

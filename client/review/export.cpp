@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "common/process/folder.hpp"
 #include "common/process/unfinished_file.hpp"
 #include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
@@ -234,12 +235,7 @@ std::vector<std::filesystem::path> export_csv(
     const std::filesystem::path& session, const std::filesystem::path& folder,
     const std::function<void(const std::filesystem::path&)>& progress, const std::function<bool()>& stop) {
     const session::SessionReader reader(session);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) {
-        throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with --out",
-                                      folder.string(), error.message()));
-    }
+    make_folder(folder);
     std::vector<std::filesystem::path> written;
     const auto table = [&](const std::string& group, const std::string& name, bool lines) {
         const auto all = reader.series(group);

@@ -14,7 +14,7 @@ namespace eti::review {
 /// seconds): inputs, commands, tools, tube_nodes, skeleton, metrics, deformation, events, summary, ratings,
 /// answers. Makes the folder, replaces no file. `progress` is called with each file; when `stop` says so, the
 /// file being written is removed and the export ends. Returns the files written. Throws ExportError,
-/// hdf5::Error.
+/// hdf5::Error, or as make_folder() does.
 std::vector<std::filesystem::path> export_csv(
     const std::filesystem::path& session, const std::filesystem::path& folder,
     const std::function<void(const std::filesystem::path&)>& progress, const std::function<bool()>& stop);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "common/process/folder.hpp"
 #include "common/process/unfinished_file.hpp"
 
 namespace eti::review {
@@ -22,13 +23,8 @@ void write_new_file(const std::filesystem::path& path, std::string_view text, st
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text, std::string_view option) {
-    std::error_code error;
     if (path.has_parent_path()) {
-        std::filesystem::create_directories(path.parent_path(), error);
-    }
-    if (error) {
-        throw ExportError(fmt::format("{}: the folder cannot be made: {}; choose another with {}",
-                                      path.parent_path().string(), error.message(), option));
+        make_folder(path.parent_path(), option);
     }
     if (const std::string why = write_whole(path, text); !why.empty()) {
         throw ExportError(fmt::format("{}: cannot be written: {}; make room or choose another with {}",

@@ -19,7 +19,7 @@ class ExportError : public std::runtime_error {
 void refuse_existing(const std::filesystem::path& path, std::string_view option);
 
 /// Writes a file that shows under its name only when it is complete, in place of one that is there; makes its
-/// folder. Throws ExportError.
+/// folder. Throws ExportError, or as make_folder() does.
 void write_file(const std::filesystem::path& path, std::string_view text, std::string_view option);
 
 /// The same, but throws also for a file that is there already.

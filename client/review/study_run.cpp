@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,6 +12,8 @@
 #include "client/review/prompt.hpp"
 #include "client/review/server_program.hpp"
 #include "client/review/study.hpp"
+#include "common/process/descriptor.hpp"
+#include "common/process/folder.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
@@ -54,38 +55,27 @@ State state_of(const std::filesystem::path& file) {
 class Claim {
   public:
     Claim(const std::filesystem::path& folder, std::size_t session) {
-        const std::filesystem::path file = folder / "study.lock";
-        descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        const std::filesystem::path lock_file = folder / "study.lock";
+        file_ = Descriptor(::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
         struct flock lock {};
         lock.l_type = F_WRLCK;
         lock.l_whence = SEEK_SET;
         lock.l_start = static_cast<off_t>(session);
         lock.l_len = 1;
-        held_ = descriptor_ >= 0 && ::fcntl(descriptor_, F_OFD_SETLK, &lock) == 0;
-        const int error = errno;
-        if (descriptor_ < 0 || (!held_ && error != EAGAIN && error != EACCES)) {
-            if (descriptor_ >= 0) {
-                ::close(descriptor_);
-            }
+        held_ = file_ && ::fcntl(file_.get(), F_OFD_SETLK, &lock) == 0;
+        if (!held_ && (!file_ || (errno != EAGAIN && errno != EACCES))) {
             throw InputError(
                 fmt::format("{}: cannot be locked ({}), so another process might run the same "
                             "session; expected is a file that may be written, in a folder that "
                             "knows locks: choose one with --out",
-                            file.string(), std::strerror(error)));
+                            lock_file.string(), std::strerror(errno)));
         }
     }
-    ~Claim() {
-        if (descriptor_ >= 0) {
-            ::close(descriptor_);
-        }
-    }
-    Claim(const Claim&) = delete;
-    Claim& operator=(const Claim&) = delete;
 
     [[nodiscard]] bool held() const { return held_; }
 
   private:
-    int descriptor_ = -1;
+    Descriptor file_;
     bool held_ = false;
 };
 
@@ -268,7 +258,7 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
         if (progress.state(i) == State::cut_off) {
             put_aside(file);
         }
-        std::filesystem::create_directories(file.parent_path());
+        make_folder(file.parent_path());
         const int status = run_server(server_arguments(session, how));
         std::error_code ignored;
         if (stop_asked() && std::filesystem::exists(file, ignored)) {

@@ -5,10 +5,11 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <set>
+
+#include "common/process/descriptor.hpp"
 
 namespace eti::bus {
 
@@ -17,13 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 bool lock_is_free(const fs::path& file) {
-    const int descriptor = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor < 0) {
-        return false;
-    }
-    const bool is_free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
-    ::close(descriptor);
-    return is_free;
+    const Descriptor lock(::open(file.c_str(), O_RDWR | O_CLOEXEC));
+    return lock && ::flock(lock.get(), LOCK_EX | LOCK_NB) == 0;
 }
 
 struct Mappings {

@@ -6,7 +6,6 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
@@ -19,6 +18,7 @@
 
 #include "common/bus/discovery_server.hpp"
 #include "common/bus/library_log.hpp"
+#include "common/process/descriptor.hpp"
 
 namespace eti::bus {
 
@@ -136,22 +136,21 @@ void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality
 
 /// Warns when the kernel grants less than asked for: it does so in silence.
 void check_socket_buffer(int option, const char* kernel_setting, std::vector<std::string>& warnings) {
-    const int probe = ::socket(AF_INET, SOCK_DGRAM, 0);
-    if (probe < 0) {
+    const Descriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!probe) {
         return;  // the participant itself will say that there is no network
     }
     const int wanted = static_cast<int>(socket_buffer);
     int granted = 0;
     socklen_t size = sizeof granted;
-    ::setsockopt(probe, SOL_SOCKET, option, &wanted, sizeof wanted);
+    ::setsockopt(probe.get(), SOL_SOCKET, option, &wanted, sizeof wanted);
     // Linux reports twice the usable size.
-    if (::getsockopt(probe, SOL_SOCKET, option, &granted, &size) == 0 && granted / 2 < wanted) {
+    if (::getsockopt(probe.get(), SOL_SOCKET, option, &granted, &size) == 0 && granted / 2 < wanted) {
         warnings.push_back(
             fmt::format("the kernel grants socket buffers of {} kB where {} kB keep large messages whole; "
                         "run: sysctl -w {}={}",
                         granted / 2048, wanted / 1024, kernel_setting, wanted));
     }
-    ::close(probe);
 }
 
 }  // namespace

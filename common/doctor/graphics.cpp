@@ -12,6 +12,8 @@
 #include <array>
 #include <cstdlib>
 
+#include "common/process/descriptor.hpp"
+
 namespace eti::doctor {
 
 namespace {
@@ -73,20 +75,21 @@ Findings graphics() {
     if (::pipe(pipe.data()) != 0) {
         return {judge_renderer("", "no pipe could be opened")};
     }
+    const Descriptor reading(pipe[0]);
+    Descriptor writing(pipe[1]);
     const pid_t child = ::fork();
     if (child == 0) {
         ::alarm(longest_s);
         const std::string said = try_egl();
-        const auto written = ::write(pipe[1], said.data(), said.size());
+        const auto written = ::write(writing.get(), said.data(), said.size());
         ::_exit(written > 0 ? 0 : 1);
     }
-    ::close(pipe[1]);
+    writing.close();
     std::string said;
     std::array<char, 256> part{};
-    for (ssize_t size = 0; (size = ::read(pipe[0], part.data(), part.size())) > 0;) {
+    for (ssize_t size = 0; (size = ::read(reading.get(), part.data(), part.size())) > 0;) {
         said.append(part.data(), static_cast<std::size_t>(size));
     }
-    ::close(pipe[0]);
     if (child > 0) {
         ::waitpid(child, nullptr, 0);
     }

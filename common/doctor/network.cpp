@@ -9,13 +9,14 @@
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <memory>
 #include <random>
+
+#include "common/process/descriptor.hpp"
 
 namespace eti::doctor {
 
@@ -27,48 +28,40 @@ constexpr int least_mtu = 1428;  // [bytes] a datagram of 1400 with its UDP and 
 constexpr int common_mtu = 1500;
 constexpr long wanted_buffer = 4L << 20;  // [bytes] that common/bus/transport.cpp asks for
 
-struct Socket {
-    Socket() : descriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
-    ~Socket() {
-        if (descriptor >= 0) {
-            ::close(descriptor);
-        }
-    }
-    Socket(const Socket&) = delete;
-    Socket& operator=(const Socket&) = delete;
-    int descriptor;
-};
+Descriptor udp_socket() {
+    return Descriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+}
 
 int mtu_of(const std::string& name) {
-    const Socket probe;
+    const Descriptor probe = udp_socket();
     ifreq request{};
     name.copy(request.ifr_name, IFNAMSIZ - 1);
-    return ::ioctl(probe.descriptor, SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 0;
+    return ::ioctl(probe.get(), SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 0;
 }
 
 /// Whether what is sent to a group through the interface is heard by a member on it.
 bool multicast_returns(const in_addr& own) {
-    const Socket member, sender;
+    const Descriptor member = udp_socket(), sender = udp_socket();
     sockaddr_in address{};
     address.sin_family = AF_INET;
     ::inet_pton(AF_INET, test_group, &address.sin_addr);
     socklen_t size = sizeof address;
     const ip_mreq membership{address.sin_addr, own};
-    if (::bind(member.descriptor, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
-        ::getsockname(member.descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
-        ::setsockopt(member.descriptor, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0 ||
-        ::setsockopt(sender.descriptor, IPPROTO_IP, IP_MULTICAST_IF, &own, sizeof own) != 0) {
+    if (::bind(member.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
+        ::getsockname(member.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
+        ::setsockopt(member.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0 ||
+        ::setsockopt(sender.get(), IPPROTO_IP, IP_MULTICAST_IF, &own, sizeof own) != 0) {
         return false;
     }
     const std::uint64_t nonce = (std::uint64_t{std::random_device()()} << 32) | std::random_device()();
-    if (::sendto(sender.descriptor, &nonce, sizeof nonce, 0, reinterpret_cast<const sockaddr*>(&address),
+    if (::sendto(sender.get(), &nonce, sizeof nonce, 0, reinterpret_cast<const sockaddr*>(&address),
                  sizeof address) != sizeof nonce) {
         return false;
     }
-    pollfd waiting{member.descriptor, POLLIN, 0};
+    pollfd waiting{member.get(), POLLIN, 0};
     std::uint64_t heard = 0;
     return ::poll(&waiting, 1, answer_time_ms) == 1 &&
-           ::recv(member.descriptor, &heard, sizeof heard, 0) == sizeof heard && heard == nonce;
+           ::recv(member.get(), &heard, sizeof heard, 0) == sizeof heard && heard == nonce;
 }
 
 long number_in(const char* file) {

@@ -26,19 +26,15 @@ std::runtime_error no_memory() {
 }  // namespace
 
 MemoryChannel::MemoryChannel() : file_(::memfd_create("eti-parsed", MFD_CLOEXEC)) {
-    if (file_ < 0) {
+    if (!file_) {
         throw no_memory();
     }
-}
-
-MemoryChannel::~MemoryChannel() {
-    ::close(file_);
 }
 
 void MemoryChannel::put(const void* data, std::size_t size) const {
     const auto* at = static_cast<const char*>(data);
     while (size > 0) {
-        const ssize_t done = ::write(file_, at, std::min(size, most_at_once));
+        const ssize_t done = ::write(file_.get(), at, std::min(size, most_at_once));
         if (done <= 0) {
             throw no_memory();
         }
@@ -54,13 +50,13 @@ void MemoryChannel::put(const std::string& text) const {
 }
 
 void MemoryChannel::rewind() const {
-    ::lseek(file_, 0, SEEK_SET);
+    ::lseek(file_.get(), 0, SEEK_SET);
 }
 
 bool MemoryChannel::get(void* data, std::size_t size) const {
     auto* at = static_cast<char*>(data);
     while (size > 0) {
-        const ssize_t done = ::read(file_, at, std::min(size, most_at_once));
+        const ssize_t done = ::read(file_.get(), at, std::min(size, most_at_once));
         if (done <= 0) {
             return false;
         }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/process/descriptor.hpp"
 #include "common/process/guard.hpp"
 
 namespace eti {
@@ -17,9 +18,6 @@ namespace eti {
 class MemoryChannel {
   public:
     MemoryChannel();  ///< Throws std::runtime_error when there is no memory.
-    ~MemoryChannel();
-    MemoryChannel(const MemoryChannel&) = delete;
-    MemoryChannel& operator=(const MemoryChannel&) = delete;
 
     void put(const void* data, std::size_t size) const;  ///< Throws std::runtime_error.
     void put(const std::string& text) const;
@@ -30,7 +28,7 @@ class MemoryChannel {
     [[nodiscard]] bool get(std::string& text) const;  ///< of at most 1 MiB
 
   private:
-    int file_;
+    Descriptor file_;
 };
 
 /// A file that a child process could not read; the text names it, what was found and the remedy.

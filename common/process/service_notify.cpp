@@ -36,7 +36,7 @@ ServiceNotify::ServiceNotify() : address_(variable("NOTIFY_SOCKET")) {
         (address_[0] != '/' && address_[0] != '@')) {
         return;
     }
-    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    socket_ = Descriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     const std::optional<long> microseconds = number(variable("WATCHDOG_USEC"));
     const std::string_view whom = variable("WATCHDOG_PID");
     if (microseconds && (whom.empty() || number(whom) == ::getpid())) {
@@ -44,14 +44,8 @@ ServiceNotify::ServiceNotify() : address_(variable("NOTIFY_SOCKET")) {
     }
 }
 
-ServiceNotify::~ServiceNotify() {
-    if (socket_ >= 0) {
-        ::close(socket_);
-    }
-}
-
 void ServiceNotify::alive() {
-    if (socket_ < 0) {
+    if (!socket_) {
         return;
     }
     if (!ready_) {
@@ -68,7 +62,7 @@ void ServiceNotify::alive() {
 }
 
 void ServiceNotify::send(const std::string& text) {
-    if (socket_ < 0) {
+    if (!socket_) {
         return;
     }
     sockaddr_un to{};
@@ -78,7 +72,7 @@ void ServiceNotify::send(const std::string& text) {
         to.sun_path[0] = '\0';
     }
     const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
-    (void)::sendto(socket_, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+    (void)::sendto(socket_.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                    reinterpret_cast<const sockaddr*>(&to), length);
 }
 

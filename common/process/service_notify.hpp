@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/process/descriptor.hpp"
+
 namespace eti {
 
 /// Tells the service manager how a program is, by the protocol of sd_notify(3): one datagram of text to the
@@ -15,9 +17,6 @@ namespace eti {
 class ServiceNotify {
   public:
     ServiceNotify();
-    ~ServiceNotify();
-    ServiceNotify(const ServiceNotify&) = delete;
-    ServiceNotify& operator=(const ServiceNotify&) = delete;
 
     /// The program does its work, and has just done a piece of it. The first call says that it is ready,
     /// later ones that it is alive, four times in the span in which the manager wants to hear of it. Cheap:
@@ -34,7 +33,7 @@ class ServiceNotify {
     using Time = std::chrono::steady_clock;
     void send(const std::string& text);
 
-    int socket_ = -1;  // none: nobody listens
+    Descriptor socket_;  // none: nobody listens
     std::string address_;
     std::optional<Time::duration> interval_;  // none: no watchdog
     Time::time_point next_;

@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace eti::session {
 
@@ -21,38 +20,26 @@ struct flock whole_file(short kind) {
 
 void LiveMark::set(const std::filesystem::path& path) {
     clear();
-    descriptor_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor_ >= 0) {
+    file_ = Descriptor(::open(path.c_str(), O_RDWR | O_CLOEXEC));
+    if (file_) {
         struct flock lock = whole_file(F_WRLCK);
-        (void)::fcntl(descriptor_, F_OFD_SETLK, &lock);
-    }
-}
-
-void LiveMark::clear() {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-        descriptor_ = -1;
+        (void)::fcntl(file_.get(), F_OFD_SETLK, &lock);
     }
 }
 
 std::optional<int> LiveMark::deleted() const {
     struct stat status {};
-    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || status.st_nlink > 0) {
+    if (!file_ || ::fstat(file_.get(), &status) != 0 || status.st_nlink > 0) {
         return std::nullopt;
     }
-    return descriptor_;
+    return file_.get();
 }
 
 bool being_written(const std::filesystem::path& path) {
-    const int descriptor =
-        ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would wait for a writer
-    if (descriptor < 0) {
-        return false;
-    }
+    // A pipe would wait for a writer.
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     struct flock lock = whole_file(F_RDLCK);
-    const bool marked = ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
-    ::close(descriptor);
-    return marked;
+    return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
 }  // namespace eti::session

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "common/process/descriptor.hpp"
+
 namespace eti::session {
 
 /// Shows other processes that this one is writing a file. The kernel takes the mark away when the
@@ -13,18 +15,13 @@ namespace eti::session {
 /// meet the locks that the HDF5 library takes.) Where the file system knows no locks, nothing is shown.
 class LiveMark {
   public:
-    LiveMark() = default;
-    ~LiveMark() { clear(); }
-    LiveMark(const LiveMark&) = delete;
-    LiveMark& operator=(const LiveMark&) = delete;
-
     void set(const std::filesystem::path& path);
-    void clear();
+    void clear() { file_.close(); }
     /// Whether the file has been deleted since; its descriptor then, else nothing.
     [[nodiscard]] std::optional<int> deleted() const;
 
   private:
-    int descriptor_ = -1;
+    Descriptor file_;
 };
 
 /// Whether a process (this one included) has the mark on the file.

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 
+#include "common/process/descriptor.hpp"
 #include "common/session/layout.hpp"
 #include "common/session/liveness.hpp"
 #include "common/session/rows.hpp"
@@ -46,11 +47,10 @@ class PassingCopy {
   public:
     explicit PassingCopy(const std::filesystem::path& of)
         : path_((std::filesystem::temp_directory_path() / "eti-session-XXXXXX").string()) {
-        const int descriptor = ::mkstemp(path_.data());
-        if (descriptor < 0) {
+        const Descriptor file(::mkstemp(path_.data()));
+        if (!file) {
             throw hdf5::Error(fmt::format("{}: cannot be copied: {}", of.string(), std::strerror(errno)));
         }
-        ::close(descriptor);
         std::filesystem::copy_file(of, path_, std::filesystem::copy_options::overwrite_existing);
     }
     ~PassingCopy() { ::unlink(path_.c_str()); }

@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/process/descriptor.hpp"
+
 namespace eti::session {
 
 namespace {
@@ -44,23 +46,10 @@ bool valid(const Bytes& bytes) {
            get<std::uint32_t>(&bytes[checksum_at]) == metadata_checksum(bytes.data(), checksum_at);
 }
 
-class Descriptor {
-  public:
+Descriptor opened(const std::filesystem::path& path, int flags) {
     // A pipe would wait for its other end.
-    Descriptor(const std::filesystem::path& path, int flags)
-        : id_(::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK)) {}
-    ~Descriptor() {
-        if (id_ >= 0) {
-            ::close(id_);
-        }
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    [[nodiscard]] int get() const { return id_; }
-
-  private:
-    int id_;
-};
+    return Descriptor(::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK));
+}
 
 }  // namespace
 
@@ -101,9 +90,9 @@ std::uint32_t metadata_checksum(const unsigned char* data, std::size_t size) {
 }
 
 std::optional<Superblock> read_superblock(const std::filesystem::path& path) {
-    const Descriptor file(path, O_RDONLY);
+    const Descriptor file = opened(path, O_RDONLY);
     Bytes bytes{};
-    if (file.get() < 0 || ::pread(file.get(), bytes.data(), whole, 0) != static_cast<ssize_t>(whole) ||
+    if (!file || ::pread(file.get(), bytes.data(), whole, 0) != static_cast<ssize_t>(whole) ||
         !valid(bytes)) {
         return std::nullopt;
     }
@@ -113,9 +102,9 @@ std::optional<Superblock> read_superblock(const std::filesystem::path& path) {
 }
 
 bool mend_superblock(const std::filesystem::path& path) {
-    const Descriptor file(path, O_RDWR);
+    const Descriptor file = opened(path, O_RDWR);
     Bytes bytes{};
-    if (file.get() < 0) {
+    if (!file) {
         return false;
     }
     if (::pread(file.get(), bytes.data(), whole, 0) != static_cast<ssize_t>(whole) || !valid(bytes)) {

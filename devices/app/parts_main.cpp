@@ -10,6 +10,7 @@
 
 #include "common/mesh/check.hpp"
 #include "common/process/command_line.hpp"
+#include "common/process/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/program.hpp"
@@ -64,7 +65,7 @@ int main(int argc, char** argv) {
             {"tube_connector", [&] { return tube_connector_part(tube, settings); }},
             {"calibration_board", board},
         };
-        std::filesystem::create_directories(out);
+        make_folder(out);
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         for (const auto& [name, make] : parts) {
             if (stop_asked()) {

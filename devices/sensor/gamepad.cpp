@@ -12,6 +12,7 @@
 #include <cstring>
 #include <utility>
 
+#include "common/process/descriptor.hpp"
 #include "devices/sensor/polled_sensor.hpp"
 
 namespace eti::devices {
@@ -25,8 +26,8 @@ class Gamepad final : public SampleSource {
     explicit Gamepad(std::string file) : file_(std::move(file)) {}
 
     void open() override {
-        descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-        if (descriptor_ < 0) {
+        pad_ = Descriptor(::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+        if (!pad_) {
             throw DeviceError(file_ + ": " + std::strerror(errno) +
                               ". Plug the pad in, name its file with --source, and have read access to it "
                               "(group input)");
@@ -34,12 +35,12 @@ class Gamepad final : public SampleSource {
     }
 
     bool read(Sample& sample) override {
-        pollfd waiting{descriptor_, POLLIN, 0};
+        pollfd waiting{pad_.get(), POLLIN, 0};
         if (::poll(&waiting, 1, static_cast<int>(patience.count())) <= 0) {
             return false;
         }
         js_event event{};
-        const ssize_t got = ::read(descriptor_, &event, sizeof event);
+        const ssize_t got = ::read(pad_.get(), &event, sizeof event);
         if (got < 0 && (errno == EAGAIN || errno == EINTR)) {
             return false;
         }
@@ -60,14 +61,11 @@ class Gamepad final : public SampleSource {
         return false;
     }
 
-    void close() noexcept override {
-        ::close(descriptor_);
-        descriptor_ = -1;
-    }
+    void close() noexcept override { pad_.close(); }
 
   private:
     std::string file_;
-    int descriptor_ = -1;
+    Descriptor pad_;
 };
 
 }  // namespace

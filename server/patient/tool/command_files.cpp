@@ -38,8 +38,6 @@ imaging::Mask read_labels(const std::filesystem::path& file) {
 }
 
 Result write_surfaces(const std::vector<NamedSurface>& surfaces, const std::filesystem::path& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
     Result result;
     for (const NamedSurface& surface : surfaces) {
         const std::filesystem::path file = folder / (surface.name + ".stl");

@@ -18,6 +18,7 @@
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
 #include "common/model/lip_retraction.hpp"
+#include "common/process/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/yaml_map.hpp"
 #include "server/metrics/glottic_view.hpp"
@@ -376,9 +377,9 @@ class Bench {
 }  // namespace
 
 int render_bench(const RenderOptions& options) {
-    std::filesystem::create_directories(options.out);
+    make_folder(options.out);
     if (options.renew) {
-        std::filesystem::create_directories(options.golden);
+        make_folder(options.golden, "--golden");
     } else if (!options.golden.empty() && !std::filesystem::is_directory(options.golden)) {
         throw std::runtime_error(options.golden.string() +
                                  ": there is no such folder of golden pictures; write them with --renew");

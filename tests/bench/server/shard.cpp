@@ -14,6 +14,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/process/folder.hpp"
 #include "common/process/unfinished_file.hpp"
 
 namespace eti::bench {
@@ -112,7 +113,7 @@ fs::path Shard::begin(const fs::path& out) const {
     }
     const fs::path folder = out / fmt::format("shard-{}-of-{}", index_, count_);
     fs::remove_all(folder);
-    fs::create_directories(folder);
+    make_folder(folder);
     return folder;
 }
 
@@ -174,7 +175,7 @@ int merge(const fs::path& out, const std::vector<fs::path>& shards) {
                 fmt::format("shard {} of {} is not among those given; give all of them", index, first.count));
         }
     }
-    fs::create_directories(out);
+    make_folder(out);
     for (const auto& [name, rows] : tables) {
         std::ofstream file(out / name);
         file << rows.header << "\n";

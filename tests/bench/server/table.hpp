@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/process/folder.hpp"
 #include "tests/bench/server/shard.hpp"
 
 namespace eti::bench {
@@ -19,7 +20,7 @@ class Table {
     Table(const std::filesystem::path& folder, const std::string& name, const std::string& header,
           const Shard* shard = nullptr)
         : path_(folder / name), shard_(shard != nullptr && shard->sharded() ? shard : nullptr) {
-        std::filesystem::create_directories(folder);
+        make_folder(folder);
         stream_.open(path_);
         if (!stream_) {
             throw std::runtime_error("cannot write " + path_.string() + "; choose another folder with --out");
