@@ -32,6 +32,8 @@ class EyeCompositor {
     /// The readout is then in sheet(), clear where it says nothing.
     void draw_sheet(const hud::Readout& readout);
 
+    /// Whether what is drawn has a patient: a new one's colours are computed beside the drawing first.
+    [[nodiscard]] bool has_patient() const { return renderer_.meshes().ready(); }
     /// Waits until all of it is drawn.
     void finish() const;
     /// The left eye's picture into framebuffer 0, a window of this size, as large as it fits.

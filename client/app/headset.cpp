@@ -271,7 +271,7 @@ class HeadsetClient {
             pictures_->mirror(window->width(), window->height());
             window->show_frame();
         }
-        frames_ += eyes && scene_.complete() ? 1 : 0;
+        frames_ += eyes && pictures_->has_patient() ? 1 : 0;
     }
 
     // Waits for the driver, and so does only for --json.

@@ -192,7 +192,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     add_number(app, "--every", options.every_s,
                "Simulation time between pictures; 0: only the best view and the last", {0.0, 3600.0, "s"})
         ->capture_default_str();
-    add_number(app, "--frames", options.frames, "End after this many frames; 0: with the session", {0})
+    add_number(app, "--frames", options.frames,
+               "End after this many frames of a patient; 0: with the session", {0})
         ->capture_default_str();
     add_number(app, "--wait", options.wait_s,
                fmt::format("Give up when no server is there for so long; without it pictures wait for "

@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "client/app/aids.hpp"
 #include "client/app/command_keys.hpp"
@@ -22,6 +21,7 @@
 #include "client/render/pick.hpp"
 #include "common/bus/session_keys.hpp"
 #include "synthetic_scene.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/golden.hpp"
 
 namespace eti {
@@ -400,10 +400,12 @@ TEST_F(Golden, AHeadsetsEyeAndItsPanel) {
         client::EyeCompositor eyes(side, side, render::qualities().front());
         const client::EyeCompositor::Ray ray{to_patient * hand.translation,
                                              to_patient * (hand * Vec3f(0.0f, 0.0f, -0.9f))};
-        for (int i = 0; i < 200; ++i) {  // what has to be baked first goes on beside the drawing
-            eyes.draw_eyes(moment.scene, from, false);
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }
+        ASSERT_TRUE(test::eventually(
+            [&] {
+                eyes.draw_eyes(moment.scene, from, false);
+                return eyes.has_patient();
+            },
+            std::chrono::seconds(60)));
         eyes.draw_eyes(moment.scene, from, true, {&ray, 1});
         const render::Image both = eyes.both().read();
         render::Image left{side, side, {}};
