@@ -6,7 +6,6 @@
 #include "common/math/hash.hpp"
 #include "common/math/units.hpp"
 #include "common/process/command_line.hpp"
-#include "common/process/folder.hpp"
 #include "server/patient/imaging/bytes.hpp"
 #include "server/patient/newborn/check_model.hpp"
 #include "server/patient/newborn/from_scenario.hpp"
@@ -103,7 +102,6 @@ Result surfaces_instead(const BuildRequest& request, const imaging::Mask& labels
         ct = read_told(request.volume).volume;
     }
     const std::filesystem::path folder = stem_of_model(request.out) + "-surfaces";
-    make_folder(folder);
     Result result = write_surfaces(make_surfaces(labels, ct ? &*ct : nullptr, {}, progress), folder);
     result.text = fmt::format("no model: {}\nsurfaces of what the labels show:\n", why) + result.text;
     result.json["model"] = nullptr;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "common/process/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "server/patient/tool/commands.hpp"
 
@@ -38,6 +39,7 @@ imaging::Mask read_labels(const std::filesystem::path& file) {
 }
 
 Result write_surfaces(const std::vector<NamedSurface>& surfaces, const std::filesystem::path& folder) {
+    make_folder(folder);
     Result result;
     for (const NamedSurface& surface : surfaces) {
         const std::filesystem::path file = folder / (surface.name + ".stl");

@@ -10,7 +10,6 @@
 #include "common/math/units.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/escaped.hpp"
-#include "common/process/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "server/patient/imaging/formats.hpp"
 #include "server/patient/imaging/read.hpp"
@@ -158,7 +157,6 @@ Result run_segment(SegmentRequest request) {
 
 Result run_surfaces(const path& in, const path& ct_file, const path& folder,
                     const SurfaceSettings& settings) {
-    make_folder(folder);
     const imaging::Mask labels = read_labels(in);
     std::optional<imaging::Volume> ct;
     if (!ct_file.empty()) {
