@@ -4,36 +4,27 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
 
+#include "tests/support/scratch_folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-class MakeFolder : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        char name[] = "/tmp/eti-folder-XXXXXX";
-        ASSERT_NE(::mkdtemp(name), nullptr);
-        place_ = name;
-    }
-    void TearDown() override { fs::remove_all(place_); }
-
-    fs::path place_;
-};
+class MakeFolder : public eti::test::ScratchFolder {};
 
 TEST_F(MakeFolder, MakesThoseAboveItToo) {
-    eti::make_folder(place_ / "a/b/c");
-    EXPECT_TRUE(fs::is_directory(place_ / "a/b/c"));
-    eti::make_folder(place_ / "a/b/c");  // is there already
+    eti::make_folder(folder_ / "a/b/c");
+    EXPECT_TRUE(fs::is_directory(folder_ / "a/b/c"));
+    eti::make_folder(folder_ / "a/b/c");  // is there already
 }
 
 TEST_F(MakeFolder, NamesPlaceCauseAndRemedyWhereAFileIsInTheWay) {
-    const fs::path file = place_ / "file";
+    const fs::path file = folder_ / "file";
     std::ofstream(file) << "kept";
     for (const fs::path& folder : {file, file / "below"}) {
         try {

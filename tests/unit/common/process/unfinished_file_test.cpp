@@ -8,20 +8,15 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/support/scratch_folder.hpp"
+
 namespace eti {
 namespace {
 
 namespace fs = std::filesystem;
 
-class UnfinishedFileTest : public ::testing::Test {
+class UnfinishedFileTest : public test::ScratchFolder {
   protected:
-    void SetUp() override {
-        char name[] = "/tmp/eti-unfinished-XXXXXX";
-        ASSERT_NE(::mkdtemp(name), nullptr);
-        folder_ = name;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     static std::string text_of(const fs::path& file) {
         std::ifstream in(file);
         return {std::istreambuf_iterator<char>(in), {}};
@@ -29,8 +24,6 @@ class UnfinishedFileTest : public ::testing::Test {
     [[nodiscard]] std::ptrdiff_t entries() const {
         return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
     }
-
-    fs::path folder_;
 };
 
 TEST_F(UnfinishedFileTest, HasItsNameWhenItIsFinished) {
