@@ -84,11 +84,8 @@ function(eti_test name)
 endfunction()
 
 # A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. Those named test_whole_... are labelled long,
-# too. PROPERTIES are passed to each case. Debian's interpreter is wanted, because Debian's h5py belongs to it. Those under
-# tests/unit are labelled scripts: they test no compiled code, so sanitizers have nothing to find.
-if(ETI_TESTS)
-  find_program(ETI_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
-endif()
+# too. PROPERTIES are passed to each case. Those under tests/unit are labelled scripts: they test no compiled code, so
+# sanitizers have nothing to find.
 function(eti_python_test prefix script)
   cmake_parse_arguments(ARG "" "TIMEOUT" "ENVIRONMENT;PROPERTIES" ${ARGN})
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${script})

@@ -40,8 +40,16 @@ while [ $# -gt 0 ]; do
 done
 
 if [ $build = yes ]; then
+    eti_resumable
     eti_install build client
-    eti_say "Building build/release ..."
-    eti_build release programs || exit 1
+    eti_phase installing
+    eti_build_programs programs || exit 1
+    eti_phase building
+    trap - INT
 fi
-exec python3 -B "$ETI_ROOT/deploy/session_run.py" --bin "$ETI_ROOT/build/release/bin" "${options[@]}"
+"$ETI_PYTHON" -B "$ETI_ROOT/deploy/session_run.py" --bin "$ETI_ROOT/build/release/bin" "${options[@]}"
+status=$?
+eti_phase "the demo"
+eti_say "Took $SECONDS s: $eti_phases."
+[ $status -ne 0 ] || eti_say "Next: intubate by mouse and keys, docs/first-session.md; run the tests, deploy/test.sh."
+exit $status

@@ -62,10 +62,7 @@ while [ $# -gt 0 ]; do
 done
 [ ${#only[@]} -gt 0 ] || only=("${PARTS[@]}")
 
-# Debian's packages are for Debian's interpreter, which may not be the first in PATH.
-python=/usr/bin/python3
-[ -x $python ] || python=python3
-plot() { "$python" -B "$ETI_ROOT/tests/bench/plot.py" "$CHARTS" "$@"; }
+plot() { "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/plot.py" "$CHARTS" "$@"; }
 draws() { case $1 in accuracy | calibration | stability | sleep | haptics | bus | soak) true ;; *) false ;; esac; }
 
 # bench PART ARGUMENT...: a command of eti-bench into a folder of its own, and its tables to docs/charts.
@@ -91,7 +88,7 @@ pictures() {
     local folder=$demo view found
     if [ -z "$folder" ]; then
         rm -rf "$OUT/demo"
-        "$python" -B "$ETI_ROOT/deploy/session_run.py" --bin "$ETI_ROOT/build/release/bin" --out "$OUT/demo" >&2 || return 1
+        "$ETI_PYTHON" -B "$ETI_ROOT/deploy/session_run.py" --bin "$ETI_ROOT/build/release/bin" --out "$OUT/demo" >&2 || return 1
         folder=$(echo "$OUT"/demo/demo-*)
     fi
     for view in "${PICTURES[@]}"; do
@@ -121,8 +118,8 @@ readers() {
     "$folder/surface_reader" "${place[@]}" --out "$folder" --seconds 7 >&2
     read=$?
     kill -INT $server && wait $server
-    [ $read = 0 ] && "$python" -B "$ETI_ROOT/deploy/examples/draw_state.py" "$folder" "$ETI_ROOT/docs/lab_readers.png" &&
-        "$python" -B "$ETI_ROOT/tests/bench/lab_readers.py" --examples "$folder" >"$folder/lab-readers.csv" &&
+    [ $read = 0 ] && "$ETI_PYTHON" -B "$ETI_ROOT/deploy/examples/draw_state.py" "$folder" "$ETI_ROOT/docs/lab_readers.png" &&
+        "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/lab_readers.py" --examples "$folder" >"$folder/lab-readers.csv" &&
         cp "$folder/lab-readers.csv" "$CHARTS"
 }
 
@@ -131,7 +128,7 @@ panel() {
     local bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 96) server taken
     "$bin/eti-server" --scenario term_enhanced --operator expert "${place[@]}" >&2 &
     server=$!
-    "$python" -B "$ETI_ROOT/tests/bench/window_picture.py" --seconds 8 "$ETI_ROOT/docs/panel.png" \
+    "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/window_picture.py" --seconds 8 "$ETI_ROOT/docs/panel.png" \
         "$bin/eti-client" --panel --size 1280x720 "${place[@]}" >&2
     taken=$?
     kill -INT $server && wait $server
@@ -167,7 +164,7 @@ report() {
 
 # A server whose operator begins again and again: an hour by the clock, then eight simulated hours.
 soak() {
-    local run=("$python" -B "$ETI_ROOT/tests/bench/server/soak.py" --out "$OUT/soak")
+    local run=("$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/server/soak.py" --out "$OUT/soak")
     "${run[@]}" --hours 1 >&2 && "${run[@]}" --fast --hours 8 >&2 && cp "$OUT"/soak/soak-{real,fast}.csv "$CHARTS"
 }
 
@@ -203,7 +200,7 @@ lists=(build client test figures)
 [ $install = yes ] && eti_install "${lists[@]}"
 if [ $quick = no ] && [ $build = yes ]; then
     eti_say "Building build/release ..."
-    eti_build release || exit 1
+    eti_build release -DETI_TESTS=ON || exit 1
 fi
 failed=()
 for number in "${!only[@]}"; do

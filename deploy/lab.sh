@@ -17,8 +17,9 @@ for option in "$@"; do
 done
 
 if [ $build = yes ]; then
+    eti_resumable
     eti_install build client lab
-    eti_say "Building build/release ..."
-    eti_build release programs eti-lab-link || exit 1
+    eti_build_programs programs eti-lab-link || exit 1
+    trap - INT
 fi
-exec python3 -B "$ETI_ROOT/deploy/lab/lab.py" "${options[@]}"
+exec "$ETI_PYTHON" -B "$ETI_ROOT/deploy/lab/lab.py" "${options[@]}"

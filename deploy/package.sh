@@ -37,7 +37,7 @@ done
 [ $install = yes ] && eti_install build client package
 if [ $build = yes ]; then
     eti_say "Building build/release ..."
-    eti_build release programs eti-bench || exit 1
+    eti_build release -DETI_TESTS=ON programs eti-bench || exit 1
 fi
 mkdir -p "$out" || eti_fail "cannot make $out; choose another folder with --out"
 out=$(cd "$out" && pwd)

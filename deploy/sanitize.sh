@@ -102,7 +102,7 @@ session() {
 sanitized() {
     local preset=$1 settings
     shift
-    mapfile -t settings < <(python3 - "$ETI_ROOT" "$preset" <<'PYTHON'
+    mapfile -t settings < <("$ETI_PYTHON" - "$ETI_ROOT" "$preset" <<'PYTHON'
 import json
 import sys
 
@@ -124,7 +124,7 @@ else
     mkdir -p "$out" && out=$(cd "$out" && pwd) || exit 2
     if asked fuzz; then
         [ ${#readers[@]} -gt 0 ] || mapfile -t readers < <(all_readers)
-        if eti_build fuzz "${readers[@]/#/fuzz-}"; then
+        if eti_build fuzz -DETI_TESTS=ON "${readers[@]/#/fuzz-}"; then
             echo "reader,runs,seconds,findings" >"$out/fuzz.csv"
             for reader in "${readers[@]}"; do fuzz "$reader"; done
         else
@@ -134,7 +134,7 @@ else
     for preset in asan tsan; do
         asked $preset || continue
         eti_say "== Building the unit tests and the server in build/$preset"
-        if eti_build $preset unit_tests fuzz_targets eti-server; then
+        if eti_build $preset -DETI_TESTS=ON unit_tests fuzz_targets eti-server; then
             # Of a whole sweep a part is among the others, as in test.sh.
             GTEST_FILTER='-Whole*' run $preset --label-regex '^(unit|fuzz)$'
             session $preset

@@ -6,8 +6,13 @@
 # building and testing need; demo.sh and test.sh read it for its functions.
 
 ETI_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=deploy/progress.sh
+. "$ETI_ROOT/deploy/progress.sh"
 
-eti_say() { printf '%s\n' "$*" >&2; }
+# Debian's interpreter wherever it is: h5py and the like belong to it, and another may be first on the path.
+ETI_PYTHON=/usr/bin/python3
+[ -x $ETI_PYTHON ] || ETI_PYTHON=python3
+
 eti_fail() { eti_say "$(basename "$0"): $*"; exit 1; }
 
 # Package names in the lists deploy/packages/NAME.txt, each once.
@@ -18,12 +23,19 @@ eti_packages() {
     done | awk '!seen[$0]++'
 }
 
+# Whether there is an npm that can bundle the report's page: on the path, run by Node.js 18 or newer.
+eti_has_npm() {
+    local version
+    command -v npm >/dev/null && version=$(node --version 2>/dev/null) && [[ $version =~ ^v([0-9]+)\. ]] &&
+        [ "${BASH_REMATCH[1]}" -ge 18 ] && npm --version >/dev/null 2>&1
+}
+
 # Of the packages named, those that are not installed.
 eti_missing() {
     local installed
     installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | sed -n 's/^installed //p')
     # A nodejs that is not Debian's brings its own npm, and apt would have to remove it for Debian's.
-    command -v npm >/dev/null && installed+=$'\nnpm'
+    eti_has_npm && installed+=$'\nnpm'
     printf '%s\n' "$@" | grep -vxF "${installed:-none}"
 }
 
@@ -52,51 +64,95 @@ eti_install() {
     fi
     # Waits for another apt to finish. A mirror that cannot be reached counts as an error, not as a remark;
     # it may be one that is not needed, so installing is tried all the same.
-    local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q
+    local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 apt-get -q
                -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
-    local updated=yes
-    "${apt[@]}" update -o APT::Update::Error-Mode=any >&2 </dev/null || {
+    local updated=yes logs=$ETI_ROOT/build/logs
+    mkdir -p "$logs" && [ -w "$logs" ] ||
+        eti_fail "cannot write to $logs. Remedy: sudo chown -R $(id -un) '$ETI_ROOT/build'"
+    eti_watched eti_read_apt "Package lists" "$logs/apt-update.log" \
+        "${apt[@]}" update -o APT::Update::Error-Mode=any || {
         updated=no
         eti_say "apt-get update failed (see above); trying with the package lists at hand."
     }
-    "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2 </dev/null && return 0
+    # What an installation that was cut off has left half done is not missing to apt-get, but stops it.
+    "${as_root[@]}" dpkg --configure -a >"$logs/dpkg.log" 2>&1 </dev/null
+    eti_watched eti_read_apt "Installing" "$logs/apt-install.log" \
+        "${apt[@]}" install -y --no-install-recommends "${missing[@]}" && return 0
     [ $updated = yes ] ||
-        eti_fail "apt-get could neither update its lists nor install (see above), so nothing was built. Check the" \
-                 "network, a proxy if you need one (apt's Acquire::http::Proxy), and the mirrors in" \
+        eti_fail "apt-get could neither update its lists nor install (see above, and $logs), so nothing was built." \
+                 "Check the network, a proxy if you need one (apt's Acquire::http::Proxy), and the mirrors in" \
                  "/etc/apt/sources.list; then run this again."
-    eti_fail "apt-get install failed (see above), so nothing was built. If a package was not found, this system's" \
-             "release differs from Debian 12; if a download failed, run this again."
+    eti_fail "apt-get install failed (see above, and $logs/apt-install.log), so nothing was built. If a package was" \
+             "not found, this system's release differs from Debian 12; if a download failed, run this again."
 }
 
-# Compilers at once: one per core, and 1.5 GB of memory for each (the message types need about 1 GB).
-eti_jobs() {
-    local memory_kb cores
+# Memory [kB] that programs here may use: the machine's, or less where a container or a service has a limit.
+eti_memory_kb() {
+    local memory_kb limit file
     memory_kb=$(sed -n 's/^MemTotal: *\([0-9]*\).*/\1/p' /proc/meminfo)
+    file=/sys/fs/cgroup$(sed -n 's/^0:://p' /proc/self/cgroup 2>/dev/null)/memory.max
+    for file in "$file" /sys/fs/cgroup/memory.max /sys/fs/cgroup/memory/memory.limit_in_bytes; do
+        limit=$(cat "$file" 2>/dev/null)
+        [[ $limit =~ ^[0-9]{1,15}$ ]] && [ $((limit / 1024)) -lt "$memory_kb" ] && memory_kb=$((limit / 1024))
+    done
+    echo "$memory_kb"
+}
+
+# Compilers at once: one per core, and 1.5 GB of memory for each (the largest sources need about 1.2 GB).
+eti_jobs() {
+    local cores by_memory
     cores=$(nproc)
-    local by_memory=$((memory_kb / 1500000))
+    by_memory=$(($(eti_memory_kb) / 1500000))
     [ "$by_memory" -lt 1 ] && by_memory=1
     echo $((cores < by_memory ? cores : by_memory))
 }
 
-# eti_build PRESET [TARGET...]: configures and builds into build/PRESET.
+# eti_build PRESET [-DOPTION=VALUE...] [TARGET...]: configures and builds into build/PRESET.
 eti_build() {
-    local preset=$1 targets=() folder="$ETI_ROOT/build/$1"
+    local preset=$1 options=() targets=() folder="$ETI_ROOT/build/$1" log="$ETI_ROOT/build/logs/build-$1.log"
     shift
+    while [[ ${1:-} = -D* ]]; do
+        options+=("$1")
+        shift
+    done
     [ $# -gt 0 ] && targets=(--target "$@")
     if [ -e "$folder" ] && [ ! -w "$folder" ]; then
         eti_fail "cannot write to $folder; it was built by $(stat -c %U "$folder"). Remedy:" \
                  "sudo chown -R $(id -un) '$ETI_ROOT/build'"
     fi
+    eti_say "Configuring build/$preset ..."
     local output
-    output=$(cd "$ETI_ROOT" && cmake --preset "$preset" 2>&1) || {
+    output=$(cd "$ETI_ROOT" && cmake --preset "$preset" "${options[@]}" 2>&1 </dev/null) || {
         eti_say "$output"
-        eti_say "Configuring $preset failed; the cause stands above."
+        eti_say "Configuring $preset failed; the cause stands above. deploy/setup.sh installs what is missing."
         return 1
     }
-    (cd "$ETI_ROOT" && cmake --build --preset "$preset" -j "$(eti_jobs)" "${targets[@]}" >&2) || {
-        eti_say "Building $preset failed; the first error above is the cause."
+    (cd "$ETI_ROOT" && eti_watched eti_read_ninja "Building build/$preset" "$log" \
+        cmake --build --preset "$preset" -j "$(eti_jobs)" "${targets[@]}") || {
+        eti_say "Building $preset failed; the first error above is the cause. All of its output: $log"
         return 1
     }
+}
+
+# eti_build_programs TARGET...: programs of build/release, which need no package for tests. A new folder is configured
+# without tests; one that has them keeps them.
+eti_build_programs() {
+    local fresh=()
+    [ -f "$ETI_ROOT/build/release/build.ninja" ] || fresh=(-DETI_TESTS=OFF)
+    eti_build release "${fresh[@]}" "$@"
+}
+
+# eti_phase NAME: ends a phase of the script; eti_phases tells how long each took.
+# shellcheck disable=SC2034 # whoever reads this prints it
+eti_phases="" eti_phase_began=0
+eti_phase() {
+    eti_phases+=${eti_phases:+, }"$1 $((SECONDS - eti_phase_began)) s"
+    eti_phase_began=$SECONDS
+}
+
+# For scripts that build: Ctrl-C leaves what is done, and says so.
+eti_resumable() {
+    trap 'eti_say ""; eti_say "Stopped. The same command goes on from here: what is installed and built stays."; exit 130' INT
 }
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then

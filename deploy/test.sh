@@ -11,7 +11,8 @@ usage() {
     cat <<USAGE
 Usage: deploy/test.sh [--quick | --whole] [--fuzz] [--no-install]
 Builds into build/release and runs the tests. The last line reads "N passed, N failed"; exit 0 only if none
-failed. deploy/sanitize.sh runs the tests under the sanitizers.
+failed. What tests/known_failures.txt names is run, too; the last line says if it failed.
+deploy/sanitize.sh runs the tests under the sanitizers.
   --quick        only the unit tests
   --whole        also the long ones, whole sweeps of which a part runs otherwise
   --fuzz         then also what deploy/sanitize.sh --short runs: fuzz targets, built with clang in build/fuzz
@@ -32,12 +33,20 @@ while [ $# -gt 0 ]; do
     shift
 done
 
+eti_resumable
 lists=(build client test figures lab security)
 [ $fuzz = yes ] && lists+=(fuzz)
 [ $install = yes ] && eti_install "${lists[@]}"
-started=$SECONDS
+eti_phase installing
 eti_say "== Building build/release"
-if eti_build release; then run release "${only[@]}" "${long[@]}"; else failed=$((failed + 1)); fi
+if eti_build release -DETI_TESTS=ON; then
+    eti_phase building
+    run release "${only[@]}" "${long[@]}"
+else
+    failed=$((failed + 1))
+fi
 [ $fuzz = yes ] && fuzz_smoke
-eti_say "Took $((SECONDS - started)) s."
+eti_phase testing
+eti_say "Took $SECONDS s: $eti_phases."
+[ $failed -eq 0 ] || eti_say "What the tests printed: $ETI_ROOT/build/logs/test-release.log"
 ends

@@ -11,4 +11,4 @@ case " $* " in
     *" --help "* | *" -h "*) ;;
     *) eti_install security ;;
 esac
-exec python3 -B "$ETI_ROOT/deploy/security/make_lab.py" "$@"
+exec "$ETI_PYTHON" -B "$ETI_ROOT/deploy/security/make_lab.py" "$@"

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every preset can be configured, and a build without the client looks for no graphics package."""
+"""Every preset can be configured, a build without the client looks for no graphics package, and other versions of tools
+first on the path do no harm, or are named."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -13,11 +15,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def configure(preset, *options):
-    """The CMake cache that configuring gives."""
+def run_cmake(folder, preset, *options, **environment):
+    inherited = {name: value for name, value in os.environ.items() if name != "CCACHE_DIR"}
+    return subprocess.run(["cmake", "--preset", preset, "-S", ROOT, "-B", folder, *options], cwd=ROOT, capture_output=True,
+                          text=True, env={**inherited, **environment})
+
+
+def configure(preset, *options, **environment):
+    """The CMake cache that configuring gives, without the packages of the report's page."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(["cmake", "--preset", preset, "-S", ROOT, "-B", folder, *options], cwd=ROOT,
-                              capture_output=True, text=True)
+        done = run_cmake(folder, preset, "-DETI_NPM=OFF", *options, **environment)
         if done.returncode != 0:
             raise AssertionError(done.stderr)
         return Path(folder, "CMakeCache.txt").read_text()
@@ -38,6 +45,37 @@ class BuildOptions(unittest.TestCase):
         graphics = re.compile(r"^[^/#].*(epoxy|opencv|glfw|imgui|opengl|egl)\w*[:_=]", re.IGNORECASE | re.MULTILINE)
         self.assertRegex(configure("release"), graphics)
         self.assertNotRegex(configure("release", "-DETI_CLIENT=OFF"), graphics)
+
+    def test_old_python_and_node_first_on_the_path_do_no_harm(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, says in (("python3", "Python 3.6.9"), ("node", "v12.22.9")):
+                file = Path(folder, name)
+                file.write_text(f"#!/bin/sh\necho {says}\n")
+                file.chmod(0o755)
+            found = configure("release", "-DETI_TESTS=OFF", PATH=f"{folder}:{os.environ['PATH']}")
+        self.assertIn("ETI_PYTHON:FILEPATH=/usr/bin/python3\n", found)
+        self.assertIn("ETI_NODE:FILEPATH=/usr/bin/node\n", found)
+
+    def test_home_that_cannot_be_written_leaves_the_cache_in_build(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for home, expected in (("/proc/none", "CCACHE_DIR"), (folder, "CCACHE_BASEDIR")):
+                with tempfile.TemporaryDirectory() as build:
+                    done = run_cmake(build, "release", "-DETI_TESTS=OFF", "-DETI_CLIENT=OFF", HOME=home,
+                                     XDG_CACHE_HOME=f"{home}/.cache")
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    rules = Path(build, "CMakeFiles/rules.ninja").read_text()
+                self.assertIn(expected, rules[:20000])
+                self.assertEqual("CCACHE_DIR" in rules, expected == "CCACHE_DIR")
+
+    def test_googletest_without_mock_is_named_with_a_remedy(self):
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as build:
+            Path(folder, "GTestConfig.cmake").write_text("set(GTest_FOUND TRUE)\n")
+            Path(folder, "GTestConfigVersion.cmake").write_text("set(PACKAGE_VERSION 1.11)\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n")
+            done = run_cmake(build, "release", "-DETI_NPM=OFF", "-DETI_CLIENT=OFF", f"-DGTest_DIR={folder}")
+        self.assertNotEqual(done.returncode, 0)
+        said = " ".join(done.stderr.split())
+        for part in (folder, "no GoogleMock", "libgmock-dev"):
+            self.assertIn(part, said)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""package.sh and try_packages.sh: what they refuse, and with what remedy."""
+"""package.sh, try_packages.sh and try_bare.sh: what they refuse, and with what remedy."""
 
 import os
 import shutil
@@ -28,8 +28,8 @@ class PackageScripts(unittest.TestCase):
         return subprocess.run([ROOT / "deploy" / script, *arguments], capture_output=True, text=True,
                               env={**os.environ, "PATH": f"{self.bin}:{os.environ['PATH']}"})
 
-    def test_both_explain_themselves_and_refuse_what_they_do_not_know(self):
-        for script in ("package.sh", "try_packages.sh"):
+    def test_scripts_explain_themselves_and_refuse_the_unknown(self):
+        for script in ("package.sh", "try_packages.sh", "try_bare.sh"):
             self.assertIn("--no-install", self.run_script(script, "--help").stdout)
             self.assertEqual(self.run_script(script, "--bogus").returncode, 2)
 
@@ -43,19 +43,28 @@ class PackageScripts(unittest.TestCase):
 
     def test_trying_needs_root(self):
         self.program("id", "echo 1000")
-        done = self.run_script("try_packages.sh", "--no-install")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("needs root", done.stderr)
+        for script in ("try_packages.sh", "try_bare.sh"):
+            done = self.run_script(script, "--no-install")
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("needs root", done.stderr)
 
     def test_trying_needs_namespaces_and_a_mirror(self):
-        self.program("id", "echo 0")
-        self.program("unshare", "exit 1")
-        self.assertIn("mount namespaces", self.run_script("try_packages.sh", "--no-install").stderr)
-        self.program("unshare", "exit 0")
-        self.program("apt-get", "exit 1")
-        done = self.run_script("try_packages.sh", "--no-install")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("--mirror", done.stderr)
+        for script in ("try_packages.sh", "try_bare.sh"):
+            self.program("id", "echo 0")
+            self.program("unshare", "exit 1")
+            self.program("apt-get", "exit 0")
+            self.assertIn("mount namespaces", self.run_script(script, "--no-install").stderr)
+            self.program("unshare", "exit 0")
+            self.program("apt-get", "exit 1")
+            done = self.run_script(script, "--no-install")
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("--mirror", done.stderr)
+
+    def test_trying_on_a_bare_system_says_who_and_what_there_is(self):
+        for option, value, expected in (("--as", "guest", "root or user"), ("--only", "lab", "demo or test")):
+            done = self.run_script("try_bare.sh", option, value)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(expected, done.stderr)
 
 
 if __name__ == "__main__":

@@ -9,15 +9,20 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-SETUP = ROOT / "deploy" / "setup.sh"
-TOOLS = ("bash", "sed", "awk", "grep", "dirname", "basename", "id", "env", "cat")
+TOOLS = ("bash", "sed", "awk", "grep", "dirname", "basename", "id", "env", "cat", "mkdir")
 
 
 class Setup(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        self.bin = Path(self.folder.name)
+        self.root = Path(self.folder.name, "a folder")
+        self.setup = self.root / "deploy" / "setup.sh"
+        shutil.copytree(ROOT / "deploy/packages", self.root / "deploy/packages")
+        for name in ("setup.sh", "progress.sh"):
+            shutil.copy(ROOT / "deploy" / name, self.root / "deploy")
+        self.bin = Path(self.folder.name, "bin")
+        self.bin.mkdir()
         self.calls = self.bin / "calls"
         self.calls.touch()
         for tool in TOOLS:
@@ -25,7 +30,7 @@ class Setup(unittest.TestCase):
         self.wanted = self.run_setup("--list").stdout.split()
 
     def run_setup(self, *arguments):
-        return subprocess.run(["bash", SETUP, *arguments], env={"PATH": str(self.bin)}, capture_output=True, text=True)
+        return subprocess.run(["bash", self.setup, *arguments], env={"PATH": str(self.bin)}, capture_output=True, text=True)
 
     def program(self, name, body):
         file = self.bin / name
@@ -36,6 +41,7 @@ class Setup(unittest.TestCase):
     def apt(self, installed, body="exit 0"):
         """An apt on which `installed` is installed and whose apt-get, called, does `body`."""
         self.program("dpkg-query", "".join(f"echo 'installed {p}'\n" for p in installed))
+        self.program("dpkg", "exit 0")
         self.program("sudo", '"$@"')
         self.program("apt-get", f'echo "$*" >> {self.calls}\n{body}')
 
@@ -99,7 +105,36 @@ class Setup(unittest.TestCase):
         self.program("sudo", f'echo sudo >> {self.calls}; "$@"')
         done = self.run_setup()
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(self.calls.read_text().split("\n")[::2], ["sudo", "sudo", ""])
+        self.assertEqual(self.calls.read_text().splitlines().count("sudo"), 3)
+
+    def test_what_a_stopped_installation_left_is_finished(self):
+        self.apt(self.wanted[1:])
+        self.program("dpkg", f'echo "dpkg $*" >> {self.calls}')
+        self.assertEqual(self.run_setup().returncode, 0)
+        self.assertEqual([line.split()[0] for line in self.calls.read_text().splitlines()], ["-q", "dpkg", "-q"])
+
+    def test_npm_of_an_old_node_does_not_do(self):
+        without_npm = [p for p in self.wanted if p != "npm"]
+        for version, asked in (("v12.22.9", True), ("v18.19.0", False), ("", True)):
+            with self.subTest(node=version):
+                self.calls.write_text("")
+                self.apt(without_npm)
+                self.program("npm", "echo 9.2.0")
+                self.program("node", f"echo {version}")
+                self.run_setup()
+                self.assertEqual("npm" in self.calls.read_text().split(), asked)
+
+    def test_progress_counts_what_is_fetched_unpacked_and_set_up(self):
+        self.apt(self.wanted[1:], """[[ "$*" == *install* ]] || exit 0
+echo '0 upgraded, 2 newly installed, 0 to remove and 3 not upgraded.'
+echo 'Need to get 5,000 kB of archives.'
+echo 'Get:1 http://mirror b 1.0'
+for step in Unpacking 'Setting up'; do for package in a b; do echo "$step $package (1.0) ..."; done; done""")
+        done = self.run_setup()
+        self.assertIn("Need to get 5,000 kB", done.stderr)
+        self.assertIn("Installing: 6 of 6, 0 s so far", done.stderr)
+        self.assertNotIn("Unpacking a", done.stderr)
+        self.assertIn("Unpacking a", (self.root / "build/logs/apt-install.log").read_text())
 
     def test_without_root_and_sudo_says_what_to_run(self):
         self.apt(self.wanted[1:])

@@ -2,9 +2,12 @@
 # Copyright the NeoETI authors
 """What deploy/test.sh counts and how it ends, on a small project without compiled code."""
 
+import os
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -29,7 +32,7 @@ class TestScript(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
         (self.root / "deploy").mkdir()
-        for name in ("setup.sh", "counted.sh", "test.sh", "sanitize.sh"):
+        for name in ("setup.sh", "progress.sh", "counted.sh", "test.sh", "sanitize.sh"):
             shutil.copy(ROOT / "deploy" / name, self.root / "deploy")
         shutil.copy(ROOT / "CMakePresets.json", self.root)
 
@@ -136,6 +139,46 @@ class TestScript(unittest.TestCase):
 
     def test_no_tests_at_all_fail(self):
         self.assertEqual(self.run_tests("", "--quick").returncode, 1)
+
+    def test_known_failures_run_and_are_named_in_the_last_line(self):
+        (self.root / "tests").mkdir()
+        (self.root / "tests/known_failures.txt").write_text("# comment\nbad  # a library\ngood  # a library\n")
+        done = self.run_tests(f'case(good unit "touch {self.root}/ran")\ncase(bad unit "exit 1")\ncase(c unit "true")\n')
+        self.assert_ends_with(done, "2 passed, 0 failed (known to fail, and failed: bad)", 0)
+        self.assertIn("Known to fail: bad: a library", done.stderr)
+        self.assertTrue((self.root / "ran").exists())
+
+    def test_progress_is_told_and_the_rest_is_in_a_log(self):
+        done = self.run_tests('add_custom_target(work ALL COMMAND echo compiling)\n'
+                              'case(a unit "echo said; exit 1")\ncase(b unit "true")\n', "--quick")
+        self.assertRegex(done.stderr, r"Building build/release: 1 of 1, \d+ s so far")
+        self.assertRegex(done.stderr, r"Tests: 2 of 2, 1 failed, \d+ s so far")
+        self.assertIn("said", done.stderr)
+        self.assertIn("compiling", (self.root / "build/logs/build-release.log").read_text())
+        self.assertIn("Test #2: b", (self.root / "build/logs/test-release.log").read_text())
+        self.assertNotIn("Test #2: b", done.stderr)
+
+    def test_a_build_without_tests_gets_them(self):
+        cases = 'option(ETI_TESTS "" ON)\nif(ETI_TESTS)\ncase(a unit "true")\nendif()\n'
+        (self.root / "CMakeLists.txt").write_text(PROJECT + cases)
+        subprocess.run(["cmake", "--preset", "release", "-DETI_TESTS=OFF"], cwd=self.root, check=True, capture_output=True)
+        self.assert_ends_with(self.run_tests(cases, "--quick"), "1 passed, 0 failed", 0)
+
+    def test_ctrl_c_ends_it_and_the_same_command_goes_on(self):
+        cases = (f'add_custom_target(slow ALL COMMAND sh -c "test -e {self.root}/second || {{ touch {self.root}/begun; sleep 60; }}"'
+                 ' VERBATIM)\ncase(a unit "true")\n')
+        (self.root / "CMakeLists.txt").write_text(PROJECT + cases)
+        started = subprocess.Popen([self.root / "deploy/test.sh", "--no-install", "--quick"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        while not (self.root / "begun").exists():
+            self.assertIsNone(started.poll(), "ended before anything was built")
+            time.sleep(0.02)
+        os.killpg(started.pid, signal.SIGINT)
+        said = started.communicate(timeout=60)[1]
+        self.assertEqual(started.returncode, 130, said)
+        self.assertIn("The same command goes on from here", said)
+        (self.root / "second").touch()
+        self.assert_ends_with(self.run_tests(cases, "--quick"), "1 passed, 0 failed", 0)
 
     def test_failed_build_is_a_failure(self):
         done = self.run_tests('add_custom_target(broken ALL COMMAND false)\ncase(a unit "true")\n', "--quick")

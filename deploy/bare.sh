@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# A bare Debian 12 in a folder, with nothing of ours: try_bare.sh and try_packages.sh read it, after setup.sh, for its
+# functions. Such a system is entered in mount and process namespaces of its own: when they end, so do its mounts and
+# whatever still runs in it.
+
+BARE_RELEASE=bookworm
+
+# The mirror of this machine's apt for Debian's main section.
+bare_mirror_of_apt() {
+    # shellcheck disable=SC2016  # apt fills these in
+    apt-get indextargets --format '$(CODENAME) $(COMPONENT) $(SITE)' 'Created-By: Packages' 2>/dev/null |
+        sed -n "s/^$BARE_RELEASE main //p" | head -n 1
+}
+
+# bare_check MIRROR: stops where such a system cannot be made here.
+bare_check() {
+    [ "$(id -u)" -eq 0 ] || eti_fail "needs root, to mount and to change the root folder. Run: sudo $0"
+    unshare --mount --pid --fork true 2>/dev/null ||
+        eti_fail "this system does not allow mount namespaces; in a container, start it with --privileged"
+    [ -n "$1" ] || eti_fail "this machine's apt names no mirror of $BARE_RELEASE; name one with --mirror"
+}
+
+# bare_make SYSTEM MIRROR [PACKAGE...]: the system, with these packages besides the required ones.
+bare_make() {
+    local system=$1 mirror=$2 more
+    shift 2
+    case $mirror in https:*) set -- "$@" ca-certificates ;; esac
+    more=$(IFS=,; echo "$*")
+    debootstrap --variant=minbase ${more:+"--include=$more"} $BARE_RELEASE "$system" "$mirror" >"$system.log" 2>&1 || {
+        tail -n 20 "$system.log" >&2
+        eti_fail "debootstrap failed (see above). Remedy: check the network, or name another mirror with --mirror."
+    }
+    # No services are started in a folder.
+    printf '#!/bin/sh\nexit 101\n' >"$system/usr/sbin/policy-rc.d" && chmod +x "$system/usr/sbin/policy-rc.d"
+    cp /etc/resolv.conf "$system/etc/"
+    # Where a proxy signs for other hosts, npm has to know its certificate.
+    [ ! -f "${NODE_EXTRA_CA_CERTS:-}" ] || cp "$NODE_EXTRA_CA_CERTS" "$system/etc/certificates-of-the-host.pem"
+}
+
+# bare_mount SYSTEM: what programs expect of a kernel. Called within the namespaces.
+bare_mount() {
+    mount -t proc proc "$1/proc" && mount -t sysfs -o ro sysfs "$1/sys" && mount --rbind /dev "$1/dev" &&
+        mount -t tmpfs -o size=1g,mode=1777 tmpfs "$1/dev/shm" ||
+        eti_fail "cannot mount proc, sys, dev and shared memory in $1; containers need --privileged for that"
+}
+
+# bare_run COMMAND...: as root in the system $system, without this machine's environment.
+bare_run() {
+    local certificates=/etc/certificates-of-the-host.pem
+    [ -f "$system$certificates" ] || certificates=
+    # shellcheck disable=SC2154 # a caller's
+    chroot "$system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 TERM=dumb \
+        DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
+        ${certificates:+NODE_EXTRA_CA_CERTS="$certificates"} "$@"
+}
+
+# bare_as USER COMMAND...: as that user, in the home folder.
+bare_as() {
+    local user=$1
+    shift
+    # shellcheck disable=SC2016 # the shell there fills these in
+    bare_run setpriv --reuid="$user" --regid="$user" --init-groups env HOME="/home/$user" USER="$user" \
+        sh -c 'cd "$HOME" && exec "$@"' sh "$@"
+}
+
+# bare_enter FOLDER FUNCTION ARGUMENT...: runs a function of the calling script in namespaces of their own, and removes
+# FOLDER at the end, also after Ctrl-C. Returns the function's status.
+bare_enter() {
+    local folder=$1 child status
+    shift
+    # KILL: unshare passes no other signal on, and ends all inside when it dies; with it go the mounts, which are seen
+    # nowhere else. So the folder holds nothing of this system when it is removed.
+    # shellcheck disable=SC2317 # called by the traps
+    bare_finish() {
+        [ -z "$child" ] || { kill -KILL "$child" && wait "$child"; } 2>/dev/null
+        rm -rf --one-file-system "$folder"
+    }
+    trap bare_finish EXIT
+    trap 'exit 130' INT TERM
+    unshare --mount --propagation private --pid --fork --kill-child "$0" --inside "$@" &
+    child=$!
+    wait $child
+    status=$?
+    child=
+    trap - EXIT INT TERM
+    bare_finish
+    return $status
+}

@@ -1,0 +1,138 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+#
+# Runs both commands of the README on a bare Debian 12 in a folder: what a newcomer meets.
+set -u
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/bare.sh"
+
+USER_THERE=trainee
+
+usage() {
+    cat <<USAGE
+Usage: deploy/try_bare.sh [--as root|user]... [--only demo|test]... [--mirror URL] [--logs DIR] [--no-install]
+Makes a bare Debian 12 (debootstrap, minbase) in a temporary folder and runs deploy/demo.sh and deploy/test.sh of this
+checkout in it, without a display: as root in a folder without .git, as from an archive; and, in another such system, as
+a user who may use sudo, whose home is read-only and whose clone lies in a folder with a space in its name. The user's
+build reuses what root's has compiled. Says what was missing, and ends with the time that installing, building and
+running took, and the disk space. Exit 0 only if every command passed.
+Needs root, 12 GB in TMPDIR (default /var/tmp), and a mirror: that of this machine's apt, or --mirror.
+  --as WHO        root or user; may be given twice (default: both)
+  --only COMMAND  demo or test; may be given twice (default: both)
+  --mirror URL    Debian mirror
+  --logs DIR      where each command's output and build logs go (default: out/try_bare)
+  --no-install    do not look for debootstrap
+  --help          print this
+USAGE
+}
+
+# The checkout's files as they are now; those that git ignores stay here. With a clone's .git, if asked.
+copy_checkout() {
+    local to=$1 with_git=$2
+    mkdir -p "$to"
+    if git -C "$ETI_ROOT" rev-parse --git-dir >/dev/null 2>&1; then
+        [ "$with_git" = no ] || git clone -q --no-hardlinks --no-checkout "$ETI_ROOT" "$to" || return 1
+        (cd "$ETI_ROOT" && git ls-files -z --cached --others --exclude-standard |
+            tar -c --null --ignore-failed-read -T - 2>/dev/null) | tar -x -C "$to"
+    else
+        tar -c -C "$ETI_ROOT" --exclude=./build --exclude=./out . | tar -x -C "$to"
+    fi
+}
+
+megabytes() { du -sm --one-file-system "$@" 2>/dev/null | awk '{ sum += $1 } END { print sum + 0 }'; }
+
+# run_command WHO SCRIPT FOLDER: one of the two commands; a row for the table.
+run_command() {
+    local who=$1 script=$2 folder=$3 log=$logs/$1-$2.log status=0 phases missing
+    eti_say "== deploy/$script.sh as $who"
+    local as=(bare_run)
+    [ "$who" = root ] || as=(bare_as "$USER_THERE")
+    # shellcheck disable=SC2016 # the shell there fills these in
+    "${as[@]}" sh -c 'cd "$1" && exec "deploy/$2.sh"' sh "$folder" "$script" </dev/null 2>&1 | tee "$log" >&2
+    status=${PIPESTATUS[0]}
+    cp -r "$system$folder/build/logs" "$logs/$who-$script" 2>/dev/null
+    phases=$(sed -n 's/^Took [0-9]* s: \(.*\)\.$/\1/p' "$log" | tail -n 1)
+    rows+=("$who, $script.sh: $([ $status -eq 0 ] && echo passed || echo "exit status $status"); ${phases:-ended early}")
+    if [ "$status" -ne 0 ]; then
+        missing=$(grep -hE 'command not found|No such file or directory|Could NOT find|[Cc]annot find|was not found|ModuleNotFoundError|^(Failed|Skipped):' \
+            "$log" | sort -u | head -n 40)
+        eti_say "As $who, deploy/$script.sh failed. Of what it said, this may name what is missing; all of it: $log"
+        eti_say "${missing:-(nothing of the kind)}"
+        failures=$((failures + 1))
+    fi
+}
+
+inside() {
+    local base=$1 mirror=$2 logs=$3 whom=$4 scripts=$5 system folder who script bare rows=() failures=0
+    eti_say "== A bare Debian 12 from $mirror"
+    bare_make "$base" "$mirror"
+    for who in $whom; do
+        system=$base-$who folder="/root/neoeti"
+        cp -a "$base" "$system" && bare_mount "$system" || exit 1
+        # Packages are fetched once for both.
+        mount --bind "$base/var/cache/apt/archives" "$system/var/cache/apt/archives" || exit 1
+        if [ "$who" = user ]; then
+            folder="/home/$USER_THERE/neo eti"
+            { bare_run apt-get -q update && bare_run apt-get -q install -y --no-install-recommends sudo; } >"$system.log" 2>&1 ||
+                eti_fail "sudo cannot be installed there: $(tail -n 3 "$system.log")"
+            bare_run useradd --create-home --shell /bin/bash $USER_THERE
+            echo "$USER_THERE ALL=(ALL) NOPASSWD: ALL" >"$system/etc/sudoers.d/$USER_THERE"
+        fi
+        bare=$(bare_run dpkg-query -W -f '.\n' | wc -l)
+        copy_checkout "$system$folder" "$([ "$who" = user ] && echo yes || echo no)" ||
+            eti_fail "this checkout cannot be copied to $system$folder"
+        if [ "$who" = user ]; then
+            if [ -d "$base-root/root/.cache/ccache" ]; then
+                mkdir -p "$system$folder/build" && cp -r "$base-root/root/.cache/ccache" "$system$folder/build/ccache"
+            fi
+            bare_run chown -R $USER_THERE: "$folder" && bare_run chown root: "/home/$USER_THERE" &&
+                bare_run chmod 555 "/home/$USER_THERE"
+        fi
+        for script in $scripts; do
+            run_command "$who" "$script" "$folder"
+        done
+        rows+=("$who: $(($(bare_run dpkg-query -W -f '.\n' | wc -l) - bare)) packages more than the bare system's $bare, $(megabytes "$system/usr" "$system/etc" "$system/var/lib") MB of system, $(megabytes "$system$folder/build") MB in build, $(megabytes "$base/var/cache/apt/archives") MB of packages fetched")
+    done
+    eti_say ""
+    printf '%s\n' "${rows[@]}"
+    return $((failures > 0))
+}
+
+if [ "${1:-}" = --inside ]; then
+    shift
+    inside "$@"
+    exit
+fi
+
+whom=() scripts=() mirror='' logs=$ETI_ROOT/out/try_bare install=yes
+while [ $# -gt 0 ]; do
+    case $1 in
+        --as | --only | --mirror | --logs)
+            [ $# -ge 2 ] || eti_fail "$1 wants a value; see --help"
+            case $1=$2 in
+                --as=root | --as=user) whom+=("$2") ;;
+                --only=demo | --only=test) scripts+=("$2") ;;
+                --mirror=*) mirror=$2 ;;
+                --logs=*) logs=$2 ;;
+                *) eti_fail "$1 is '$2'; expected $([ "$1" = --as ] && echo "root or user" || echo "demo or test")" ;;
+            esac
+            shift
+            ;;
+        --no-install) install=no ;;
+        --help) usage; exit 0 ;;
+        *) usage >&2; exit 2 ;;
+    esac
+    shift
+done
+[ ${#whom[@]} -gt 0 ] || whom=(root user)
+[ ${#scripts[@]} -gt 0 ] || scripts=(demo test)
+
+[ $install = yes ] && eti_install bare
+mirror=${mirror:-$(bare_mirror_of_apt)}
+bare_check "$mirror"
+mkdir -p "$logs" || eti_fail "cannot make $logs; choose another folder with --logs"
+folder=$(mktemp -d -p "${TMPDIR:-/var/tmp}" eti-bare-XXXXXX) || exit 1
+chmod 755 "$folder"
+bare_enter "$folder" "$folder/bare" "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
+eti_say "On a bare Debian 12 every command passed."
