@@ -35,6 +35,8 @@ bare_make() {
     }
     # No services are started in a folder.
     printf '#!/bin/sh\nexit 101\n' >"$system/usr/sbin/policy-rc.d" && chmod +x "$system/usr/sbin/policy-rc.d"
+    # It is thrown away, so nothing waits for the disk.
+    echo force-unsafe-io >"$system/etc/dpkg/dpkg.cfg.d/unsafe-io"
     cp /etc/resolv.conf "$system/etc/"
     # Where a proxy signs for other hosts, npm has to know its certificate.
     [ ! -f "${NODE_EXTRA_CA_CERTS:-}" ] || cp "$NODE_EXTRA_CA_CERTS" "$system/etc/certificates-of-the-host.pem"

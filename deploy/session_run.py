@@ -27,7 +27,8 @@ STALL_LIMIT = 180.0      # [s] without any simulation time passing before a serv
 END_BY_ITSELF = 60.0     # [s] that processes have to notice the session's end (a lease on the bus lasts 1.5 s), and
                          # clients, which yield to others, to draw their last pictures
 END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
-LONGEST_SESSION = 120    # [s] of simulation time; an attempt should take 30 s
+USUAL_SESSION = 25       # [s] of simulation time that the expert's attempt takes
+LONGEST_SESSION = 120    # [s] of simulation time
 SUCTION = (1.0, 2.0)     # [s] of simulation time, between which the assistant holds the pad's suction button
 PR_SET_PDEATHSIG = 1
 
@@ -35,6 +36,11 @@ PR_SET_PDEATHSIG = 1
 def die_with_parent():
     """Has the kernel end this process when its parent dies, so that none is left running alone."""
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def say(text):
+    """A line on standard error, in the place of a line of progress on a terminal."""
+    print(("\r\033[K" if sys.stderr.isatty() else "") + text, file=sys.stderr, flush=True)
 
 
 class Program:
@@ -122,12 +128,13 @@ class Session:
     """Its processes: server, haptics, tracker, controller, trainee, observer."""
 
     def __init__(self, bin_folder, folder, scenario="term", operator="expert", domain=0, name=None, extra=None,
-                 say=lambda text: print(text, file=sys.stderr, flush=True)):
+                 say=say):
         self.bin = Path(bin_folder)
         self.folder = Path(folder)
         self.name = name or f"demo-{os.getpid()}"
         self.record = self.folder / "session.eti.h5"
         self.say = say
+        self.on_terminal = sys.stderr.isatty()
         self.stopping = None    # why the session is being stopped early, if it is
         bus = ["--session", self.name, "--domain", domain]
         commands = {
@@ -182,6 +189,15 @@ class Session:
             self.suction = wanted
             self.pad.press(0, wanted)
 
+    def show_progress(self, progress):
+        """One line, over the last one on a terminal: simulated time, and the share of an attempt's usual time."""
+        simulated, behind = progress
+        line = f"simulated {simulated:.1f} s of about {USUAL_SESSION:.0f} s, {behind:.1f} s behind the clock"
+        if self.on_terminal:
+            print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
+        else:
+            self.say(line)
+
     def stop(self, why):
         """Asks the server to finish the session; the others end when it has."""
         if self.stopping is None:
@@ -205,7 +221,8 @@ class Session:
 
     def watch(self, keep_going=False):
         """Waits until the server has ended; False if it hung. When another process dies, stops the session."""
-        moved, last, shown = time.monotonic(), None, 0.0
+        began = moved = shown = time.monotonic()
+        last = None
         asked = None
         while True:
             failed = self.report_ended()
@@ -224,9 +241,13 @@ class Session:
                 asked = asked or now
                 if now - asked > END_ON_REQUEST:
                     return False
-            if progress and now - shown > (1.0 if sys.stderr.isatty() else 10.0):
+            if progress and now - shown > (1.0 if self.on_terminal else 10.0):
                 shown = now
-                self.say(f"simulation time {progress[0]:6.1f} s, {progress[1]:.1f} s behind the clock")
+                self.show_progress(progress)
+            elif now - shown > 10.0:
+                shown = now
+                self.say(f"Waiting for the server's first step: {now - began:.0f} s so far. A patient that is new here takes "
+                         "half a minute to build.")
             time.sleep(0.1)
 
     def finish(self):

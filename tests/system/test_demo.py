@@ -89,7 +89,7 @@ class Demo(support.Case):
                                    text=True)
         self.addCleanup(process.kill)
         for line in process.stderr:
-            if line.startswith("simulation time"):
+            if line.startswith("simulated "):
                 break
         os.kill(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=90)
