@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -28,13 +29,27 @@ constexpr std::size_t fewest_poses = 20;
 // reached by a cone of about 12 deg.
 constexpr double least_turning = 0.1;
 
+/// The rotation and translation that bring the pairs together with the least squares (Umeyama, IEEE TPAMI
+/// 13:376, 1991, without scale): by the singular vectors of the points' covariance, kept from mirroring.
 Isometry3d fit(std::span<const PointPair> pairs, std::span<const std::size_t> which) {
-    Eigen::Matrix3Xd from(3, which.size()), to(3, which.size());
-    for (std::size_t i = 0; i < which.size(); ++i) {
-        from.col(static_cast<Eigen::Index>(i)) = pairs[which[i]].device;
-        to.col(static_cast<Eigen::Index>(i)) = pairs[which[i]].patient;
+    const auto count = static_cast<double>(which.size());
+    Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
+    for (const std::size_t i : which) {
+        from += pairs[i].device / count;
+        to += pairs[i].patient / count;
     }
-    return Isometry3d(Eigen::umeyama(from, to, false));
+    Matrix3d covariance = Matrix3d::Zero();
+    for (const std::size_t i : which) {
+        covariance += (pairs[i].patient - to) * (pairs[i].device - from).transpose();
+    }
+    const Eigen::JacobiSVD<Matrix3d, Eigen::NoQRPreconditioner> svd(
+        covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const bool mirrored = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0;
+    Isometry3d out = Isometry3d::Identity();
+    out.linear() =
+        svd.matrixU() * Vector3d(1.0, 1.0, mirrored ? -1.0 : 1.0).asDiagonal() * svd.matrixV().transpose();
+    out.translation() = to - out.linear() * from;
+    return out;
 }
 
 double miss(const PointPair& pair, const Isometry3d& transform) {
@@ -197,21 +212,26 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
 
 namespace {
 
-/// Least squares, without a judgement; `turning` tells how well the poses determine the tip.
+/// Least squares of R_i tip - pivot = -t_i over all poses, without a judgement; `turning` tells how well they
+/// determine the tip. With the means R, t and u of R_i, t_i and R_i^T t_i the normal equations are
+///   (1 - R^T R) tip = R^T t - u,   pivot = R tip + t,
+/// and the stacked system's smallest singular value, per square root of the poses, is sqrt(1 - s), where s is
+/// the largest of R.
 PivotFit solve_pivot(std::span<const Isometry3d> poses, double& turning) {
-    const auto rows = static_cast<Eigen::Index>(3 * poses.size());
-    Eigen::MatrixXd system(rows, 6);
-    Eigen::VectorXd right(rows);
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(3 * i);
-        system.block<3, 3>(row, 0) = poses[i].linear();
-        system.block<3, 3>(row, 3) = -Matrix3d::Identity();
-        right.segment<3>(row) = -poses[i].translation();
+    const auto count = static_cast<double>(poses.size());
+    Matrix3d mean = Matrix3d::Zero();
+    Vector3d place = Vector3d::Zero(), turned_back = Vector3d::Zero();
+    for (const Isometry3d& pose : poses) {
+        mean += pose.linear() / count;
+        place += pose.translation() / count;
+        turned_back += pose.linear().transpose() * pose.translation() / count;
     }
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(system, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    turning = svd.singularValues()[5] / std::sqrt(static_cast<double>(poses.size()));
-    const Eigen::VectorXd solution = svd.solve(right);
-    PivotFit out{solution.head<3>(), solution.tail<3>(), 0.0};
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> squares(mean.transpose() * mean);
+    turning = std::sqrt(std::max(0.0, 1.0 - std::sqrt(squares.eigenvalues()[2])));
+    const Vector3d right = squares.eigenvectors().transpose() * (mean.transpose() * place - turned_back);
+    PivotFit out;
+    out.tip = squares.eigenvectors() * (right.array() / (1.0 - squares.eigenvalues().array())).matrix();
+    out.pivot = mean * out.tip + place;
     double sum = 0.0;
     for (const Isometry3d& pose : poses) {
         sum += (pose * out.tip - out.pivot).squaredNorm();
