@@ -20,11 +20,6 @@ namespace {
 /// Asks for a new identity in good time before it expires in the middle of a course.
 constexpr std::time_t soon = 14 * 24 * 3600;  // [s]
 
-/// Sessions of this protocol; see partition_of() in node.cpp.
-std::string partition_of(const std::string& session) {
-    return fmt::format("{}/{}", session, protocol);
-}
-
 std::string sentence_of_time(const fs::path& file, const char* what, std::time_t from, std::time_t until,
                              std::time_t now) {
     if (now < from) {

@@ -55,12 +55,6 @@ void check_names(const Options& options) {
     }
 }
 
-/// Programs of another protocol would misread messages: they meet in another partition. No session's name
-/// holds a slash.
-std::string partition_of(const std::string& session) {
-    return fmt::format("{}/{}", session, protocol);
-}
-
 std::string field_of(const std::string& text, std::string_view key) {
     const auto at = text.find(key);
     if (at == std::string::npos) {

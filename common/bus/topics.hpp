@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "idl/eti_wire.hpp"
@@ -15,6 +16,12 @@ namespace msg = ::eti::msg;
 /// protocols do not meet; self_check() says so, with both versions. New keys of a SessionDescription do not
 /// count.
 inline constexpr int protocol = 7;
+
+/// The DDS partition of a session. Programs of another protocol would misread messages: they meet in another
+/// partition. No session's name holds a slash.
+[[nodiscard]] inline std::string partition_of(const std::string& session) {
+    return session + '/' + std::to_string(protocol);
+}
 
 /// From whom samples of a topic are taken.
 enum class Source : std::uint8_t {

@@ -70,7 +70,7 @@ long number_in(const char* file) {
     return number;
 }
 
-Finding judge(const Interface& one, bool by_multicast) {
+Finding judge_interface(const Interface& one, bool by_multicast) {
     Finding finding{"network", one.name, State::well,
                     fmt::format("{}, MTU {}, {}", one.address, one.mtu,
                                 !one.up                 ? "down"
@@ -133,7 +133,7 @@ std::vector<Interface> interfaces() {
 Findings judge_interfaces(const std::vector<Interface>& all, bool reaches_network, bool by_multicast) {
     Findings findings;
     for (const Interface& one : all) {
-        findings.push_back(judge(one, reaches_network && by_multicast));
+        findings.push_back(judge_interface(one, reaches_network && by_multicast));
     }
     if (std::ranges::none_of(all, [](const Interface& one) { return one.up && one.loopback; })) {
         findings.push_back({"network", "loopback", State::mend, "no loopback interface is up",

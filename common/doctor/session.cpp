@@ -43,7 +43,7 @@ TopicReport report_of(std::string_view topic, const Loss& loss) {
     return {std::string(topic), loss.arrived(), loss.lost(), loss.percent()};
 }
 
-Finding judge(const PeerReport& peer) {
+Finding judge_peer(const PeerReport& peer) {
     const double median = percentile(peer.round_trips_ms, 0.5);
     Finding finding{"peer", peer.name, State::well, "", ""};
     const std::string who = fmt::format("{} {} version {}", peer.name, peer.process, peer.version);
@@ -180,7 +180,7 @@ Findings judge_session(const SessionReport& report, const bus::Options& options)
                             "is that the --session meant?"});
     }
     for (const PeerReport& peer : report.peers) {
-        findings.push_back(judge(peer));
+        findings.push_back(judge_peer(peer));
     }
     for (const TopicReport& topic : report.topics) {
         Finding finding{"loss", topic.topic, State::well,

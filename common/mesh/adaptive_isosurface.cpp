@@ -11,21 +11,21 @@
 namespace eti {
 namespace {
 
-constexpr std::uint32_t none = ~0u;
+constexpr std::uint32_t no_index = ~0u;
 // Cells are halved until they are at most 1.25 of the edge that is asked for.
 constexpr float coarser = 0.8f;
 
 /// 64-bit keys to indices, by linear probing: what the standard map takes four times as long for.
 class IndexMap {
   public:
-    IndexMap() : slots_(1u << 16, {empty, none}) {}
+    IndexMap() : slots_(1u << 16, {empty, no_index}) {}
 
     /// The index of a key, or none.
     [[nodiscard]] std::uint32_t find(std::uint64_t key) const {
         for (std::size_t i = hash(key);; ++i) {
             const Slot& slot = slots_[i & (slots_.size() - 1)];
             if (slot.key == key || slot.key == empty) {
-                return slot.key == key ? slot.index : none;
+                return slot.key == key ? slot.index : no_index;
             }
         }
     }
@@ -59,7 +59,7 @@ class IndexMap {
         return static_cast<std::size_t>(key ^ key >> 32);
     }
     void grow() {
-        std::vector<Slot> old(2 * slots_.size(), {empty, none});
+        std::vector<Slot> old(2 * slots_.size(), {empty, no_index});
         old.swap(slots_);
         for (const Slot& slot : old) {
             std::size_t i = hash(slot.key);
@@ -274,7 +274,7 @@ class Bisector {
                     continue;  // at the end of bisection
                 }
                 const std::uint32_t index = vertices_.find(key_of(middle_of(t.corner[i], t.corner[j])));
-                if (index != none && used_[index] != 0) {
+                if (index != no_index && used_[index] != 0) {
                     return true;
                 }
             }

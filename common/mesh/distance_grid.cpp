@@ -8,14 +8,14 @@ namespace eti {
 namespace {
 
 /// The cell that holds a point, the point's place in it (0..1 along each axis) and its eight nodes.
-struct Cell {
+struct GridCell {
     Vec3f place = Vec3f::Zero();
     std::array<float, 8> value{};  ///< x fastest
 };
 
-Cell cell_at(const DistanceGrid& grid, const Vec3f& point) {
+GridCell cell_at(const DistanceGrid& grid, const Vec3f& point) {
     const Vec3f scaled = (point - grid.origin) / grid.spacing;
-    Cell cell;
+    GridCell cell;
     std::array<int, 3> base{};
     std::array<std::size_t, 3> step{
         1, static_cast<std::size_t>(grid.size[0]),
@@ -45,7 +45,7 @@ float mix(float a, float b, float t) {
 }  // namespace
 
 float DistanceGrid::distance(const Vec3f& point) const {
-    const Cell cell = cell_at(*this, point);
+    const GridCell cell = cell_at(*this, point);
     const auto& v = cell.value;
     const Vec3f& t = cell.place;
     const float lower = mix(mix(v[0], v[1], t.x()), mix(v[2], v[3], t.x()), t.y());
@@ -54,7 +54,7 @@ float DistanceGrid::distance(const Vec3f& point) const {
 }
 
 DistanceSample DistanceGrid::sample(const Vec3f& point) const {
-    const Cell cell = cell_at(*this, point);
+    const GridCell cell = cell_at(*this, point);
     const auto& v = cell.value;
     const Vec3f& t = cell.place;
     const std::array<float, 4> along_x = {mix(v[0], v[1], t.x()), mix(v[2], v[3], t.x()),

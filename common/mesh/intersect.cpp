@@ -17,7 +17,7 @@ struct Box {
     Vec3f high;
 };
 
-using Cell = std::array<int, 3>;
+using CellIndex = std::array<int, 3>;
 
 /// A triangle listed in a cell; the list is sorted by cell, which serves as the spatial hash.
 struct Entry {
@@ -108,8 +108,8 @@ class Search {
     /// Calls visit(key) for the cells that a box touches.
     template <class Visit>
     void for_each_cell(const Box& box, const Visit& visit) const {
-        const Cell first = cell_of(box.low);
-        const Cell last = cell_of(box.high);
+        const CellIndex first = cell_of(box.low);
+        const CellIndex last = cell_of(box.high);
         for (int z = first[2]; z <= last[2]; ++z) {
             for (int y = first[1]; y <= last[1]; ++y) {
                 for (int x = first[0]; x <= last[0]; ++x) {
@@ -119,12 +119,12 @@ class Search {
         }
     }
 
-    [[nodiscard]] Cell cell_of(const Vec3f& p) const {
+    [[nodiscard]] CellIndex cell_of(const Vec3f& p) const {
         const Vec3f scaled = (p - low_) / spacing_;
         return {static_cast<int>(scaled.x()), static_cast<int>(scaled.y()), static_cast<int>(scaled.z())};
     }
 
-    [[nodiscard]] static std::uint64_t key(const Cell& c) {
+    [[nodiscard]] static std::uint64_t key(const CellIndex& c) {
         return static_cast<std::uint64_t>(c[2]) << 42 | static_cast<std::uint64_t>(c[1]) << 21 |
                static_cast<std::uint64_t>(c[0]);
     }

@@ -13,7 +13,7 @@
 namespace eti {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_element = std::numeric_limits<std::uint32_t>::max();
 
 struct Candidate {
     float cost;
@@ -93,8 +93,8 @@ class Collapser {
         for (const Vec3f& v : mesh.vertices) {
             position_.push_back(v.cast<double>());
         }
-        head_.assign(position_.size(), none);
-        next_.assign(3 * triangles_.size(), none);
+        head_.assign(position_.size(), no_element);
+        next_.assign(3 * triangles_.size(), no_element);
         stamp_.assign(position_.size(), 0);
         locked_.assign(position_.size(), 0);
         quadric_.resize(position_.size());
@@ -122,7 +122,7 @@ class Collapser {
     void sweep() {
         queue_.clear();
         for (std::uint32_t a = 0; a < head_.size(); ++a) {
-            if (head_[a] == none || locked_[a]) {
+            if (head_[a] == no_element || locked_[a]) {
                 continue;
             }
             neighbours(a, around_);
@@ -133,7 +133,8 @@ class Collapser {
             }
         }
         const auto stale = [this](const Candidate& c) {
-            return stamp_[c.a] + stamp_[c.b] != c.stamp || head_[c.a] == none || head_[c.b] == none;
+            return stamp_[c.a] + stamp_[c.b] != c.stamp || head_[c.a] == no_element ||
+                   head_[c.b] == no_element;
         };
         while (alive_ > settings_.triangles) {
             const std::optional<Candidate> cheapest = queue_.pop(stale);
@@ -167,7 +168,7 @@ class Collapser {
     void lock_borders() {
         for (std::uint32_t v = 0; v < head_.size(); ++v) {
             around_.clear();
-            for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+            for (std::uint32_t corner = head_[v]; corner != no_element; corner = next_[corner]) {
                 around_.push_back(follower(corner, 1));
                 around_.push_back(follower(corner, 2));
             }
@@ -203,7 +204,7 @@ class Collapser {
 
     void neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
         out.clear();
-        for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+        for (std::uint32_t corner = head_[v]; corner != no_element; corner = next_[corner]) {
             // On a closed fan every neighbour follows v in exactly one triangle.
             out.push_back(follower(corner, 1));
         }
@@ -227,7 +228,7 @@ class Collapser {
         double worst_before = well_shaped;
         double worst_after = well_shaped;
         for (const auto& [v, other] : {std::array{a, b}, std::array{b, a}}) {
-            for (std::uint32_t corner = head_[v]; corner != none; corner = next_[corner]) {
+            for (std::uint32_t corner = head_[v]; corner != no_element; corner = next_[corner]) {
                 const std::uint32_t p = follower(corner, 1);
                 const std::uint32_t q = follower(corner, 2);
                 const Vec3d side = position_[q] - position_[p];
@@ -287,13 +288,13 @@ class Collapser {
 
     /// Removes b and the two triangles at edge ab; a inherits the rest.
     void merge(std::uint32_t a, std::uint32_t b) {
-        std::uint32_t kept = none;
+        std::uint32_t kept = no_element;
         const auto keep = [&](std::uint32_t corner) {
             next_[corner] = kept;
             kept = corner;
         };
-        std::uint32_t following = none;
-        for (std::uint32_t corner = head_[a]; corner != none; corner = following) {
+        std::uint32_t following = no_element;
+        for (std::uint32_t corner = head_[a]; corner != no_element; corner = following) {
             following = next_[corner];
             const std::uint32_t p = follower(corner, 1);
             const std::uint32_t q = follower(corner, 2);
@@ -303,10 +304,10 @@ class Collapser {
                 keep(corner);
             }
         }
-        for (std::uint32_t corner = head_[b]; corner != none; corner = following) {
+        for (std::uint32_t corner = head_[b]; corner != no_element; corner = following) {
             following = next_[corner];
             if (follower(corner, 1) == a || follower(corner, 2) == a) {
-                triangles_[corner / 3][0] = none;
+                triangles_[corner / 3][0] = no_element;
                 --alive_;
             } else {
                 triangles_[corner / 3][corner % 3] = a;
@@ -314,7 +315,7 @@ class Collapser {
             }
         }
         head_[a] = kept;
-        head_[b] = none;
+        head_[b] = no_element;
     }
 
     void unlink(std::uint32_t v, std::uint32_t triangle) {
@@ -328,14 +329,14 @@ class Collapser {
     [[nodiscard]] TriangleMesh compact() const {
         TriangleMesh mesh;
         mesh.triangles.reserve(alive_);
-        std::vector<std::uint32_t> renamed(position_.size(), none);
+        std::vector<std::uint32_t> renamed(position_.size(), no_element);
         for (const Triangle& t : triangles_) {
-            if (t[0] == none) {
+            if (t[0] == no_element) {
                 continue;
             }
             Triangle out{};
             for (std::size_t k = 0; k < 3; ++k) {
-                if (renamed[t[k]] == none) {
+                if (renamed[t[k]] == no_element) {
                     renamed[t[k]] = static_cast<std::uint32_t>(mesh.vertices.size());
                     mesh.vertices.push_back(position_[t[k]].cast<float>());
                 }

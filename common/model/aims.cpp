@@ -13,7 +13,7 @@ using enum AimMoment;
 using P = Parameters;
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
-constexpr Aim rows[] = {
+constexpr Aim aim_rows[] = {
     {"gum_force_n.max", [](const P& p, const P&) { return p.gum_force_max_n; }, 5.3, no_limit, false, crossed,
      "Lift along the handle, away from you; do not lever the blade on the upper gum"},
     {"attempts", [](const P& p, const P&) { return p.attempts; }, 1, 2, false, second_attempt,
@@ -46,7 +46,7 @@ constexpr Aim rows[] = {
 
 }  // namespace
 
-constinit const std::span<const Aim> aims = rows;
+constinit const std::span<const Aim> aims = aim_rows;
 
 std::string_view name_of(Light light) {
     constexpr std::string_view names[] = {"", "reached", "near", "missed"};

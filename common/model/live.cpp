@@ -22,7 +22,7 @@ constexpr LiveField aid(std::string_view name, std::string_view label, float Liv
     return {{name, "view", label, "", 1.0f, 0.0f, 1.0f, value, help}, at_once, false, "inputs", "1", true};
 }
 
-constexpr LiveField rows[] = {
+constexpr LiveField live_rows[] = {
     {{"head_elevation", "patient", "head elevation", "deg", degree, 0.0f, max_head_elevation_deg,
       &LiveValues::head_elevation,
       "Turn of the skull about the upper neck, positive chin-up; aligns mouth and throat"},
@@ -124,7 +124,7 @@ float approach(float from, float to, float most) {
 
 }  // namespace
 
-constinit const std::span<const LiveField> live_fields = rows;
+constinit const std::span<const LiveField> live_fields = live_rows;
 
 const LiveField* live_field(std::string_view name) {
     const auto found = std::ranges::find(live_fields, name, &LiveField::name);

@@ -13,7 +13,7 @@ namespace {
 using enum Combine;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-constexpr ParameterField rows[] = {
+constexpr ParameterField parameter_rows[] = {
     {"gum_force_n.max", "force on the upper gum, greatest", "N", &Parameters::gum_force_max_n, true, 0,
      greatest,
      "Sum of the normal forces of the blade's contacts with the shell's upper gum, plus the net force of its "
@@ -120,7 +120,11 @@ constexpr ParameterField rows[] = {
 
 }  // namespace
 
-constinit const std::span<const ParameterField> parameter_fields = rows;
+constinit const std::span<const ParameterField> parameter_fields = parameter_rows;
+
+const ParameterField& parameter_field(std::string_view key) {
+    return *std::ranges::find(parameter_fields, key, &ParameterField::key);
+}
 
 std::string_view words_of(Combine combine) {
     constexpr std::string_view words[] = {"greatest",

@@ -72,6 +72,9 @@ struct ParameterField {
 /// table and that of docs/metrics.md all walk this list, so a parameter is added in one place.
 extern const std::span<const ParameterField> parameter_fields;
 
+/// The row of a key, which must be one of the table.
+[[nodiscard]] const ParameterField& parameter_field(std::string_view key);
+
 /// Whether a value follows from where laryngoscope and tube are in a patient that does not give way; the
 /// others need tissue, a view or the tube's course within. Eight of the paper's twelve are of that kind.
 [[nodiscard]] bool follows_from_tools(const ParameterField& field);

@@ -13,7 +13,7 @@ namespace eti::session {
 
 namespace {
 
-constexpr const char* group_name = "damage";
+constexpr const char* damage_group = "damage";
 
 }  // namespace
 
@@ -34,7 +34,7 @@ bool known_lost(const std::vector<Damage>& damage, std::string_view path) {
 }
 
 void write_damage(const hdf5::Group& root, const std::vector<Damage>& damage) {
-    const hdf5::Group group = root.create(group_name);
+    const hdf5::Group group = root.create(damage_group);
     std::vector<std::string> paths;
     std::vector<std::uint64_t> rows;
     for (const Damage& one : damage) {
@@ -47,10 +47,10 @@ void write_damage(const hdf5::Group& root, const std::vector<Damage>& damage) {
 }
 
 std::vector<Damage> read_damage(const hdf5::Group& root) {
-    if (!root.has(group_name)) {
+    if (!root.has(damage_group)) {
         return {};
     }
-    const hdf5::Group group = root.open(group_name);
+    const hdf5::Group group = root.open(damage_group);
     const auto paths = group.read_texts("path");
     const auto rows = group.read<std::uint64_t>("rows", {paths.size(), 2}).values;
     std::vector<Damage> damage;

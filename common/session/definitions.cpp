@@ -13,7 +13,7 @@ namespace {
 
 using hdf5::Group;
 
-constexpr const char* group_name = "definitions";
+constexpr const char* definitions_group = "definitions";
 
 template <class Row>
 struct TextColumn {
@@ -90,7 +90,7 @@ void write_definitions(const Group& scene, const Definitions& definitions) {
     if (definitions.version == 0) {
         return;
     }
-    const Group group = scene.create(group_name);
+    const Group group = scene.create(definitions_group);
     group.set_integer("version", definitions.version);
     write_columns(group.create("parameters"), definitions.parameters, words_columns);
     const Group numbers = group.create("thresholds");
@@ -104,10 +104,10 @@ void write_definitions(const Group& scene, const Definitions& definitions) {
 
 Definitions read_definitions(const Group& scene) {
     Definitions definitions;
-    if (!scene.has(group_name)) {
+    if (!scene.has(definitions_group)) {
         return definitions;
     }
-    const Group group = scene.open(group_name);
+    const Group group = scene.open(definitions_group);
     definitions.version = group.integer("version");
     definitions.parameters = read_columns(group.open("parameters"), words_columns);
     const Group numbers = group.open("thresholds");

@@ -20,7 +20,7 @@ namespace {
 using hdf5::Group;
 using hdf5::Handle;
 
-constexpr const char* group_name = "tail";
+constexpr const char* tail_group = "tail";
 constexpr const char* bytes_path = "tail/bytes";
 
 /// What a busy machine keeps waiting for seconds has room, too. What is never written takes none on a disk.
@@ -174,7 +174,7 @@ std::size_t append_rows(FoundTable& table, std::vector<FoundColumn>& columns) {
 }  // namespace
 
 void Tail::create(const Group& root) const {
-    const Group group = root.create(group_name);
+    const Group group = root.create(tail_group);
     std::vector<std::string> columns;
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i < tables_.size(); ++i) {
@@ -266,10 +266,10 @@ bool Tail::write() {
 std::size_t take_in_tail(const std::filesystem::path& path) {
     hdf5::File file = hdf5::File::open(path, hdf5::Access::modify);
     const Group& root = file.root();
-    if (!root.has(group_name) || root.open("meta").integer("finished") != 0) {
+    if (!root.has(tail_group) || root.open("meta").integer("finished") != 0) {
         return 0;
     }
-    const Group tail = root.open(group_name);
+    const Group tail = root.open(tail_group);
     std::vector<FoundTable> tables = tables_of(tail);
     std::vector<std::vector<FoundColumn>> columns;
     for (const FoundTable& table : tables) {
@@ -285,8 +285,8 @@ std::size_t take_in_tail(const std::filesystem::path& path) {
         rows += append_rows(tables[i], columns[i]);
     }
     columns.clear();
-    if (H5Ldelete(root.id(), group_name, H5P_DEFAULT) < 0) {
-        throw hdf5::Error(fmt::format("{}: cannot be removed: {}", root.at(group_name), hdf5::last_error()));
+    if (H5Ldelete(root.id(), tail_group, H5P_DEFAULT) < 0) {
+        throw hdf5::Error(fmt::format("{}: cannot be removed: {}", root.at(tail_group), hdf5::last_error()));
     }
     file.close();
     return rows;

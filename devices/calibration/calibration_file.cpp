@@ -19,7 +19,7 @@ namespace eti::devices {
 
 namespace {
 
-constexpr Range millimetres{-5000.0f, 5000.0f, millimetre};
+constexpr Range translation_range{-5000.0f, 5000.0f, millimetre};
 constexpr Range degrees{-180.0f, 180.0f, degree};
 constexpr Range errors{0.0f, 100.0f, millimetre};
 
@@ -40,7 +40,7 @@ RigidTransform read(YamlMap& file, const std::string& key) {
     if (!map) {
         file.refuse(key, "nothing", "translation_mm and rotation_vector_deg; write it with eti-calibrate");
     }
-    const Vec3f translation = map->vector("translation_mm", millimetres);
+    const Vec3f translation = map->vector("translation_mm", translation_range);
     const RigidTransform pose{quaternion_from(map->vector("rotation_vector_deg", degrees)), translation};
     map->finish();
     return pose;

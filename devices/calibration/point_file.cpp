@@ -16,7 +16,7 @@ namespace eti::devices {
 
 namespace {
 
-constexpr Range millimetres{-5000.0f, 5000.0f, millimetre};
+constexpr Range coordinate_range{-5000.0f, 5000.0f, millimetre};
 
 }  // namespace
 
@@ -31,8 +31,8 @@ std::vector<PointPair> load_points(const std::filesystem::path& file, bool measu
                 entry.refuse(key, "nothing", "three numbers in millimetres");
             }
         }
-        pair.patient = entry.vector("patient_mm", millimetres).cast<double>();
-        pair.device = entry.vector("device_mm", millimetres).cast<double>();
+        pair.patient = entry.vector("patient_mm", coordinate_range).cast<double>();
+        pair.device = entry.vector("device_mm", coordinate_range).cast<double>();
         entry.finish();
         out.push_back(pair);
     }

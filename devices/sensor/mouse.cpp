@@ -23,7 +23,7 @@ constexpr float radian_per_pixel = 0.2f * degree;
 constexpr float metre_per_notch = 2e-3f;       // of the wheel
 constexpr float key_speed = 0.03f;             // [m/s]
 constexpr float key_turning = 30.0f * degree;  // [rad/s]
-constexpr float longest_interval = 0.1f;       // [s], between two looks at the keys
+constexpr float longest_key_interval = 0.1f;   // [s], between two looks at the keys
 
 /// A key that deflects one of x, y, z.
 struct Key {
@@ -65,7 +65,7 @@ class Mouse final : public Sensor {
     void tend() override {
         glfwPollEvents();
         const auto now = std::chrono::steady_clock::now();
-        const float dt = std::min(std::chrono::duration<float>(now - looked_).count(), longest_interval);
+        const float dt = std::min(std::chrono::duration<float>(now - looked_).count(), longest_key_interval);
         looked_ = now;
         double x = 0.0, y = 0.0;
         glfwGetCursorPos(window_, &x, &y);

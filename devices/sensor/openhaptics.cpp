@@ -40,12 +40,12 @@ namespace {
 using namespace openhaptics;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* remedy =
+constexpr const char* openhaptics_remedy =
     "Install OpenHaptics for Linux and the Touch device driver from 3D Systems, run its set-up, or name "
     "libHD with --library";
 constexpr float newton_millimetre = 1e-3f;  // [N m]
 constexpr int most_errors = 64;             // that the library can have kept
-constexpr std::chrono::milliseconds retry_interval{1000};
+constexpr std::chrono::milliseconds servo_retry_interval{1000};
 constexpr std::chrono::milliseconds servo_patience{500};
 
 Vec3f vector_of(const std::array<double, 3>& v) {
@@ -55,7 +55,7 @@ Vec3f vector_of(const std::array<double, 3>& v) {
 class OpenHaptics final : public Sensor {
   public:
     explicit OpenHaptics(const SensorSetup& setup)
-        : library_(setup.library, {"libHD.so", "libHD.so.3.4", "libHD.so.3"}, remedy),
+        : library_(setup.library, {"libHD.so", "libHD.so.3.4", "libHD.so.3"}, openhaptics_remedy),
           api_(library_),
           name_(setup.source) {
         const std::string refused = open();
@@ -152,7 +152,7 @@ class OpenHaptics final : public Sensor {
         if ((code == success && !asleep) || Clock::now() < retry_) {
             return;
         }
-        retry_ = Clock::now() + retry_interval;
+        retry_ = Clock::now() + servo_retry_interval;
         ServoCycle* const cycle = cycle_;
         if (code != success) {
             report(words_for(code) + "; check the device's cable and power");

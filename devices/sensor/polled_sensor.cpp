@@ -8,11 +8,11 @@ namespace eti::devices {
 
 namespace {
 
-constexpr std::chrono::milliseconds retry_interval{1000};
+constexpr std::chrono::milliseconds sensor_retry_interval{1000};
 constexpr std::chrono::milliseconds ending_interval{20};
 // [s], over which velocities are smoothed: a tracker's noise of 0.5 mm at 240 Hz would be 0.17 m/s.
 constexpr float velocity_memory = 0.02f;
-constexpr float longest_interval = 0.1f;  // [s]; after a longer gap the velocity is not known
+constexpr float longest_velocity_interval = 0.1f;  // [s]; after a longer gap the velocity is not known
 
 std::int64_t now_ns() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -93,7 +93,7 @@ void PolledSensor::run() {
                 open = false;
             }
             measured_at_ = 0;
-            retry = std::chrono::steady_clock::now() + retry_interval;
+            retry = std::chrono::steady_clock::now() + sensor_retry_interval;
         }
     }
     if (open) {
@@ -104,13 +104,13 @@ void PolledSensor::run() {
 void PolledSensor::estimate_velocity(const RigidTransform& pose, std::int64_t now) {
     const float dt = static_cast<float>(now - measured_at_) * 1e-9f;
     const RigidTransform& last = last_pose_;
-    if (measured_at_ != 0 && dt > 0.0f && dt < longest_interval) {
+    if (measured_at_ != 0 && dt > 0.0f && dt < longest_velocity_interval) {
         const float share = dt / (velocity_memory + dt);
         const Vec3f turn = rotation_vector(pose.rotation * last.rotation.conjugate());
         measured_.velocity += share * ((pose.translation - last.translation) / dt - measured_.velocity);
         measured_.angular_velocity += share * (turn / dt - measured_.angular_velocity);
     }
-    if (measured_at_ == 0 || dt >= longest_interval || !measured_.velocity.allFinite() ||
+    if (measured_at_ == 0 || dt >= longest_velocity_interval || !measured_.velocity.allFinite() ||
         !measured_.angular_velocity.allFinite()) {
         measured_.velocity = measured_.angular_velocity = Vec3f::Zero();
     }

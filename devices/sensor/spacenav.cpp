@@ -16,7 +16,7 @@ namespace eti::devices {
 
 namespace {
 
-constexpr const char* remedy = "Install Debian's packages libspnav0 and spacenavd";
+constexpr const char* spacenav_remedy = "Install Debian's packages libspnav0 and spacenavd";
 constexpr float full_push = 350.0f;             // what spacenavd reports at its default sensitivity
 constexpr float full_speed = 0.10f;             // [m/s]
 constexpr float full_turning = 60.0f * degree;  // [rad/s]
@@ -24,7 +24,8 @@ constexpr unsigned int longest_period = 50;     // [ms]; after a pause the first
 
 class Spacenav final : public SampleSource {
   public:
-    explicit Spacenav(const SensorSetup& setup) : library_(setup.library, {"libspnav.so.0"}, remedy) {
+    explicit Spacenav(const SensorSetup& setup)
+        : library_(setup.library, {"libspnav.so.0"}, spacenav_remedy) {
         library_.bind(open_, "spnav_open");
         library_.bind(close_, "spnav_close");
         library_.bind(fd_, "spnav_fd");

@@ -30,7 +30,7 @@ namespace {
 
 using namespace trakstar;
 
-constexpr const char* remedy =
+constexpr const char* trakstar_remedy =
     "Install the 3D Guidance API for Linux of Ascension (now NDI), or name its library with --library";
 constexpr float cycles_per_second = 80.0f;  // measurement cycles; the vendor's default
 constexpr std::chrono::milliseconds poll_interval{1};
@@ -47,7 +47,7 @@ unsigned short sensor_number(const std::string& text) {
 class Trakstar final : public SampleSource {
   public:
     explicit Trakstar(const SensorSetup& setup)
-        : library_(setup.library, {"libATC3DG.so", "libATC3DGm.so"}, remedy),
+        : library_(setup.library, {"libATC3DG.so", "libATC3DGm.so"}, trakstar_remedy),
           api_(library_),
           sensor_(sensor_number(setup.source)) {}
 

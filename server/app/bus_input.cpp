@@ -16,13 +16,13 @@ namespace eti::app {
 
 namespace {
 
-constexpr float farthest = 2.0f;            // [m] from the patient's origin
-constexpr std::size_t most_messages = 256;  // per step and topic; the rest waits or is replaced
+constexpr float farthest_received_pose = 2.0f;  // [m] from the patient's origin
+constexpr std::size_t most_messages = 256;      // per step and topic; the rest waits or is replaced
 
 /// A pose that a hand or an eye can have, or nothing.
 std::optional<RigidTransform> believable(const msg::Pose& pose) {
     const RigidTransform received = bus::from_msg(pose);
-    const bool is_believable = bus::is_valid(pose) && received.translation.norm() < farthest;
+    const bool is_believable = bus::is_valid(pose) && received.translation.norm() < farthest_received_pose;
     return is_believable ? std::optional(received) : std::nullopt;
 }
 

@@ -20,7 +20,6 @@ using bus::make_header;
 
 constexpr std::uint64_t steps_per_state = steps_per_second / 90;
 constexpr std::uint64_t steps_per_slow_state = steps_per_second / 30;
-constexpr std::uint64_t steps_per_status = steps_per_second / 10;
 
 constexpr std::chrono::milliseconds liveliness_interval{100};
 // Longer than the lease after which a killed reader no longer counts.

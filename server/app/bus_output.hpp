@@ -13,9 +13,12 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/model/pace.hpp"
 #include "server/app/scene_messages.hpp"
 
 namespace eti::app {
+
+inline constexpr std::uint64_t steps_per_status = steps_per_second / 10;
 
 struct StatusValues {
     msg::SessionPhase phase = msg::PHASE_RUNNING;

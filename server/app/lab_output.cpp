@@ -15,7 +15,7 @@ namespace eti::app {
 
 namespace {
 
-constexpr std::uint64_t steps_per_state = steps_per_second / 30;
+constexpr std::uint64_t steps_per_lab_state = steps_per_second / 30;
 // How long a new reader waits for its first state, beyond the period of states.
 constexpr std::chrono::milliseconds look_period{100};
 // A state of 400 kB at once overruns a reader's socket buffer as the kernel makes it (208 kB, less than a
@@ -49,7 +49,7 @@ LabOutput::~LabOutput() {
 void LabOutput::post(const scene::Snapshot& snapshot, std::span<const Vec3f> particles) {
     const bool meshes = meshes_read_.load(std::memory_order_relaxed);
     const bool points = particles_read_.load(std::memory_order_relaxed);
-    if (snapshot.step % steps_per_state != 0 || !(meshes || points)) {
+    if (snapshot.step % steps_per_lab_state != 0 || !(meshes || points)) {
         return;
     }
     {

@@ -15,7 +15,7 @@ namespace eti::app {
 
 namespace {
 
-constexpr float farthest = 10.0f;  // [m]
+constexpr float farthest_recorded_pose = 10.0f;  // [m]
 
 }  // namespace
 
@@ -58,7 +58,7 @@ Recording read_recording(const std::filesystem::path& path) {
 }
 
 bool is_pose(const RigidTransform& pose) {
-    return pose.translation.norm() < farthest && std::fabs(pose.rotation.norm() - 1.0f) < 1e-3f;
+    return pose.translation.norm() < farthest_recorded_pose && std::fabs(pose.rotation.norm() - 1.0f) < 1e-3f;
 }
 
 Scenario scenario_of(const std::filesystem::path& file, const session::SessionInfo& info,

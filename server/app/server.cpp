@@ -44,7 +44,6 @@ namespace eti::app {
 
 namespace {
 
-constexpr std::uint64_t steps_per_status = steps_per_second / 10;
 constexpr double linger_after_attempt = 2.0;   // [s]
 constexpr double linger_after_operator = 0.5;  // [s]
 // The kernel keeps a twentieth of each second for ordinary threads. Rather more, so that they have had it:

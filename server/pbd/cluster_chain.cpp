@@ -14,7 +14,7 @@ namespace eti::pbd {
 
 namespace {
 
-constexpr int rotation_steps = 2;  // warm: since the last substep
+constexpr int warm_rotation_steps = 2;  // warm: since the last substep
 // [rad]; a joint that is bent farther than a plate ever is (a tool ran through it) turns back steadily.
 constexpr float most_bend = 1.0f;
 // [rad], by which a joint may have turned before the system is inverted anew. Within, a pass corrects about
@@ -216,7 +216,7 @@ void ClusterChain::fit(Cluster& cluster, const std::vector<Vec3f>& positions) co
     }
     cluster.centre = origin + mean;
     float q[4] = {cluster.rotation.x(), cluster.rotation.y(), cluster.rotation.z(), cluster.rotation.w()};
-    turn_towards(a, q, rotation_steps);
+    turn_towards(a, q, warm_rotation_steps);
     cluster.rotation = Quatf(q[3], q[0], q[1], q[2]).normalized();
 }
 

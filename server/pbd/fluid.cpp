@@ -12,7 +12,7 @@ namespace eti::pbd {
 
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float pi_float = std::numbers::pi_v<float>;
 // Kernel radius over spacing. The next value is measured at this one.
 constexpr float support = 2.0f;
 // A settled liquid is not a lattice: at the same number of particles per volume its kernel sums are larger
@@ -29,7 +29,7 @@ Vec3f direction_in_cone(const Vec3f& axis, float angle, Random& random) {
     // Uniform on the spherical cap: the cosine is uniform (Archimedes).
     const float cosine = 1.0f - random.uniform() * (1.0f - std::cos(angle));
     const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
-    return cosine * axis + sine * direction_on_circle(axis, 2.0f * pi * random.uniform());
+    return cosine * axis + sine * direction_on_circle(axis, 2.0f * pi_float * random.uniform());
 }
 
 }  // namespace
@@ -147,7 +147,7 @@ void Fluid::emit(float dt) {
             // Uniform on the disc. A random place also keeps particles from coinciding, which would leave
             // them no direction to part in.
             const float away = e.opening * std::sqrt(random_.uniform());
-            const Vec3f aside = direction_on_circle(e.direction, 2.0f * pi * random_.uniform());
+            const Vec3f aside = direction_on_circle(e.direction, 2.0f * pi_float * random_.uniform());
             add(e.position + away * aside, speed * direction);
         }
     }

@@ -24,7 +24,7 @@ namespace {
 constexpr float viscous_factor = 10.0f / 0.58f;
 constexpr float far_away = 1e6f;  // [m], where no neighbour is
 
-[[gnu::always_inline]] inline float sum(const Lanes& x) {
+[[gnu::always_inline]] inline float sum_of_lanes(const Lanes& x) {
     const Four four = __builtin_shufflevector(x, x, 0, 1, 2, 3) + __builtin_shufflevector(x, x, 4, 5, 6, 7);
     return (four[0] + four[1]) + (four[2] + four[3]);
 }
@@ -291,17 +291,17 @@ void Fluid::gather(std::uint32_t cell, Candidates& candidates) {
     }
     neighbours_[i] = static_cast<std::uint32_t>((n + lane_count - 1) / lane_count * lane_count);
 
-    compression_[i] += kernel_volume_ * kernel_.peak * (1.0f + sum(density)) - 1.0f;
+    compression_[i] += kernel_volume_ * kernel_.peak * (1.0f + sum_of_lanes(density)) - 1.0f;
     // Component by component: a vector put together from scalars and read at once stalls the processor.
     Vec4f& own = own_gradient_[i];
-    own.x() += sum(gx);
-    own.y() += sum(gy);
-    own.z() += sum(gz);
-    diagonal_[i] = sum(steep) + own.x() * own.x() + own.y() * own.y() + own.z() * own.z();
+    own.x() += sum_of_lanes(gx);
+    own.y() += sum_of_lanes(gy);
+    own.z() += sum_of_lanes(gz);
+    diagonal_[i] = sum_of_lanes(steep) + own.x() * own.x() + own.y() * own.y() + own.z() * own.z();
     Vec4f& offset = offset_[i];
-    offset.x() += dt * dt * sum(ax);
-    offset.y() += dt * dt * sum(ay);
-    offset.z() += dt * dt * sum(az);
+    offset.x() += dt * dt * sum_of_lanes(ax);
+    offset.y() += dt * dt * sum_of_lanes(ay);
+    offset.z() += dt * dt * sum_of_lanes(az);
 }
 
 #if defined(__x86_64__)

@@ -23,7 +23,7 @@ constexpr float kept_pressure = 0.8f;
 constexpr float most_excess = 0.05f;
 
 /// The velocity with its part towards the tip raised to that of the sink, as far as it reaches.
-Vec3f drawn(const Vec3f& velocity, const Vec3f& position, const FluidSuction& suction) {
+Vec3f drawn_by_suction(const Vec3f& velocity, const Vec3f& position, const FluidSuction& suction) {
     const Vec3f towards = suction.tip - position;
     const float distance = towards.norm();
     if (!(suction.strength > 0.0f) || distance >= suction.reach || distance < suction.radius) {
@@ -45,7 +45,7 @@ void Fluid::predict(float dt, const Vec3f& gravity, const FluidSurroundings& sur
         }
         Vec3f velocity = velocity_[i] + dt * gravity;
         for (const FluidSuction& suction : surroundings.suctions) {
-            velocity = drawn(velocity, position_[i], suction);
+            velocity = drawn_by_suction(velocity, position_[i], suction);
         }
         velocity = limited(velocity, settings_.max_speed);
         Vec3f predicted = position_[i] + dt * velocity;

@@ -15,7 +15,7 @@ namespace {
 
 // As many as there will be threads worth waking for a tongue of some ten thousand tetrahedra.
 constexpr std::size_t part_count = 4;
-constexpr std::uint32_t nowhere = ~0u;
+constexpr std::uint32_t no_corner = ~0u;
 
 using Element = ImplicitTetrahedra::Element;
 using Block = Tetrahedra::Block;
@@ -46,7 +46,7 @@ float total(std::span<const float> moduli) {
     return std::accumulate(moduli.begin(), moduli.end(), 0.0f);
 }
 
-float sum(const Four& f) {
+float sum_of_four(const Four& f) {
     return f[0] + f[1] + f[2];
 }
 
@@ -59,7 +59,7 @@ void ImplicitTetrahedra::configure(const Tetrahedra::Description& description, c
     avx2_ = has_avx2();
 
     const auto used = mesh_.particles();
-    corner_of_.assign(particles.size(), nowhere);
+    corner_of_.assign(particles.size(), no_corner);
     inverse_mass_.clear();
     for (std::uint32_t k = 0; k < used.size(); ++k) {
         corner_of_[used[k]] = k;
@@ -357,7 +357,7 @@ void ImplicitTetrahedra::precondition(Range& range) {
         product += r * to;
         coarse_.restrict_to(range.force, k, r);
     }
-    range.product = sum(product);
+    range.product = sum_of_four(product);
 }
 
 float ImplicitTetrahedra::join_levels() {
@@ -377,7 +377,7 @@ void ImplicitTetrahedra::turn(Range& range, float keep) {
         put(to, along_[k]);
         curvature += four(diagonal_[k]) * to * to;
     }
-    range.curvature = sum(curvature);
+    range.curvature = sum_of_four(curvature);
 }
 
 float ImplicitTetrahedra::apply() {
@@ -393,7 +393,7 @@ float ImplicitTetrahedra::apply() {
         for (std::uint32_t k = part.first; k < part.end; ++k) {
             curvature += four(along_[k]) * four(part.image[k]);
         }
-        part.curvature = sum(curvature);
+        part.curvature = sum_of_four(curvature);
     });
     float curvature = 0.0f;
     for (std::size_t p = 0; p < parts_.size(); ++p) {

@@ -13,7 +13,7 @@ namespace {
 /// (damped Newton), which only happens far from equilibrium: a tangled start, a jumping grip.
 constexpr double largest_turn = 0.5;
 
-Vec3d limited(const Vec3d& v, double limit) {
+Vec3d limited_length(const Vec3d& v, double limit) {
     const double size = v.norm();
     return size > limit ? Vec3d(v * (limit / size)) : v;
 }
@@ -58,7 +58,7 @@ void Rod::push(std::size_t segment, float along, const Vec3f& offset, const Vec3
     const Vec3d p = impulse.cast<double>();
     const Vec3d shift = s.inverse_mass * p;
     const Quatd turn =
-        exp_rotation(limited(s.inverse_inertia * arm(segment, along, offset).cross(p), largest_turn));
+        exp_rotation(limited_length(s.inverse_inertia * arm(segment, along, offset).cross(p), largest_turn));
     s.position += shift;
     s.rotation = (turn * s.rotation).normalized();
     target_[segment].position += shift;
@@ -126,7 +126,7 @@ struct Drawn {
     bool slips = false;
 };
 
-Drawn drawn(const Vec3d& way, double stiffness, double most) {
+Drawn drawn_by_grip(const Vec3d& way, double stiffness, double most) {
     const double length = way.norm();
     if (stiffness * length <= most) {
         return {stiffness * way, stiffness * Mat3d::Identity(), false};
@@ -139,9 +139,10 @@ Drawn drawn(const Vec3d& way, double stiffness, double most) {
 
 Rod::Held Rod::held_by_hold() const {
     const RodSegment& s = segments_[held_];
-    const Drawn pull = drawn(grip_.position - s.position, double{hold_->stiffness}, double{hold_->force});
-    const Drawn turn = drawn(log_rotation(Quatd(grip_.rotation * s.rotation.conjugate())),
-                             double{hold_->turning}, double{hold_->torque});
+    const Drawn pull =
+        drawn_by_grip(grip_.position - s.position, double{hold_->stiffness}, double{hold_->force});
+    const Drawn turn = drawn_by_grip(log_rotation(Quatd(grip_.rotation * s.rotation.conjugate())),
+                                     double{hold_->turning}, double{hold_->torque});
     Held held{pull.force, turn.force, pull.stiffness, turn.stiffness};
     if (pull.slips) {
         const double drag = double{hold_->drag} / dt_;
@@ -299,10 +300,10 @@ void Rod::finish() {
     for (std::size_t i = 0; i < segments_.size(); ++i) {
         RodSegment& s = segments_[i];
         const double keep = s.inverse_mass > 0.0 ? damping : 1.0;
-        s.velocity = limited((s.position - previous_[i].position) * (keep / dt_), max_speed_);
+        s.velocity = limited_length((s.position - previous_[i].position) * (keep / dt_), max_speed_);
         s.angular_velocity =
-            limited(log_rotation(Quatd(s.rotation * previous_[i].rotation.conjugate())) * (keep / dt_),
-                    max_speed_ / (s.behind + s.ahead));
+            limited_length(log_rotation(Quatd(s.rotation * previous_[i].rotation.conjugate())) * (keep / dt_),
+                           max_speed_ / (s.behind + s.ahead));
     }
 }
 

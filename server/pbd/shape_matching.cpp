@@ -18,9 +18,9 @@ namespace {
 // Warm-started from the last substep: four steps leave a thousandth of what the cluster turned since. An
 // even number, so that what is left lags: goals that lead the body would feed energy into it.
 constexpr int rotation_steps = 4;
-constexpr std::size_t block_grain = 8;
+constexpr std::size_t cluster_block_grain = 8;
 static_assert(ShapeMatching::block_size == lane_count);
-constexpr std::size_t particle_grain = 512;
+constexpr std::size_t cluster_particle_grain = 512;
 
 [[nodiscard]] std::size_t blocks_of(std::size_t clusters) {
     return (clusters + lane_count - 1) / lane_count;
@@ -134,7 +134,7 @@ void ShapeMatching::set_rest(const Particles& particles) {
     for (std::size_t i = 0; i < particles.size(); ++i) {
         wide_rest_[i].head<3>() = particles.rest[i] - origin_;
     }
-    parallel::for_each(rest_centre_.size(), lane_count * block_grain, [&](std::size_t c) {
+    parallel::for_each(rest_centre_.size(), lane_count * cluster_block_grain, [&](std::size_t c) {
         const Vec3f near = particles.rest[member_[first_[c]]];
         Vec3f mean = Vec3f::Zero();
         for (std::uint32_t k = first_[c]; k < first_[c + 1]; ++k) {
@@ -345,7 +345,7 @@ void ShapeMatching::read(const std::vector<Vec3f>& positions, std::size_t first,
     if (first == last) {
         return;
     }
-    parallel::for_ranges(last - first, 8 * particle_grain, [&](std::size_t from, std::size_t to) {
+    parallel::for_ranges(last - first, 8 * cluster_particle_grain, [&](std::size_t from, std::size_t to) {
         const std::size_t begin = first + from;
         const std::size_t end = first + to;
         const float* const position = positions.front().data();
@@ -362,7 +362,7 @@ void ShapeMatching::fit(Indices blocks) {
     if (blocks.empty()) {
         return;
     }
-    parallel::for_ranges(blocks.size(), block_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(blocks.size(), cluster_block_grain, [&](std::size_t begin, std::size_t end) {
         const Indices part = blocks.subspan(begin, end - begin);
         avx2_ ? fit_blocks_avx2(part) : fit_blocks(part);
     });
@@ -372,7 +372,7 @@ void ShapeMatching::move(Particles& particles, Indices which) const {
     if (which.empty()) {
         return;
     }
-    parallel::for_ranges(which.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(which.size(), cluster_particle_grain, [&](std::size_t begin, std::size_t end) {
         const Indices part = which.subspan(begin, end - begin);
         avx2_ ? move_particles_avx2(particles, part) : move_particles(particles, part);
     });

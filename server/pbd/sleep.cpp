@@ -11,7 +11,7 @@ namespace eti::pbd {
 
 namespace {
 
-constexpr std::size_t grain = 2048;  // particles worth handing to another thread
+constexpr std::size_t sleep_grain = 2048;  // particles worth handing to another thread
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
@@ -222,7 +222,7 @@ void Sleep::count_stillness(const Particles& particles) {
     };
     for (const auto& run : particles.awake) {
         const std::size_t first = run[0];
-        parallel::for_each(run[1] - first, grain, [&](std::size_t k) { count(first + k); });
+        parallel::for_each(run[1] - first, sleep_grain, [&](std::size_t k) { count(first + k); });
     }
 }
 

@@ -12,7 +12,7 @@ namespace eti::pbd {
 
 namespace {
 
-constexpr std::size_t grain = 4096;  // particles worth handing to another thread
+constexpr std::size_t soft_body_grain = 4096;  // particles worth handing to another thread
 
 static_assert(sizeof(Vec3f) == 3 * sizeof(float));
 
@@ -23,7 +23,7 @@ void for_awake_ranges(const Particles& particles, const Body& body) {
         if (first == run[1]) {
             continue;  // no particles at all
         }
-        parallel::for_ranges(run[1] - first, grain,
+        parallel::for_ranges(run[1] - first, soft_body_grain,
                              [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
     }
 }

@@ -18,9 +18,9 @@ namespace eti::pbd {
 namespace {
 
 // Every output has one writer and no sum crosses a range, so ranges may be cut at will.
-constexpr std::size_t block_grain = 32;
-constexpr std::size_t particle_grain = 2048;
-constexpr std::uint32_t nowhere = ~0u;
+constexpr std::size_t tetrahedra_block_grain = 32;
+constexpr std::size_t tetrahedra_particle_grain = 2048;
+constexpr std::uint32_t no_wide_index = ~0u;
 
 static_assert(lane_count == Tetrahedra::lanes);
 
@@ -151,12 +151,12 @@ void Tetrahedra::configure(const Description& description, const Particles& part
     }
 
     const std::vector<std::uint32_t> order = spatial_order(tetrahedra, particles.rest);
-    std::vector<std::uint32_t> wide_of(particles.size(), nowhere);
+    std::vector<std::uint32_t> wide_of(particles.size(), no_wide_index);
     used_.clear();
     for (const std::uint32_t t : order) {
         for (const std::uint32_t i : tetrahedra[t]) {
             assert(i < particles.size());
-            if (wide_of[i] == nowhere) {
+            if (wide_of[i] == no_wide_index) {
                 wide_of[i] = static_cast<std::uint32_t>(used_.size());
                 used_.push_back(i);
             }
@@ -234,7 +234,7 @@ void Tetrahedra::project(Particles& particles, float dt) {
     if (size() == 0) {
         return;
     }
-    parallel::for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(used_.size(), tetrahedra_particle_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k != end; ++k) {
             const Vec3f& x = particles.predicted[used_[k]];
             wide_[k] = Eigen::Vector4f(x.x(), x.y(), x.z(), particles.inverse_mass[used_[k]]);
@@ -244,12 +244,12 @@ void Tetrahedra::project(Particles& particles, float dt) {
     float* wide = wide_.front().data();
     for (std::size_t colour = 0; colour < colours(); ++colour) {
         const Block* first = block_.data() + first_block_[colour];
-        parallel::for_ranges(first_block_[colour + 1] - first_block_[colour], block_grain,
+        parallel::for_ranges(first_block_[colour + 1] - first_block_[colour], tetrahedra_block_grain,
                              [&](std::size_t begin, std::size_t end) {
                                  kernel(first + begin, end - begin, wide, dt * dt, ratio_);
                              });
     }
-    parallel::for_ranges(used_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    parallel::for_ranges(used_.size(), tetrahedra_particle_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k != end; ++k) {
             particles.predicted[used_[k]] = wide_[k].head<3>();
         }

@@ -19,12 +19,12 @@ constexpr float edge_reach = 3e-3f;
 // In radii of the ends: the blade sinks in between the ends of a shorter edge by less than 0.4 mm.
 constexpr float covered = 3.5f;
 // [m], half of an edge between particles that have been pressed apart: the blade may meet its middle.
-constexpr float wake_margin = 3e-3f;
+constexpr float blade_wake_margin = 3e-3f;
 // Of the way within this step: who speeds up meets what is awake.
 constexpr float wake_ahead = 2.0f;
 constexpr std::uint32_t none = ~0u;
 // [m], what rounding may make of distances between points a few decimetres from the origin, and more.
-constexpr float rounding = 1e-6f;
+constexpr float blade_rounding = 1e-6f;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void BladeContact::wake(pbd::SoftBody& body, const RigidTransform& from, const R
         const Vec3f a = to * c.a;
         const Vec3f b = to * c.b;
         const float way = std::max((from * c.a - a).norm(), (from * c.b - b).norm());
-        const float reach = c.radius + wake_ahead * way + wake_margin;
+        const float reach = c.radius + wake_ahead * way + blade_wake_margin;
         Eigen::AlignedBox3f box(a.cwiseMin(b), a.cwiseMax(b));
         const Vec3f margin = Vec3f::Constant(reach + tissue_reach);  // a particle's radius, and more
         box.min() -= margin;
@@ -201,7 +201,7 @@ void BladeContact::project(pbd::Particles& particles, float begin, float end, fl
 /// since to meet, anywhere on the way of this substep.
 bool BladeContact::out_of_reach(const pbd::Particles& particles, std::uint32_t first, std::uint32_t second,
                                 const Clearance& last, const Motion& blade) {
-    if (last.gap <= rounding) {
+    if (last.gap <= blade_rounding) {
         return false;
     }
     const auto gone = [&](std::uint32_t i, const Vec3f& seen) {
@@ -212,7 +212,7 @@ bool BladeContact::out_of_reach(const pbd::Particles& particles, std::uint32_t f
     if (second != first) {
         way = std::max(way, gone(second, last.seen[1]));
     }
-    return way + (blade.so_far - last.travelled) + blade.now + rounding < last.gap;
+    return way + (blade.so_far - last.travelled) + blade.now + blade_rounding < last.gap;
 }
 
 void BladeContact::meet_edges(pbd::Particles& particles, const std::array<pbd::MovingCapsule, 3>& capsules) {
@@ -251,7 +251,7 @@ void BladeContact::meet_particles(pbd::Particles& particles,
         }
         const Vec3f seen = particles.predicted[i];
         const float radius = particles.radius[i];
-        const float way = (seen - particles.position[i]).norm() + motion_.now + rounding;
+        const float way = (seen - particles.position[i]).norm() + motion_.now + blade_rounding;
         float gap = 1.0f;
         bool moved = false;
         for (std::size_t c = 0; c < capsules.size(); ++c) {

@@ -12,12 +12,12 @@ namespace eti::scene {
 
 namespace {
 
-constexpr std::size_t most_near = 1024;  // balls about one block; four times what a fine lattice holds
+constexpr std::size_t most_near_balls = 1024;  // balls about one block; four times what a fine lattice holds
 
 }  // namespace
 
 struct LiquidWall::Near {
-    using Numbers = std::array<float, most_near + pbd::lane_count>;
+    using Numbers = std::array<float, most_near_balls + pbd::lane_count>;
     std::size_t count = 0;
     alignas(32) Numbers x, y, z, radius;
 };
@@ -185,7 +185,7 @@ void LiquidWall::find_near(const Vec3f& low, const Vec3f& high, Near& near) cons
                 const Ball& ball = ball_[k];
                 const float within = ball.radius + reach_;
                 const Vec3f closest = ball.centre.cwiseMax(low).cwiseMin(high);
-                if ((ball.centre - closest).squaredNorm() < within * within && count < most_near) {
+                if ((ball.centre - closest).squaredNorm() < within * within && count < most_near_balls) {
                     near.x[count] = ball.centre.x();
                     near.y[count] = ball.centre.y();
                     near.z[count] = ball.centre.z();

@@ -17,7 +17,7 @@ namespace {
 // [m]; beside the tube's own way, tissue and tube come no closer to each other within a step.
 constexpr float slack = 2e-3f;
 // [m], a particle's radius, and more.
-constexpr float wake_margin = 3e-3f;
+constexpr float tube_wake_margin = 3e-3f;
 // A lubricated tube on wet mucosa, and on wet steel: a rigid sled on the wall of the small bowel slides at
 // 0.007 to 0.054 (Lyle et al., Tribology Letters 2013;51:377). Figures of what holds a wet tube at rest
 // depend on how long it lay, and none stands out; so one coefficient for both.
@@ -29,9 +29,9 @@ constexpr float samples[] = {0.25f, 0.5f, 0.75f, 1.0f};
 // The blade's plate as the tube meets it: thicker than steel, so that it is not stepped through.
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
 // Room for the particles about a tube in the throat, so that a step does not allocate; more may come.
-constexpr std::size_t most_near = 2048;
+constexpr std::size_t most_near_particles = 2048;
 // [m], of rounding where a particle is taken to be clear of the tube.
-constexpr float rounding = 1e-5f;
+constexpr float tube_rounding = 1e-5f;
 constexpr std::size_t near_at_a_time = 256;
 // The first pass finds which contacts hold, the second with what force.
 constexpr int passes = 2;
@@ -91,10 +91,10 @@ Vec3f across(const Vec3f& way, const Vec3f& normal) {
 TubeContact::TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip)
     : scope_(scope), rod_(tube, pbd::RodSettings{.hold = pbd::RodHold{}}, grip), room_(rod_.size()) {
     static_assert(std::size(samples) == samples_per_segment);
-    near_.reserve(most_near);
-    last_near_.reserve(most_near);
-    last_force_.reserve(most_near);
-    contacts_.reserve(2 * sites() + most_near);
+    near_.reserve(most_near_particles);
+    last_near_.reserve(most_near_particles);
+    last_force_.reserve(most_near_particles);
+    contacts_.reserve(2 * sites() + most_near_particles);
     contacts_.resize(2 * sites(), new_contact());
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         pbd::RodContact& c = contacts_[k];
@@ -137,7 +137,7 @@ void TubeContact::wake(pbd::SoftBody& body, const RigidTransform& grip_from, con
         box.extend(e.rear);
         box.extend(e.front);
     }
-    const Vec3f margin = Vec3f::Constant(reach + wake_margin);
+    const Vec3f margin = Vec3f::Constant(reach + tube_wake_margin);
     box.min() -= margin;
     box.max() += margin;
     body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
@@ -366,7 +366,7 @@ void TubeContact::meet(const pbd::Particles& particles, Near& near, pbd::RodCont
     near.clear -= way.since_found;
     if (c.force.isZero(0.0f)) {
         const float clear = near.clear - (p - near.at).norm();
-        if (clear > way.of_substep + (p - before).norm() + rounding) {
+        if (clear > way.of_substep + (p - before).norm() + tube_rounding) {
             c.gap = clear;
             return;  // on no part of its way did it touch
         }

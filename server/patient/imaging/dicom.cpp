@@ -27,8 +27,8 @@ struct Frames {
     std::vector<float> value;
 };
 
-[[noreturn]] void refuse(const std::string& file, const std::string& found, const std::string& expected,
-                         const std::string& remedy) {
+[[noreturn]] void refuse_dicom(const std::string& file, const std::string& found, const std::string& expected,
+                               const std::string& remedy) {
     throw VolumeError(fmt::format("{}: DICOM: {}; expected {}. Remedy: {}.", file, found, expected, remedy));
 }
 
@@ -40,7 +40,7 @@ bool is_dicom(const std::filesystem::path& file) {
     return in && std::string_view(head.data() + 128, 4) == "DICM";
 }
 
-std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
+std::string element_text(const gdcm::DataSet& data, const gdcm::Tag& tag) {
     if (!data.FindDataElement(tag)) {
         return {};
     }
@@ -54,7 +54,7 @@ std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
     return text;
 }
 
-Scalar scalar_of(const gdcm::PixelFormat& format, const std::string& file) {
+Scalar dicom_scalar(const gdcm::PixelFormat& format, const std::string& file) {
     switch (format.GetScalarType()) {
         case gdcm::PixelFormat::UINT8:
             return Scalar::u8;
@@ -71,8 +71,8 @@ Scalar scalar_of(const gdcm::PixelFormat& format, const std::string& file) {
         case gdcm::PixelFormat::INT32:
             return Scalar::i32;
         default:
-            refuse(file, "the pixels are of an unusual type", "8, 16 or 32 bit integers",
-                   "export the series as plain CT");
+            refuse_dicom(file, "the pixels are of an unusual type", "8, 16 or 32 bit integers",
+                         "export the series as plain CT");
     }
 }
 
@@ -125,7 +125,7 @@ std::optional<std::vector<double>> numbers_of(const std::string& text) {
 /// several frames tell both per frame.
 void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_frame) {
     const auto read = [&](const gdcm::Tag& tag) -> std::optional<std::vector<double>> {
-        const std::string text = text_of(data, tag);
+        const std::string text = element_text(data, tag);
         if (text.empty() && !one_frame) {
             return std::nullopt;
         }
@@ -133,13 +133,13 @@ void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_fra
         return numbers ? *numbers : std::vector<double>{};
     };
     const auto shown = [&](const gdcm::Tag& tag) {
-        const std::string text = text_of(data, tag);
+        const std::string text = element_text(data, tag);
         return text.empty() ? "nothing" : fmt::format("'{}'", escaped(text, longest_shown));
     };
     const gdcm::Tag spacing_tag(0x0028, 0x0030), directions_tag(0x0020, 0x0037);
     if (const auto s = read(spacing_tag); s && (s->size() != 2 || !((*s)[0] > 0.0) || !((*s)[1] > 0.0))) {
-        refuse(file, "Pixel Spacing is " + shown(spacing_tag), "two numbers above 0 [mm]",
-               "export the original slices, with their spacing");
+        refuse_dicom(file, "Pixel Spacing is " + shown(spacing_tag), "two numbers above 0 [mm]",
+                     "export the original slices, with their spacing");
     }
     if (const auto d = read(directions_tag)) {
         bool good = d->size() == 6;
@@ -151,8 +151,8 @@ void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_fra
                    std::abs(row.dot(column)) < rounded;
         }
         if (!good) {
-            refuse(file, "Image Orientation (Patient) is " + shown(directions_tag),
-                   "two directions of length 1 at a right angle", "export the original slices");
+            refuse_dicom(file, "Image Orientation (Patient) is " + shown(directions_tag),
+                         "two directions of length 1 at a right angle", "export the original slices");
         }
     }
 }
@@ -163,18 +163,18 @@ Frames read_file(const std::filesystem::path& path) {
     gdcm::ImageReader reader;
     reader.SetFileName(path.c_str());
     if (!reader.Read()) {
-        refuse(frames.file, "the file cannot be read as an image", "a whole CT slice",
-               "it is damaged or cut off, or no image; copy or export the series again");
+        refuse_dicom(frames.file, "the file cannot be read as an image", "a whole CT slice",
+                     "it is damaged or cut off, or no image; copy or export the series again");
     }
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-    if (const std::string modality = text_of(data, gdcm::Tag(0x0008, 0x0060)); modality != "CT") {
-        refuse(frames.file, fmt::format("the modality is '{}'", modality), "CT",
-               "give a CT; other images have no Hounsfield units");
+    if (const std::string modality = element_text(data, gdcm::Tag(0x0008, 0x0060)); modality != "CT") {
+        refuse_dicom(frames.file, fmt::format("the modality is '{}'", modality), "CT",
+                     "give a CT; other images have no Hounsfield units");
     }
-    frames.series = text_of(data, gdcm::Tag(0x0020, 0x000e));
+    frames.series = element_text(data, gdcm::Tag(0x0020, 0x000e));
     const gdcm::Image& image = reader.GetImage();
     if (image.GetPixelFormat().GetSamplesPerPixel() != 1) {
-        refuse(frames.file, "the image is in colour", "one value per pixel", "export the CT itself");
+        refuse_dicom(frames.file, "the image is in colour", "one value per pixel", "export the CT itself");
     }
     Geometry& geometry = frames.geometry;
     check_grid(data, frames.file, image.GetNumberOfDimensions() < 3 || image.GetDimension(2) <= 1);
@@ -182,7 +182,8 @@ Frames read_file(const std::filesystem::path& path) {
     for (unsigned k = 0; k < 3; ++k) {
         const unsigned n = k < dimensions ? image.GetDimension(k) : 1;
         if (n < 1 || n > 100000) {
-            refuse(frames.file, fmt::format("a size is {}", n), "1 to 100000", "export the series again");
+            refuse_dicom(frames.file, fmt::format("a size is {}", n), "1 to 100000",
+                         "export the series again");
         }
         geometry.size[k] = static_cast<int>(n);
     }
@@ -191,8 +192,8 @@ Frames read_file(const std::filesystem::path& path) {
     const double* spacing = image.GetSpacing();
     const bool placed = data.FindDataElement(gdcm::Tag(0x0020, 0x0032)) || geometry.size[2] > 1;
     if (!placed || origin == nullptr || cosines == nullptr || spacing == nullptr) {
-        refuse(frames.file, "the slice has no place (Image Position Patient)", "one",
-               "export the original slices, not screen captures");
+        refuse_dicom(frames.file, "the slice has no place (Image Position Patient)", "one",
+                     "export the original slices, not screen captures");
     }
     // Files round them; lengths are the spacing's to tell.
     const Vec3d row = Vec3d(cosines[0], cosines[1], cosines[2]).normalized();
@@ -203,31 +204,33 @@ Frames read_file(const std::filesystem::path& path) {
     geometry.step.col(2) =
         geometry.size[2] > 1 ? Vec3d(1e-3 * spacing[2] * row.cross(column)) : Vec3d::Zero();
     if (geometry.count() > most_voxels) {
-        refuse(frames.file, fmt::format("it has {} voxels", geometry.count()),
-               fmt::format("at most {}", most_voxels), "crop it to head and neck");
+        refuse_dicom(frames.file, fmt::format("it has {} voxels", geometry.count()),
+                     fmt::format("at most {}", most_voxels), "crop it to head and neck");
     }
     if (image.GetTransferSyntax() != gdcm::TransferSyntax::ExplicitVRBigEndian && !has_all_pixels(path)) {
-        refuse(frames.file, "the pixels that it announces are not all there", "a whole CT slice",
-               "the file is cut off; copy or export the series again");
+        refuse_dicom(frames.file, "the pixels that it announces are not all there", "a whole CT slice",
+                     "the file is cut off; copy or export the series again");
     }
-    const Scalar type = scalar_of(image.GetPixelFormat(), frames.file);
+    const Scalar type = dicom_scalar(image.GetPixelFormat(), frames.file);
     const std::size_t bytes = geometry.count() * size_of(type);
     if (image.GetBufferLength() != bytes) {
-        refuse(frames.file, fmt::format("there are {} bytes of pixels", image.GetBufferLength()),
-               fmt::format("{}", bytes), "the file is damaged; export the series again");
+        refuse_dicom(frames.file, fmt::format("there are {} bytes of pixels", image.GetBufferLength()),
+                     fmt::format("{}", bytes), "the file is damaged; export the series again");
     }
     Bytes buffer(bytes);
     if (!image.GetBuffer(reinterpret_cast<char*>(buffer.data()))) {
-        refuse(frames.file, "the pixels cannot be decoded", "whole pixel data",
-               "the file is damaged or cut off, or compressed in a way GDCM does not know; export the series "
-               "uncompressed");
+        refuse_dicom(
+            frames.file, "the pixels cannot be decoded", "whole pixel data",
+            "the file is damaged or cut off, or compressed in a way GDCM does not know; export the series "
+            "uncompressed");
     }
     frames.value = to_floats(buffer, type, false);
     const auto slope = static_cast<float>(image.GetSlope());
     const auto intercept = static_cast<float>(image.GetIntercept());
     if (!std::isfinite(slope) || slope == 0.0f || !std::isfinite(intercept)) {
-        refuse(frames.file, fmt::format("Rescale Slope is {:g} and Rescale Intercept {:g}", slope, intercept),
-               "what turns pixels into Hounsfield units", "export the original slices");
+        refuse_dicom(frames.file,
+                     fmt::format("Rescale Slope is {:g} and Rescale Intercept {:g}", slope, intercept),
+                     "what turns pixels into Hounsfield units", "export the original slices");
     }
     for (float& v : frames.value) {
         v = slope * v + intercept;
@@ -256,15 +259,15 @@ Volume stack(std::vector<Frames>& slices, const std::string& folder) {
         const Geometry& g = slices[i].geometry;
         if (g.size[0] != first.size[0] || g.size[1] != first.size[1] ||
             (g.step - first.step).norm() > 1e-3 * first.step.norm()) {
-            refuse(slices[i].file, "size, spacing or direction differ from the series' first slice",
-                   "the same", "export one series with one field of view");
+            refuse_dicom(slices[i].file, "size, spacing or direction differ from the series' first slice",
+                         "the same", "export one series with one field of view");
         }
         const double usual = volume.geometry.step.col(2).norm();
         if (i + 1 < slices.size() && (gap(i) - volume.geometry.step.col(2)).norm() > 0.1 * usual) {
-            refuse(folder,
-                   fmt::format("between {} and {} the slices are {:.3f} mm apart, elsewhere {:.3f} mm",
-                               slices[i].file, slices[i + 1].file, 1e3 * gap(i).norm(), 1e3 * usual),
-                   "equal distances", "a slice is missing or there twice; export the series again");
+            refuse_dicom(folder,
+                         fmt::format("between {} and {} the slices are {:.3f} mm apart, elsewhere {:.3f} mm",
+                                     slices[i].file, slices[i + 1].file, 1e3 * gap(i).norm(), 1e3 * usual),
+                         "equal distances", "a slice is missing or there twice; export the series again");
         }
         volume.value.insert(volume.value.end(), slices[i].value.begin(), slices[i].value.end());
     }
@@ -292,8 +295,8 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
     }
     std::sort(files.begin(), files.end());
     if (files.empty()) {
-        refuse(folder.string(), fmt::format("none of its {} entries is a DICOM file", others),
-               "the slices of one CT series", "give the folder that holds the slices themselves");
+        refuse_dicom(folder.string(), fmt::format("none of its {} entries is a DICOM file", others),
+                     "the slices of one CT series", "give the folder that holds the slices themselves");
     }
     std::map<std::string, std::vector<Frames>> series;
     std::size_t voxels = 0;
@@ -301,8 +304,8 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
         Frames frames = read_file(file);
         voxels += frames.geometry.count();
         if (voxels > most_voxels) {
-            refuse(folder.string(), fmt::format("there are more than {} voxels", most_voxels), "fewer",
-                   "give one series, cropped to head and neck");
+            refuse_dicom(folder.string(), fmt::format("there are more than {} voxels", most_voxels), "fewer",
+                         "give one series, cropped to head and neck");
         }
         series[frames.series].push_back(std::move(frames));
     }
@@ -329,8 +332,8 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
     }
     for (const Frames& slice : slices) {
         if (slice.geometry.size[2] != 1) {
-            refuse(slice.file, "a file of several frames lies among others of its series",
-                   "one file of frames or a folder of slices", "give the file itself");
+            refuse_dicom(slice.file, "a file of several frames lies among others of its series",
+                         "one file of frames or a folder of slices", "give the file itself");
         }
     }
     return stack(slices, folder.string());

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t block = 512;
 
-[[noreturn]] void refuse(const std::string& file, const std::string& found, const std::string& expected) {
+[[noreturn]] void refuse_project(const std::string& file, const std::string& found,
+                                 const std::string& expected) {
     throw VolumeError(
         fmt::format("{}: InVesalius project: {}; expected {}. Remedy: save the project again with "
                     "InVesalius 3, or export the CT as NIfTI.",
@@ -73,7 +74,8 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
     }
     const auto main = entry(tar, "main.plist");
     if (!main) {
-        refuse(file, "there is no whole main.plist in it", "a tar archive with main.plist and matrix.dat");
+        refuse_project(file, "there is no whole main.plist in it",
+                       "a tar archive with main.plist and matrix.dat");
     }
     const std::string plist(main->begin(), main->end());
     const auto shape = values(plist, "shape", "integer", 3);   // slices, rows, columns
@@ -81,10 +83,11 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
     const auto type = values(plist, "dtype", "string", 1);
     const auto name = values(plist, "filename", "string", 1);
     if (shape.size() != 3 || spacing.size() != 3 || type.size() != 1 || name.size() != 1) {
-        refuse(file, "main.plist does not tell the matrix's shape, spacing, type and file", "these four");
+        refuse_project(file, "main.plist does not tell the matrix's shape, spacing, type and file",
+                       "these four");
     }
     if (type[0] != "int16") {
-        refuse(file, fmt::format("the matrix is of type {}", type[0].substr(0, 20)), "int16");
+        refuse_project(file, fmt::format("the matrix is of type {}", type[0].substr(0, 20)), "int16");
     }
     Volume volume;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -96,7 +99,7 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
             std::from_chars(spacing[k].data(), spacing[k].data() + spacing[k].size(), millimetres).ec ==
                 std::errc();
         if (!good) {
-            refuse(file, "a size or a spacing in main.plist is no number", "numbers");
+            refuse_project(file, "a size or a spacing in main.plist is no number", "numbers");
         }
         const bool backwards = k == 1;  // rows run from the back to the nose, against LPS
         volume.geometry.step(static_cast<int>(k), static_cast<int>(k)) =
@@ -106,8 +109,9 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
     const std::size_t bytes = 2 * volume.geometry.count();
     const auto matrix = entry(tar, name[0]);
     if (!matrix || matrix->size() < bytes) {
-        refuse(file, fmt::format("{} has {} bytes", name[0].substr(0, 60), matrix ? matrix->size() : 0),
-               fmt::format("{}", bytes));
+        refuse_project(file,
+                       fmt::format("{} has {} bytes", name[0].substr(0, 60), matrix ? matrix->size() : 0),
+                       fmt::format("{}", bytes));
     }
     volume.value = to_floats(matrix->first(bytes), Scalar::i16, false);
     return volume;

@@ -23,7 +23,8 @@ constexpr std::size_t most_triangles = 20'000'000;
 constexpr float millimetre = 1e-3f;
 constexpr float farthest = 1e5f;  // [mm]; nothing of a patient lies farther from the scanner's middle
 
-[[noreturn]] void refuse(const std::string& name, const std::string& finding, const std::string& expected) {
+[[noreturn]] void refuse_mesh(const std::string& name, const std::string& finding,
+                              const std::string& expected) {
     throw VolumeError(
         fmt::format("{}: {}; expected {}. Remedy: export the surface again as binary STL, in millimetres.",
                     name, finding, expected));
@@ -35,8 +36,8 @@ class Gatherer {
     explicit Gatherer(const std::string& name) : name_(name) {}
     std::uint32_t vertex(const Vec3f& p) {
         if (!p.allFinite() || p.cwiseAbs().maxCoeff() > farthest) {
-            refuse(name_, fmt::format("vertex {} is not a place of a patient", mesh_.vertices.size()),
-                   "coordinates in millimetres");
+            refuse_mesh(name_, fmt::format("vertex {} is not a place of a patient", mesh_.vertices.size()),
+                        "coordinates in millimetres");
         }
         const auto [it, fresh] =
             known_.try_emplace({p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(mesh_.vertices.size()));
@@ -50,7 +51,7 @@ class Gatherer {
             return;  // a needle whose corners fell together
         }
         if (mesh_.triangles.size() >= most_triangles) {
-            refuse(name_, fmt::format("more than {} triangles", most_triangles), "a smaller surface");
+            refuse_mesh(name_, fmt::format("more than {} triangles", most_triangles), "a smaller surface");
         }
         mesh_.triangles.push_back({a, b, c});
     }
@@ -61,7 +62,7 @@ class Gatherer {
     }
     TriangleMesh finish(bool ras) {
         if (mesh_.triangles.empty()) {
-            refuse(name_, "there are no triangles", "a surface");
+            refuse_mesh(name_, "there are no triangles", "a surface");
         }
         if (ras) {
             for (Vec3f& v : mesh_.vertices) {
@@ -111,13 +112,13 @@ class Words {
         }
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc() || end != word.data() + word.size()) {
-            refuse(name_, fmt::format("line {}: '{}'", number_, word.substr(0, 40)), "a number");
+            refuse_mesh(name_, fmt::format("line {}: '{}'", number_, word.substr(0, 40)), "a number");
         }
         return value;
     }
     [[nodiscard]] Vec3f point(const std::vector<std::string_view>& words, std::size_t at) const {
         if (words.size() < at + 3) {
-            refuse(name_, fmt::format("line {}: {} words", number_, words.size()), "three coordinates");
+            refuse_mesh(name_, fmt::format("line {}: {} words", number_, words.size()), "three coordinates");
         }
         return {number<float>(words[at]), number<float>(words[at + 1]), number<float>(words[at + 2])};
     }
@@ -154,8 +155,8 @@ TriangleMesh parse_stl(std::span<const std::uint8_t> data, const std::string& na
             return gather.finish(text_of(data.first(80)).find("SPACE=RAS") != std::string_view::npos);
         }
         if (!text_of(data).starts_with("solid")) {
-            refuse(name, fmt::format("{} bytes for {} triangles", data.size(), count),
-                   fmt::format("{} bytes", head + each * count));
+            refuse_mesh(name, fmt::format("{} bytes for {} triangles", data.size(), count),
+                        fmt::format("{} bytes", head + each * count));
         }
     }
     Words words(text_of(data), name);
@@ -169,9 +170,10 @@ TriangleMesh parse_stl(std::span<const std::uint8_t> data, const std::string& na
             corners.push_back(gather.vertex(words.point(line, 1)));
         } else if (line[0] == "endloop") {
             if (corners.size() != 3) {
-                refuse(name,
-                       fmt::format("line {}: a facet of {} corners", words.number_of_line(), corners.size()),
-                       "three");
+                refuse_mesh(
+                    name,
+                    fmt::format("line {}: a facet of {} corners", words.number_of_line(), corners.size()),
+                    "three");
             }
             gather.polygon(corners);
             corners.clear();
@@ -197,8 +199,8 @@ TriangleMesh parse_obj(std::span<const std::uint8_t> data, const std::string& na
                 const auto index = words.number<long>(line[k].substr(0, line[k].find('/')));
                 const long at = index > 0 ? index - 1 : static_cast<long>(vertices.size()) + index;
                 if (at < 0 || at >= static_cast<long>(vertices.size())) {
-                    refuse(name, fmt::format("line {}: vertex {}", words.number_of_line(), index),
-                           fmt::format("1 to {}", vertices.size()));
+                    refuse_mesh(name, fmt::format("line {}: vertex {}", words.number_of_line(), index),
+                                fmt::format("1 to {}", vertices.size()));
                 }
                 corners.push_back(vertices[static_cast<std::size_t>(at)]);
             }
@@ -229,7 +231,7 @@ Scalar scalar_named(std::string_view word, const std::string& name) {
         {"float", Scalar::f32}, {"float32", Scalar::f32}, {"double", Scalar::f64}, {"float64", Scalar::f64}};
     const auto it = names.find(word);
     if (it == names.end()) {
-        refuse(name, fmt::format("a property of type '{}'", word.substr(0, 40)), "a PLY type");
+        refuse_mesh(name, fmt::format("a property of type '{}'", word.substr(0, 40)), "a PLY type");
     }
     return it->second;
 }
@@ -277,7 +279,7 @@ class Values {
 
   private:
     [[noreturn]] void ended() const {
-        refuse(name_, "the file ends early", "as many values as its head says");
+        refuse_mesh(name_, "the file ends early", "as many values as its head says");
     }
     std::string_view body_;
     Words words_;
@@ -303,21 +305,21 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
             text = line[1] == "ascii";
             swap = line[1] == "binary_big_endian";
             if (!text && !swap && line[1] != "binary_little_endian") {
-                refuse(name, fmt::format("format '{}'", line[1].substr(0, 40)), "ascii or binary");
+                refuse_mesh(name, fmt::format("format '{}'", line[1].substr(0, 40)), "ascii or binary");
             }
         } else if (line[0] == "comment") {
             ras = ras || std::find(line.begin(), line.end(), "SPACE=RAS") != line.end();
         } else if (line[0] == "element" && line.size() > 2) {
             elements.push_back({std::string(line[1]), head.number<std::size_t>(line[2]), {}});
             if (elements.back().count > 3 * most_triangles) {
-                refuse(name, fmt::format("{} times '{}'", elements.back().count, elements.back().name),
-                       fmt::format("at most {}", 3 * most_triangles));
+                refuse_mesh(name, fmt::format("{} times '{}'", elements.back().count, elements.back().name),
+                            fmt::format("at most {}", 3 * most_triangles));
             }
         } else if (line[0] == "property" && !elements.empty() && line.size() > 2) {
             Property p;
             p.list = line[1] == "list";
             if (p.list && line.size() < 5) {
-                refuse(name, "a list property without types", "two types and a name");
+                refuse_mesh(name, "a list property without types", "two types and a name");
             }
             p.count = p.list ? scalar_named(line[2], name) : p.count;
             p.type = scalar_named(line[p.list ? 3 : 1], name);
@@ -327,7 +329,7 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
         whole = line[0] == "end_header";
     }
     if (!whole) {
-        refuse(name, "its head does not end", "'end_header'");
+        refuse_mesh(name, "its head does not end", "'end_header'");
     }
     Gatherer gather(name);
     Values values(head.rest(), text, swap, name);
@@ -349,7 +351,7 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
                 }
                 const double count = values.next(p.count);
                 if (!(count >= 0.0 && count <= 1000.0)) {
-                    refuse(name, fmt::format("a list of {} values", count), "at most 1000");
+                    refuse_mesh(name, fmt::format("a list of {} values", count), "at most 1000");
                 }
                 corners.clear();
                 for (int k = 0; k < static_cast<int>(count); ++k) {
@@ -358,8 +360,8 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
                         continue;
                     }
                     if (!(index >= 0.0 && index < static_cast<double>(vertices.size()))) {
-                        refuse(name, fmt::format("vertex {}", index),
-                               fmt::format("0 to {}", vertices.size()));
+                        refuse_mesh(name, fmt::format("vertex {}", index),
+                                    fmt::format("0 to {}", vertices.size()));
                     }
                     corners.push_back(vertices[static_cast<std::size_t>(index)]);
                 }
@@ -388,7 +390,7 @@ TriangleMesh parse_mesh(std::span<const std::uint8_t> data, const std::string& n
     if (ending == ".stl") {
         return parse_stl(data, name);
     }
-    refuse(name, "its name does not tell the format", ".stl, .obj or .ply");
+    refuse_mesh(name, "its name does not tell the format", ".stl, .obj or .ply");
 }
 
 static_assert(sizeof(Vec3f) == 12 && sizeof(Triangle) == 12);
@@ -412,7 +414,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const GuardLimits& lim
     TriangleMesh mesh;
     const std::uint64_t count = raw.size() >= 8 ? load<std::uint64_t>(raw.data(), false) : 0;
     if (count > raw.size() / 12 || (raw.size() - 8 - 12 * count) % 12 != 0) {
-        refuse(name, "reading it gave no whole surface", "a surface");
+        refuse_mesh(name, "reading it gave no whole surface", "a surface");
     }
     const std::uint8_t* at = raw.data() + 8;
     for (std::uint64_t i = 0; i < count; ++i, at += 12) {
@@ -424,7 +426,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const GuardLimits& lim
         for (std::size_t k = 0; k < 3; ++k) {
             t[k] = load<std::uint32_t>(at + 4 * k, false);
             if (t[k] >= count) {
-                refuse(name, "reading it gave no whole surface", "a surface");
+                refuse_mesh(name, "reading it gave no whole surface", "a surface");
             }
         }
         mesh.triangles.push_back(t);

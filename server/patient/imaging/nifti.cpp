@@ -29,15 +29,15 @@ constexpr std::size_t at_qoffset = 268;
 constexpr std::size_t at_srow = 280;
 constexpr std::size_t at_magic = 344;
 
-[[noreturn]] void refuse(const std::string& file, const std::string& found, const std::string& expected,
-                         const std::string& remedy) {
+[[noreturn]] void refuse_nifti(const std::string& file, const std::string& found, const std::string& expected,
+                               const std::string& remedy) {
     throw VolumeError(fmt::format("{}: NIfTI: {}; expected {}. Remedy: {}.", file, found, expected, remedy));
 }
 
 const Vec3d from_ras(-1, -1, 1);
 
 /// Place and directions: sform before qform, as nifti1.h advises. The file's space is RAS.
-Geometry geometry_of(const std::uint8_t* header, bool swap, const std::string& file) {
+Geometry nifti_geometry(const std::uint8_t* header, bool swap, const std::string& file) {
     Geometry geometry;
     for (std::size_t k = 0; k < 3; ++k) {
         geometry.size[k] = load<std::int16_t>(header + at_dim + 2 * (k + 1), swap);
@@ -77,8 +77,9 @@ Geometry geometry_of(const std::uint8_t* header, bool swap, const std::string& f
             origin[k] = load<float>(header + at_qoffset + 4 * static_cast<std::size_t>(k), swap);
         }
     } else {
-        refuse(file, "the header says nothing of the patient's directions (qform and sform codes are 0)",
-               "one of them", "export it with its orientation");
+        refuse_nifti(file,
+                     "the header says nothing of the patient's directions (qform and sform codes are 0)",
+                     "one of them", "export it with its orientation");
     }
     geometry.origin = unit * from_ras.cwiseProduct(origin);
     geometry.step = unit * from_ras.asDiagonal() * step;
@@ -96,20 +97,20 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
         data = unpacked;
     }
     if (data.size() < header_bytes) {
-        refuse(file, fmt::format("the file has {} bytes", data.size()), "a header of 348 bytes",
-               "the file is cut off; copy or export it again");
+        refuse_nifti(file, fmt::format("the file has {} bytes", data.size()), "a header of 348 bytes",
+                     "the file is cut off; copy or export it again");
     }
     const std::uint8_t* header = data.data();
     const auto stated = load<std::int32_t>(header, false);
     const bool swap = stated != static_cast<std::int32_t>(header_bytes);
     if (swap && load<std::int32_t>(header, true) != static_cast<std::int32_t>(header_bytes)) {
-        refuse(file, fmt::format("the header begins with {}", stated), "348, its length",
-               "save it as NIfTI-1 (.nii or .nii.gz)");
+        refuse_nifti(file, fmt::format("the header begins with {}", stated), "348, its length",
+                     "save it as NIfTI-1 (.nii or .nii.gz)");
     }
     const std::string magic(header + at_magic, header + at_magic + 3);
     if (magic != "n+1") {
-        refuse(file, "header and voxels lie in two files", "both in one",
-               "save it as .nii or .nii.gz, not as .hdr and .img");
+        refuse_nifti(file, "header and voxels lie in two files", "both in one",
+                     "save it as .nii or .nii.gz, not as .hdr and .img");
     }
     const int dimensions = load<std::int16_t>(header + at_dim, swap);
     bool one = dimensions >= 3 && dimensions <= 7;
@@ -117,11 +118,11 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
         one = load<std::int16_t>(header + at_dim + 2 * static_cast<std::size_t>(k), swap) == 1;
     }
     if (!one) {
-        refuse(file, fmt::format("the image has {} dimensions", dimensions), "one volume of three",
-               "export a single volume");
+        refuse_nifti(file, fmt::format("the image has {} dimensions", dimensions), "one volume of three",
+                     "export a single volume");
     }
     Volume volume;
-    volume.geometry = geometry_of(header, swap, file);
+    volume.geometry = nifti_geometry(header, swap, file);
     require_sound(volume.geometry, file);
     static const std::map<int, Scalar> types = {
         {2, Scalar::u8},   {4, Scalar::i16},   {8, Scalar::i32},   {16, Scalar::f32},   {64, Scalar::f64},
@@ -129,12 +130,13 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
     const int code = load<std::int16_t>(header + at_datatype, swap);
     const auto type = types.find(code);
     if (type == types.end()) {
-        refuse(file, fmt::format("the data type is {}", code), "a scalar type", "export one scalar volume");
+        refuse_nifti(file, fmt::format("the data type is {}", code), "a scalar type",
+                     "export one scalar volume");
     }
     const double offset = load<float>(header + at_offset, swap);
     if (!(offset >= static_cast<double>(data_begin) && offset < 1e8)) {
-        refuse(file, fmt::format("the voxels begin at byte {}", offset), "352 or later",
-               "the header is damaged; export it again");
+        refuse_nifti(file, fmt::format("the voxels begin at byte {}", offset), "352 or later",
+                     "the header is damaged; export it again");
     }
     const auto begin = static_cast<std::size_t>(offset);
     const std::size_t bytes = volume.geometry.count() * size_of(type->second);
@@ -144,8 +146,9 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
         data = all;
     }
     if (data.size() < begin + bytes) {
-        refuse(file, fmt::format("there are {} bytes of voxels", data.size() - std::min(begin, data.size())),
-               fmt::format("{}", bytes), "the file is cut off; copy or export it again");
+        refuse_nifti(file,
+                     fmt::format("there are {} bytes of voxels", data.size() - std::min(begin, data.size())),
+                     fmt::format("{}", bytes), "the file is cut off; copy or export it again");
     }
     volume.value = to_floats(data.subspan(begin, bytes), type->second, swap);
     float slope = load<float>(data.data() + at_slope, swap);

@@ -108,7 +108,7 @@ class Header {
     std::size_t begin_ = 0;
 };
 
-Scalar scalar_of(const Header& header) {
+Scalar nrrd_scalar(const Header& header) {
     static const std::map<std::string, Scalar> names = {{"signed char", Scalar::i8},
                                                         {"int8", Scalar::i8},
                                                         {"int8_t", Scalar::i8},
@@ -168,7 +168,7 @@ Vec3d signs_of(const Header& header) {
                   "export it with the patient's directions");
 }
 
-Geometry geometry_of(const Header& header) {
+Geometry nrrd_geometry(const Header& header) {
     Geometry geometry;
     const std::vector<double> sizes = header.numbers("sizes", header.need("sizes", "three sizes"), 3);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -212,9 +212,9 @@ Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
         }
     }
     Volume volume;
-    volume.geometry = geometry_of(header);
+    volume.geometry = nrrd_geometry(header);
     require_sound(volume.geometry, file);
-    const Scalar type = scalar_of(header);
+    const Scalar type = nrrd_scalar(header);
     bool swap = false;
     if (size_of(type) > 1) {
         const std::string endian = header.need("endian", "'little' or 'big'");

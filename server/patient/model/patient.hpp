@@ -123,4 +123,9 @@ struct Patient {
     float tissue_stiffness = 8e3f;              ///< [Pa], Young's modulus of tongue and mucosa
 };
 
+/// Where a landmark lies in the rest posture [m].
+[[nodiscard]] inline const Vec3f& rest_of(const Patient& patient, Landmark which) {
+    return patient.landmarks[static_cast<std::size_t>(which)].rest;
+}
+
 }  // namespace eti::anatomy

@@ -16,7 +16,7 @@ namespace eti::anatomy {
 namespace {
 
 // Takes the slivers of marching tetrahedra out, which would keep edges from collapsing.
-constexpr int smoothing = 3;
+constexpr int shell_smoothing_rounds = 3;
 
 constexpr float shell_band = 4e-3f;  // [m], within which the shell's distances are exact
 
@@ -33,7 +33,7 @@ void build_shell(const Anatomy& anatomy, const BuildSettings& settings, Patient&
     });
     TriangleMesh shell = isosurface(field, 0.0f);
     // Operators are tuned to this shell: a few crossings less than a millimetre deep are not worth another.
-    smooth(shell, smoothing);
+    smooth(shell, shell_smoothing_rounds);
     patient.shell.mesh = simplify(shell, {.triangles = settings.shell_triangles, .importance = {}});
     patient.shell.distance =
         mesh_distance(patient.shell.mesh, field.origin, field.spacing, field.size, shell_band);

@@ -25,10 +25,6 @@ std::string place(const Vec3f& p) {
                        p.z() / millimetre);
 }
 
-Vec3f rest_of(const Patient& patient, Landmark which) {
-    return patient.landmarks[static_cast<std::size_t>(which)].rest;
-}
-
 /// Counts what breaks a rule and remembers the first place.
 class Faults {
   public:

@@ -18,12 +18,8 @@ namespace eti::anatomy {
 
 namespace {
 
-const Vec3f& rest_of(const Patient& patient, Landmark which) {
-    return patient.landmarks[static_cast<std::size_t>(which)].rest;
-}
-
 /// A landmark in a posture, as the bones carry the frames that carry it.
-Vec3f posed(const Patient& patient, Landmark which, const BonePoses& bones) {
+Vec3f posed_landmark(const Patient& patient, Landmark which, const BonePoses& bones) {
     const CarriedPoint& point = patient.landmarks[static_cast<std::size_t>(which)];
     const std::vector<BoneWeights> of_frame = frame_bones(patient);
     BoneWeights weights{};
@@ -173,7 +169,7 @@ float angle_between(const Vec3f& a, const Vec3f& b) {
 
 AxisAngles angles(const Patient& patient, const Posture& posture) {
     const BonePoses bones = pose_bones(patient.skeleton, posture);
-    const auto point = [&](Landmark which) { return posed(patient, which, bones); };
+    const auto point = [&](Landmark which) { return posed_landmark(patient, which, bones); };
     // Adnet et al.: the mouth's axis runs along the hard palate, which is level in the rest posture.
     const Vec3f mouth = bones[static_cast<std::size_t>(Bone::skull)].rotation * Vec3f(0.0f, 1.0f, 0.0f);
     const Vec3f larynx = point(Landmark::trachea_mid) - point(Landmark::glottis);
@@ -192,9 +188,10 @@ Alignment align_axes(const Patient& patient, float jaw_opening) {
     for (int tenths = 0; tenths <= 300; ++tenths) {
         const Posture posture{static_cast<float>(tenths) * 0.1f * degree, jaw_opening};
         const BonePoses bones = pose_bones(patient.skeleton, posture);
-        const std::array<Vec3f, 4> points = {
-            posed(patient, Landmark::mouth_opening, bones), posed(patient, Landmark::epiglottis_tip, bones),
-            posed(patient, Landmark::glottis, bones), posed(patient, Landmark::trachea_mid, bones)};
+        const std::array<Vec3f, 4> points = {posed_landmark(patient, Landmark::mouth_opening, bones),
+                                             posed_landmark(patient, Landmark::epiglottis_tip, bones),
+                                             posed_landmark(patient, Landmark::glottis, bones),
+                                             posed_landmark(patient, Landmark::trachea_mid, bones)};
         Vec3f mean = Vec3f::Zero();
         for (const Vec3f& p : points) {
             mean += 0.25f * p;
@@ -243,9 +240,9 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
             32.0 + 2 * 3.7, 1, "Front Pediatr 2023;11:1172909, 2 SD");
     const BonePoses wide = pose_bones(patient.skeleton, {0.0f, max_jaw_opening});
     of_term("gums apart at 35 deg jaw opening",
-            1e3 * static_cast<double>(
-                      (posed(patient, Landmark::upper_gum, wide) - posed(patient, Landmark::lower_gum, wide))
-                          .norm()),
+            1e3 * static_cast<double>((posed_landmark(patient, Landmark::upper_gum, wide) -
+                                       posed_landmark(patient, Landmark::lower_gum, wide))
+                                          .norm()),
             "mm", 20.4, 23.6, 1,
             "maximal opening under one month, Front Pediatr 2023;11:1172909, 95 % CI of the mean");
     of_term("glottis, length", 1e3 * distance(Landmark::glottis_anterior, Landmark::glottis_posterior), "mm",
@@ -267,8 +264,9 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
             1e3 * diameter_of(lumen_area(patient, rest_of(patient, Landmark::trachea_mid))), "mm", 4.5, 5.5,
             1, "no published range at hand; usual teaching");
     const BonePoses ready = pose_bones(patient.skeleton, {26.0f * degree, 29.0f * degree});
-    const double to_glottis = static_cast<double>(
-        (posed(patient, Landmark::mouth_opening, ready) - posed(patient, Landmark::glottis, ready)).norm());
+    const double to_glottis = static_cast<double>((posed_landmark(patient, Landmark::mouth_opening, ready) -
+                                                   posed_landmark(patient, Landmark::glottis, ready))
+                                                      .norm());
     const double to_middle = to_glottis + distance(Landmark::glottis, Landmark::trachea_mid);
     const double rule = 1e2 * tube_depth_by_weight(static_cast<double>(patient.weight));
     list.push_back(

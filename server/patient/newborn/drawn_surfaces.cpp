@@ -19,13 +19,13 @@ namespace {
 
 // Takes the slivers of marching tetrahedra out, which would keep edges from collapsing; moves vertices by
 // a tenth of an edge.
-constexpr int smoothing = 3;
+constexpr int drawn_smoothing_rounds = 3;
 
 /// Edges [m] at a place.
-using Edge = std::function<float(const Vec3f&)>;
+using EdgeLength = std::function<float(const Vec3f&)>;
 
 /// A surface of what is seen, as fine as it is looked at from near.
-TriangleMesh seen_mesh(const Anatomy& anatomy, const Edge& edge, float Seen::*organ,
+TriangleMesh seen_mesh(const Anatomy& anatomy, const EdgeLength& edge, float Seen::*organ,
                        const std::array<Vec3f, 2>& box, std::size_t budget) {
     const float size = anatomy.scale() / millimetre;
     AdaptiveField field;
@@ -43,7 +43,7 @@ TriangleMesh seen_mesh(const Anatomy& anatomy, const Edge& edge, float Seen::*or
         });
     };
     TriangleMesh mesh = adaptive_isosurface(field);
-    smooth_without_crossing(mesh, smoothing);
+    smooth_without_crossing(mesh, drawn_smoothing_rounds);
     if (mesh.triangles.size() <= budget) {
         return mesh;
     }
@@ -63,7 +63,7 @@ TriangleMesh seen_mesh(const Anatomy& anatomy, const Edge& edge, float Seen::*or
 /// Bones are seen in sections, from afar.
 TriangleMesh bone_mesh(const DistanceGrid& field, std::size_t budget) {
     TriangleMesh mesh = isosurface(field, 0.0f);
-    smooth_without_crossing(mesh, smoothing);
+    smooth_without_crossing(mesh, drawn_smoothing_rounds);
     return mesh.triangles.size() > budget
                ? simplify_without_crossing(mesh, {.triangles = budget, .importance = {}})
                : mesh;
@@ -103,15 +103,15 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
         float Seen::*organ;        // or nullptr,
         const DistanceGrid* bone;  // for what is sampled on a grid
         std::array<Vec3f, 2> box;
-        Edge edge = nullptr;
+        EdgeLength edge = nullptr;
     };
     const std::array<Vec3f, 2> all = anatomy.seen_bounds();
-    const Edge of_place = [&](const Vec3f& p) { return detail.edge(p); };
-    const Edge of_cloth = [&](const Vec3f& p) { return detail.cloth_edge(p); };
+    const EdgeLength of_place = [&](const Vec3f& p) { return detail.edge(p); };
+    const EdgeLength of_cloth = [&](const Vec3f& p) { return detail.cloth_edge(p); };
     // The tongue stands out against what is behind it: its outlines in the eye's view, of edges under 10
     // pixels, ask for more than a place in the mouth does.
     constexpr float tongue_finer = 0.6f;
-    const Edge of_tongue = [&](const Vec3f& p) { return tongue_finer * detail.edge(p); };
+    const EdgeLength of_tongue = [&](const Vec3f& p) { return tongue_finer * detail.edge(p); };
     // The body takes as long as all others. The hyoid hangs in the soft tissue and goes with it.
     const std::array drawn = {
         Drawn{"body", Tissue::soft, settings.body_triangles, &Seen::body, nullptr, all, of_place},

@@ -22,7 +22,7 @@ float tracheal_lumen(const Vec3f& p) {
 }
 
 /// A horizontal section of the laryngeal lumen.
-struct Level {
+struct LarynxLevel {
     float superior, anterior;  // centre
     float lateral, sagittal;   // semi-axes
     float taper;               // share by which the width shrinks towards the front
@@ -33,20 +33,21 @@ struct Level {
 // either, is their anatomy. The cords are drawn apart as for a tube. From them down to the cricoid the lumen
 // widens sidewards (Litman 2003, Anesthesiology 98:41). Crests lie 3 mm apart, since the surface's grid has
 // nodes every 1 mm.
-constexpr std::array<Level, 7> larynx_levels = {{{-31.0f, 5.45f, 3.35f, 3.2f, 0.0f},
-                                                 {-32.6f, 5.55f, 3.25f, 3.15f, 0.0f},
-                                                 {-34.5f, 5.7f, 2.95f, 3.1f, 0.2f},   // false cords
-                                                 {-36.0f, 5.75f, 3.75f, 3.1f, 0.1f},  // ventricle
-                                                 {glottis_z, 5.66f, 2.95f, 3.08f, 0.5f},
-                                                 {-39.5f, 5.45f, 2.6f, 2.9f, 0.2f},
-                                                 {-42.0f, 5.1f, 2.4f, 2.4f, 0.0f}}};
+constexpr std::array<LarynxLevel, 7> larynx_levels = {{{-31.0f, 5.45f, 3.35f, 3.2f, 0.0f},
+                                                       {-32.6f, 5.55f, 3.25f, 3.15f, 0.0f},
+                                                       {-34.5f, 5.7f, 2.95f, 3.1f, 0.2f},   // false cords
+                                                       {-36.0f, 5.75f, 3.75f, 3.1f, 0.1f},  // ventricle
+                                                       {glottis_z, 5.66f, 2.95f, 3.08f, 0.5f},
+                                                       {-39.5f, 5.45f, 2.6f, 2.9f, 0.2f},
+                                                       {-42.0f, 5.1f, 2.4f, 2.4f, 0.0f}}};
 
 /// Its features are lower than they are wide, so it is no duct, whose segments end in caps.
 float laryngeal_lumen(const Vec3f& p) {
-    const auto* below = std::ranges::find_if(larynx_levels.begin() + 1, larynx_levels.end() - 1,
-                                             [&](const Level& level) { return level.superior <= p.z(); });
-    const Level& a = *(below - 1);
-    const Level& b = *below;
+    const auto* below =
+        std::ranges::find_if(larynx_levels.begin() + 1, larynx_levels.end() - 1,
+                             [&](const LarynxLevel& level) { return level.superior <= p.z(); });
+    const LarynxLevel& a = *(below - 1);
+    const LarynxLevel& b = *below;
     const float t = smoothstep(a.superior, b.superior, p.z());
     const auto between = [t](float from, float to) { return from + t * (to - from); };
     const float sagittal = between(a.sagittal, b.sagittal);

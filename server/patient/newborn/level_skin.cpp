@@ -23,15 +23,15 @@ namespace eti::anatomy {
 namespace {
 
 // Length over that at rest, of edges that are long enough to be seen.
-constexpr float bearable = 2.5f;
+constexpr float level_stretch_limit = 2.5f;
 constexpr float asked = 2.9f;        // is three
 constexpr float shortest = 0.1e-3f;  // [m]
 // Levelled with a torn edge: what lies so many edges around it, and one more after so many rounds.
-constexpr int first_rings = 2;
-constexpr int rounds_per_ring = 8;
+constexpr int level_first_rings = 2;
+constexpr int level_rounds_per_ring = 8;
 constexpr int lift_rounds = 50;
 constexpr int posture_rounds = 40;  // after those, since nobody lifts as often as heads lie raised
-constexpr int sweeps = 6;
+constexpr int level_sweeps = 6;
 // Half as much as its neighbours together, else it and they might change places.
 constexpr float itself = 0.5f;
 // Both faces of a sheet that is thinner than this go together, or they would pass through each other.
@@ -44,11 +44,11 @@ constexpr float least_thickness = 0.4f;
 constexpr float least = 2e-3f;
 
 // As the expert lifts a term newborn's, of the length of the plate: its tip goes to the front by as much, its
-// root less, tissue about the valleculae a third, what lies farther off than `reach` hardly at all.
+// root less, tissue about the valleculae a third, what lies farther off than `lift_reach` hardly at all.
 constexpr float tip_goes = 1.0f;
 constexpr float root_goes = 0.4f;
 constexpr float tissue_goes = 0.3f;
-constexpr float reach = 1.4f;
+constexpr float lift_reach = 1.4f;
 
 // Of the plate's length: what lies farther from its particles does not go with it (check_model.cpp has 0.45).
 constexpr float plate_reaches = 0.44f;
@@ -63,7 +63,7 @@ constexpr int back_rings = 30;
 
 using Frames = std::vector<FrameMap>;
 
-Frames posed(const Patient& patient, const Posture& posture) {
+Frames frames_in_posture(const Patient& patient, const Posture& posture) {
     Frames maps;
     for (const FramePose& pose : posed_frames(patient, pose_bones(patient.skeleton, posture))) {
         maps.push_back(frame_map(pose, patient.frame_rest_centre[maps.size()]));
@@ -98,7 +98,7 @@ Frames lifted(const Anatomy& anatomy, const Patient& patient) {
         }
         const float off = (patient.frame_rest_centre[bone_count + c] - vallecula).norm() / plate.length();
         maps[bone_count + c].offset =
-            tissue_goes * std::exp(-off * off / (reach * reach)) * plate.length() * front;
+            tissue_goes * std::exp(-off * off / (lift_reach * lift_reach)) * plate.length() * front;
     }
     return maps;
 }
@@ -112,7 +112,7 @@ class Leveller {
         std::size_t trial = 1;
         for (const float head : {0.0f, max_head_elevation}) {
             for (const float jaw : {0.0f, max_jaw_opening}) {
-                trials_[trial++] = posed(patient, {.head_elevation = head, .jaw_opening = jaw});
+                trials_[trial++] = frames_in_posture(patient, {.head_elevation = head, .jaw_opening = jaw});
             }
         }
         frames_ = patient.frame_rest_centre.size();
@@ -141,7 +141,7 @@ class Leveller {
             if (std::ranges::none_of(torn, [](std::uint8_t t) { return t != 0; })) {
                 break;
             }
-            for (int ring = 0; ring < first_rings + round / rounds_per_ring; ++ring) {
+            for (int ring = 0; ring < level_first_rings + round / level_rounds_per_ring; ++ring) {
                 torn = around_.widened(torn);
             }
             for (std::size_t v = 0; v < torn.size(); ++v) {
@@ -162,7 +162,7 @@ class Leveller {
                     which.push_back(v);
                 }
             }
-            for (int sweep = 0; sweep < sweeps; ++sweep) {
+            for (int sweep = 0; sweep < level_sweeps; ++sweep) {
                 take_mean_of_neighbours(which);
             }
             place(which);
@@ -282,7 +282,7 @@ class Leveller {
             for (const std::uint32_t b : around_.of(a)) {
                 const float length = std::max((mesh_.vertices[a] - mesh_.vertices[b]).norm(), shortest);
                 for (std::size_t k = first_trial; k < trial_count; ++k) {
-                    const float most = bearable * length;
+                    const float most = level_stretch_limit * length;
                     if ((place_[a][k] - place_[b][k]).squaredNorm() > most * most) {
                         torn[a] = 1;
                     }

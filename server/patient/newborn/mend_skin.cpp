@@ -19,12 +19,12 @@ namespace {
 // Length over that at rest. What is asked for is three
 // (tests/unit/server/patient/newborn/build_skin_test.cpp); the rest is for postures between those tried and
 // for what few frames leave out.
-constexpr float bearable = 2.5f;
+constexpr float mend_stretch_limit = 2.5f;
 // Levelled with a torn edge: what lies so many edges around it, and one more after so many rounds.
-constexpr int first_rings = 2;
-constexpr int rounds_per_ring = 10;
+constexpr int mend_first_rings = 2;
+constexpr int mend_rounds_per_ring = 10;
 constexpr int most_rounds = 100;
-constexpr int sweeps = 4;
+constexpr int mend_sweeps = 4;
 constexpr float over_relaxation = 1.4f;
 // How much harder an edge that is still torn pulls its ends together: at the corner of the mouth, where a
 // slit ends, levelling alone leaves a tear as at the tip of any crack.
@@ -32,7 +32,7 @@ constexpr float harder = 1.3f;
 constexpr float fade = 5e-3f;   // [m], along the surface, until particles carry it again
 constexpr int fade_rings = 40;  // as many of the shortest edges: where it broke off, skin would tear
 
-struct Edge {
+struct MendedEdge {
     float length;  // [m]
     float pull;
 };
@@ -73,13 +73,13 @@ class Mender {
             if (std::ranges::none_of(torn, [](std::uint8_t t) { return t != 0; })) {
                 break;
             }
-            for (int ring = 0; ring < first_rings + round / rounds_per_ring; ++ring) {
+            for (int ring = 0; ring < mend_first_rings + round / mend_rounds_per_ring; ++ring) {
                 torn = around_.widened(torn);
             }
             for (std::size_t v = 0; v < torn.size(); ++v) {
                 levelled_[v] |= torn[v];
             }
-            for (int sweep = 0; sweep < sweeps; ++sweep) {
+            for (int sweep = 0; sweep < mend_sweeps; ++sweep) {
                 level(sweep % 2 != 0);
             }
             pose(true);
@@ -102,8 +102,8 @@ class Mender {
     std::vector<std::uint8_t> find_torn() {
         std::vector<std::uint8_t> torn(place_.size(), 0);
         for (std::uint32_t a = 0; a < place_.size(); ++a) {
-            each_edge(a, [&](std::uint32_t to, Edge& edge) {
-                const float most = bearable * edge.length;
+            each_edge(a, [&](std::uint32_t to, MendedEdge& edge) {
+                const float most = mend_stretch_limit * edge.length;
                 for (std::size_t p = 0; p < postures_.size(); ++p) {
                     if ((place_[a][p] - place_[to][p]).squaredNorm() > most * most) {
                         torn[a] = torn[to] = 1;
@@ -133,7 +133,7 @@ class Mender {
             }
             BoneWeights mean{};
             float pull = 0.0f;
-            each_edge(v, [&](std::uint32_t to, const Edge& edge) {
+            each_edge(v, [&](std::uint32_t to, const MendedEdge& edge) {
                 pull += edge.pull;
                 for (std::size_t b = 0; b < bone_count; ++b) {
                     mean[b] += edge.pull * bones_[to][b];
@@ -156,7 +156,7 @@ class Mender {
         for (int ring = 0; ring < fade_rings; ++ring) {
             const std::vector<float> before = by_bones;
             for (std::size_t v = 0; v < before.size(); ++v) {
-                each_edge(v, [&](std::uint32_t to, const Edge& edge) {
+                each_edge(v, [&](std::uint32_t to, const MendedEdge& edge) {
                     by_bones[v] = std::max(by_bones[v], before[to] - edge.length / fade);
                 });
             }
@@ -180,7 +180,7 @@ class Mender {
     std::span<Shares> carried_;
     std::vector<BonePoses> postures_;
     Adjacency around_;
-    std::vector<Edge> edges_;                  // as the adjacency lists them
+    std::vector<MendedEdge> edges_;            // as the adjacency lists them
     std::vector<BoneWeights> bones_;           // what carries each vertex, clusters counted as their bones
     std::vector<std::uint8_t> levelled_;       // by vertex
     std::vector<std::array<Vec3f, 4>> place_;  // of each vertex in each posture

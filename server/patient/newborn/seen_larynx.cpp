@@ -19,7 +19,7 @@ float mix(float a, float b, float t) {
 }
 
 /// A horizontal section of the laryngeal lumen, from its back (u = -1) to its front (u = 1).
-struct Level {
+struct SeenLevel {
     float superior, anterior;  // centre
     float lateral, sagittal;   // semi-axes
     float triangle;            // 1: an apex in front and a base behind; -1 the other way; 0: an ellipse
@@ -29,17 +29,17 @@ struct Level {
 // the arytenoids: 5.5 mm long, about 11 mm^2, breathing. False cords and ventricle stand wider, so that the
 // true cords' upper faces show between them. The vestibule reaches into the plate, which so is its front and
 // stays that when it is lifted.
-constexpr std::array<Level, 11> levels = {{{-26.5f, 4.5f, 3.7f, 2.8f, 0.0f},
-                                           {-29.0f, 5.2f, 3.6f, 3.2f, -0.3f},
-                                           {-31.0f, 5.7f, 3.35f, 3.5f, -0.45f},
-                                           {-33.4f, 5.85f, 3.1f, 3.45f, 0.0f},
-                                           {-34.7f, 5.65f, 3.0f, 3.15f, 0.35f},  // false cords
-                                           {-35.9f, 5.7f, 4.0f, 3.2f, 0.3f},     // ventricle
-                                           {-36.5f, 5.7f, 3.7f, 3.15f, 0.4f},
-                                           {glottis_z, glottis_y, 2.3f, glottis_half_length, 1.0f},
-                                           {-38.1f, 5.55f, 2.3f, 2.75f, 0.9f},
-                                           {-39.8f, 5.35f, 2.4f, 2.6f, 0.3f},
-                                           {-42.0f, 5.1f, 2.4f, 2.4f, 0.0f}}};
+constexpr std::array<SeenLevel, 11> levels = {{{-26.5f, 4.5f, 3.7f, 2.8f, 0.0f},
+                                               {-29.0f, 5.2f, 3.6f, 3.2f, -0.3f},
+                                               {-31.0f, 5.7f, 3.35f, 3.5f, -0.45f},
+                                               {-33.4f, 5.85f, 3.1f, 3.45f, 0.0f},
+                                               {-34.7f, 5.65f, 3.0f, 3.15f, 0.35f},  // false cords
+                                               {-35.9f, 5.7f, 4.0f, 3.2f, 0.3f},     // ventricle
+                                               {-36.5f, 5.7f, 3.7f, 3.15f, 0.4f},
+                                               {glottis_z, glottis_y, 2.3f, glottis_half_length, 1.0f},
+                                               {-38.1f, 5.55f, 2.3f, 2.75f, 0.9f},
+                                               {-39.8f, 5.35f, 2.4f, 2.6f, 0.3f},
+                                               {-42.0f, 5.1f, 2.4f, 2.4f, 0.0f}}};
 
 /// Half the width at u, as a share of the widest.
 float profile(float u, float triangle) {
@@ -52,9 +52,9 @@ float profile(float u, float triangle) {
 
 float glottic_lumen(const Vec3f& p) {
     const auto* below = std::ranges::find_if(levels.begin() + 1, levels.end() - 1,
-                                             [&](const Level& level) { return level.superior <= p.z(); });
-    const Level& a = *(below - 1);
-    const Level& b = *below;
+                                             [&](const SeenLevel& level) { return level.superior <= p.z(); });
+    const SeenLevel& a = *(below - 1);
+    const SeenLevel& b = *below;
     const float t = smoothstep(a.superior, b.superior, p.z());
     const float sagittal = mix(a.sagittal, b.sagittal, t);
     const float u = (p.y() - mix(a.anterior, b.anterior, t)) / sagittal;

@@ -13,7 +13,7 @@ namespace eti::anatomy {
 namespace {
 
 // In spacings of the bulk's particles. A longer reach tears less under a blade and follows it less closely.
-constexpr float reach = 2.2f;
+constexpr float kernel_reach = 2.2f;
 // How far a particle may lie before the surface. Normals of neighbours differ: a step here would tear.
 constexpr float before_surface = 1.0f;
 // In spacings of a cluster's own particles: about its radius.
@@ -112,7 +112,7 @@ Skinner::Skinner(const Anatomy& anatomy, const BuildSettings& settings, const Pa
         family.rest.push_back(set.rest[i]);
     }
     for (const Family& family : families_) {
-        grids_.emplace_back(family.rest, reach * spacing_);
+        grids_.emplace_back(family.rest, kernel_reach * spacing_);
     }
     // The epiglottis moves with its own clusters alone: body clusters that hold its stalk would drag the
     // whole plate along (Xiao et al. 2020, Fig. 5).
@@ -158,7 +158,7 @@ void Skinner::count(std::uint32_t particle, const Vec3f& point, float kernel, Su
 Shares Skinner::by_tissue(const Vec3f& point, Tissue tissue, const Vec3f& normal) const {
     const ParticleSet& set = patient_.particles;
     const auto family = static_cast<std::size_t>(family_of(tissue));
-    const float radius = reach * spacing_;
+    const float radius = kernel_reach * spacing_;
     // The plate is thin, and folds hang on either side of it: both faces and the folds go as one.
     const Vec3f outward = tissue == Tissue::epiglottis ? Vec3f(Vec3f::Zero()) : normal;
     Sums sums(patient_.frame_rest_centre.size());
@@ -171,7 +171,7 @@ Shares Skinner::by_tissue(const Vec3f& point, Tissue tissue, const Vec3f& normal
               sums);
     });
     // The kernel's integral over half a ball, in particles: 2 pi (1/3 - 2/5 + 1/7) reach^3.
-    constexpr float half_space = 0.479f * reach * reach * reach;
+    constexpr float half_space = 0.479f * kernel_reach * kernel_reach * kernel_reach;
     const float whole = tissue == Tissue::epiglottis && sums.total() > 0.0f
                             ? 1.0f
                             : smoothstep(0.0f, enough * half_space, sums.total());

@@ -10,7 +10,7 @@ namespace eti::segmentation {
 
 namespace {
 
-imaging::Bits select(const imaging::Mask& mask, const std::vector<Label>& labels) {
+imaging::Bits select_labels(const imaging::Mask& mask, const std::vector<Label>& labels) {
     imaging::Bits bits(mask.value.size());
     for (std::size_t i = 0; i < bits.size(); ++i) {
         bits[i] = std::any_of(labels.begin(), labels.end(),
@@ -51,8 +51,8 @@ Agreement agreement(const imaging::Mask& found, const imaging::Mask& truth,
             "of "
             "the same CT.");
     }
-    const imaging::Bits a = select(found, labels);
-    const imaging::Bits b = select(truth, labels);
+    const imaging::Bits a = select_labels(found, labels);
+    const imaging::Bits b = select_labels(truth, labels);
     Agreement result;
     std::size_t both = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {

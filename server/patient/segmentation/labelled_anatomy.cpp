@@ -19,7 +19,7 @@ using anatomy::Fields;
 using imaging::Bits;
 
 // [m]; finer labels cost time and show nothing more of a newborn: of outline and bone, and of the airway.
-constexpr double coarse = 1.0e-3;
+constexpr double coarse_label_spacing = 1.0e-3;
 constexpr double finest = 0.5e-3;
 // [m]; a newborn's surfaces that lie farther off on average are not this patient's.
 constexpr double most_off = 4e-3;
@@ -73,7 +73,7 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
     tell(0.3f, "distances to skin and bone");
     const RigidTransform back = registration_.place.inverse();
     {
-        const imaging::Mask labels = upright_labels(given_labels, coarse);
+        const imaging::Mask labels = upright_labels(given_labels, coarse_label_spacing);
         const imaging::Geometry& g = labels.geometry;
         Bits inside(labels.value.size());
         Bits skull(labels.value.size(), 0);

@@ -19,8 +19,8 @@ namespace eti::segmentation {
 
 namespace {
 
-constexpr double coarse = 1.0e-3;         // [m], grid on which the newborn is laid
-constexpr float reference_weight = 3.5f;  // [kg]
+constexpr double registration_spacing = 1.0e-3;  // [m], grid on which the newborn is laid
+constexpr float reference_weight = 3.5f;         // [kg]
 constexpr float sample_spacing = 2.5e-3f;
 constexpr float huber = 3e-3f;  // [m]; beyond, a point counts in proportion
 constexpr std::size_t parts = 4;
@@ -142,7 +142,7 @@ Fit improve(const std::array<Part, parts>& all, Similarity at, int rounds) {
 }  // namespace
 
 Registration lay_newborn_over(const imaging::Mask& given) {
-    const imaging::Mask labels = upright_labels(given, coarse);
+    const imaging::Mask labels = upright_labels(given, registration_spacing);
     const imaging::Geometry& g = labels.geometry;
     NewbornShape shape;
     shape.weight = reference_weight;
