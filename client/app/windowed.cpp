@@ -152,7 +152,9 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             window.show_frame();
         }
         input.publish_eye(scene, controls.vantage().eye);
-        frames += scene.complete() ? 1 : 0;
+        if (scene.complete() && ++frames == 1) {
+            spdlog::info("shows the patient");
+        }
         // A display without vertical sync would have every core drawing the same picture.
         std::this_thread::sleep_until(next_frame);
     }

@@ -101,7 +101,7 @@ dds_entity_t writer_of(struct session s, const dds_topic_descriptor_t* type, con
 }
 
 void wait_for_reader(dds_entity_t writer) {
-    for (int tried = 0; tried < 200; ++tried) {
+    for (int tried = 0; tried < 10 * patience_s; ++tried) {
         dds_publication_matched_status_t status;
         if (dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK &&
             status.current_count > 0) {
@@ -109,5 +109,5 @@ void wait_for_reader(dds_entity_t writer) {
         }
         dds_sleepfor(DDS_MSECS(100));
     }
-    give_up("nobody reads within 20 s", nobody);
+    give_up("nobody reads within a minute", nobody);
 }

@@ -38,6 +38,9 @@ dds_entity_t reader_of(struct session session, const dds_topic_descriptor_t* typ
 dds_entity_t writer_of(struct session session, const dds_topic_descriptor_t* type, const char* topic,
                        enum travel how);
 
+// How long to wait for the server [s]: on a busy machine finding it takes seconds.
+enum { patience_s = 60 };
+
 // Waits until the writer has a reader.
 void wait_for_reader(dds_entity_t writer);
 

@@ -92,7 +92,7 @@ int main(int count, char** words) {
     }
 
     struct whole_state* const whole = whole_state_new();
-    const dds_time_t patience = dds_time() + DDS_SECS(20);
+    const dds_time_t patience = dds_time() + DDS_SECS(patience_s);
     dds_time_t began = 0;
     while (!began || dds_time() < began + (dds_time_t)(a.seconds * 1e9)) {
         dds_waitset_wait(waitset, NULL, 0, DDS_MSECS(100));
@@ -106,7 +106,7 @@ int main(int count, char** words) {
         }
         if (!began && dds_time() > patience) {
             give_up(
-                "no whole state within 20 s",
+                "no whole state within a minute",
                 "is a server of this --session, --domain and protocol running on this machine? Elsewhere: "
                 "--network on both sides");
         }

@@ -41,8 +41,9 @@ static struct arguments parse(int count, char** words) {
                 "                   [--network]\n"
                 "Holds the laryngoscope at X Y Z [m] for S seconds (2), patient frame, not turned. --set "
                 "asks for\n"
-                "a value of what lives, in SI units. --network: not over loopback but as CYCLONEDDS_URI "
-                "says.\n");
+                "a value of what lives, in SI units, and is waited for until it is answered. --network: not "
+                "over\n"
+                "loopback but as CYCLONEDDS_URI says.\n");
             exit(strcmp(words[i], "--help") ? 2 : 0);
         }
     }
@@ -79,7 +80,9 @@ int main(int count, char** words) {
     eti_msg_CommandResult result = {0};
     bool heard = false, answered = false;
     const dds_time_t until = dds_time() + (dds_time_t)(a.seconds * 1e9);
-    for (uint32_t number = 1; dds_time() < until; ++number) {
+    const dds_time_t patience = until + DDS_SECS(patience_s);
+    for (uint32_t number = 1;
+         dds_time() < until || ((!heard || (a.wish && !answered)) && dds_time() < patience); ++number) {
         eti_msg_ToolPose pose = {.header = {0, (uint64_t)dds_time(), number},
                                  .pose = {{a.at[0], a.at[1], a.at[2]}, {1.0f, 0.0f, 0.0f, 0.0f}}};
         dds_write(poses, &pose);

@@ -330,8 +330,8 @@ class Session {
                          FollowedDevice::silence.count(),
                          scenario_.freeze_on_silence ? "time stands still until it is back"
                                                      : "the tool stays where it was");
-        } else if (back) {
-            spdlog::info("the {}'s device is back", state.name);
+        } else {
+            spdlog::info("the {}'s device is {}", state.name, back ? "back" : "here");
         }
         const char* const what = now == msg::DEVICE_SILENT ? "silent" : back ? "back" : "here";
         judge_->note(session::EventRecord{simulation_->snapshot().time_ns, std::string(session::device_event),

@@ -146,12 +146,12 @@ class Session:
             self.running[role] = subprocess.Popen([str(support.BIN / command[0]), *map(str, command[1:])],
                                                   stdin=subprocess.DEVNULL, stdout=out, stderr=log)
             if role == "server":
-                self.wait_for("server", "simulation time", 120)
+                self.wait_for("server", "simulation time")
 
     def log(self, role):
         return (self.folder / f"{role}.log").read_text(errors="replace")
 
-    def wait_for(self, role, words, seconds):
+    def wait_for(self, role, words, seconds=support.PATIENCE):
         end = time.monotonic() + seconds
         while words not in self.log(role):
             if time.monotonic() > end or self.running[role].poll() is not None:
@@ -164,7 +164,7 @@ class Session:
 
     def answers(self):
         """A newcomer finds the session and is answered."""
-        done = support.run("eti-controller", "--set", "suction=0", *self.bus, timeout=60)
+        done = support.run("eti-controller", "--set", "suction=0", *self.bus)
         return done.returncode == 0, done.stderr
 
     def end(self):
@@ -174,7 +174,7 @@ class Session:
             start = time.monotonic()
             process.send_signal(signal.SIGINT)
             try:
-                process.wait(10)
+                process.wait(support.PATIENCE)
                 taken[role] = time.monotonic() - start
             except subprocess.TimeoutExpired:
                 process.kill()

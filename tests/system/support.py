@@ -5,6 +5,7 @@
 import json
 import math
 import os
+import re
 import resource
 import shutil
 import signal
@@ -38,6 +39,7 @@ def own_domain():
 DOMAIN, _domain_token = own_domain()
 SESSION = f"test-{os.getpid()}"
 SECONDS_TO_START = 120
+PATIENCE = 120  # [s]: a wait ends with its event, and only a program that hangs takes so long
 
 # The term scenario on particles of 3 mm, to be quick where a test asks nothing of the tissue.
 COARSE_TERM = ROOT / "deploy/studies/patients/term_3500.yaml"
@@ -56,7 +58,34 @@ def limit_memory():
     resource.setrlimit(resource.RLIMIT_DATA, (4 << 30, 4 << 30))
 
 
-def run(program, *arguments, timeout=60, wrapper=(), **options):
+def wait_until(happened, what):
+    """Waits for a condition; `what`: text, or a function that gives it, for a condition that never comes."""
+    end = time.monotonic() + PATIENCE
+    while not happened():
+        if time.monotonic() > end:
+            raise AssertionError(f"not within {PATIENCE} s: {what() if callable(what) else what}")
+        time.sleep(0.02)
+
+
+def cached_patients():
+    """Where servers keep the newborns that they have built, as server/app/patient_cache.hpp says."""
+    return Path(os.environ.get("ETI_CACHE") or
+                Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "neoeti")
+
+
+def takes(process, number):
+    """Whether a program has set up what it does at a signal, by proc(5): before, the signal ends it."""
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1 == 1
+
+
+def processor_seconds(process):
+    """User and system time that a program has taken so far."""
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def run(program, *arguments, timeout=PATIENCE, wrapper=(), **options):
     """Runs a program of ours to its end; standard output and error as text."""
     command = [*map(str, wrapper), str(BIN / program), *map(str, arguments)]
     return subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
@@ -112,7 +141,7 @@ class Programs(Case):
     def log(self, role):
         return (self.folder / f"{role}.log").read_text(errors="replace")
 
-    def wait_for(self, role, words, seconds=60):
+    def wait_for(self, role, words, seconds=PATIENCE):
         end = time.monotonic() + seconds
         while words not in self.log(role):
             self.assertLess(time.monotonic(), end, f"{role} never said '{words}':\n{self.log(role)}")
@@ -128,7 +157,12 @@ class Programs(Case):
     def stop(self, role):
         """Asks a program to end, and waits until it has."""
         self.running[role].send_signal(signal.SIGINT)
-        self.assertEqual(self.running[role].wait(30), 0, self.log(role))
+        self.assertEqual(self.running[role].wait(PATIENCE), 0, self.log(role))
+
+    def simulated(self):
+        """Simulation time and how far it is behind the clock [s], as the server last said."""
+        told = re.findall(r"simulation time (\d+) s, ([\d.]+) s behind", self.log("server"))
+        return tuple(map(float, told[-1])) if told else (0.0, 0.0)
 
     def end(self, role):
         """The same; its JSON."""

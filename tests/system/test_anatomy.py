@@ -6,7 +6,6 @@ import gzip
 import json
 import signal
 import subprocess
-import time
 
 import numpy
 from PIL import Image
@@ -176,9 +175,9 @@ tube: {inner_diameter_mm: 3.0, grip_from_tip_mm: 100, curve_radius_mm: 70, young
     def test_interrupt_leaves_nothing(self):
         program = subprocess.Popen([support.BIN / "eti-anatomy", "phantom", "--spacing-mm", "0.5", "--out",
                                     self.folder / "ct.nrrd"], stderr=subprocess.PIPE, text=True)
-        time.sleep(1.0)
+        support.wait_until(lambda: support.takes(program, signal.SIGINT), "a handler of SIGINT")
         program.send_signal(signal.SIGINT)
-        _, said = program.communicate(timeout=60)
+        _, said = program.communicate(timeout=support.PATIENCE)
         self.assertEqual(program.returncode, 130, said)
         self.assertIn("nothing was written", said)
         self.assertEqual(list(self.folder.iterdir()), [])

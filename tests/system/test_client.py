@@ -25,7 +25,7 @@ class Client(support.Case):
         while len(self.pictures(view)) < count:
             self.assertIsNone(self.client.poll(), "the client has ended")
             self.assertLess(time.monotonic(), deadline, f"{self.pictures(view)} of {view}")
-            time.sleep(0.1)
+            time.sleep(0.02)
 
     def test_enhanced_view_is_shown_by_command(self):
         place = ["--session", support.SESSION, "--domain", str(support.DOMAIN)]
@@ -48,7 +48,7 @@ class Client(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.wait_for_pictures("auto", len(self.pictures("auto")) + 2)
         server.send_signal(signal.SIGINT)
-        said, _ = self.client.communicate(timeout=60)
+        said, _ = self.client.communicate(timeout=support.PATIENCE)
         report = json.loads(said)
         self.assertEqual((report["view"], report["end"], report["messages_dropped"]), ("auto", "finished", 0))
         section, both = self.pictures("section"), self.pictures("auto")

@@ -92,7 +92,7 @@ class Demo(support.Case):
             if line.startswith("simulated "):
                 break
         os.kill(process.pid, signal.SIGINT)
-        _, said = process.communicate(timeout=90)
+        _, said = process.communicate(timeout=support.PATIENCE)
         self.assertEqual(process.returncode, 1)
         self.assertIn("Stopping: interrupted.", said)
         self.assertNotIn("killing it", said)

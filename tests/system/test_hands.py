@@ -35,7 +35,7 @@ class Hands(support.Programs):
         client = self.start("client", "eti-client", "--offscreen", self.folder / "pictures", "--no-video", "--every", 0,
                             "--hands", "--play", LIST, "--tutorial", "on", "--json")
         self.assertEqual(self.running["server"].wait(SECONDS_TO_PLAY), 0, self.log("server"))
-        self.assertEqual(client.wait(60), 0, self.log("client"))
+        self.assertEqual(client.wait(support.PATIENCE), 0, self.log("client"))
         report = json.loads((self.folder / "client.out").read_text())
         result = json.loads((self.folder / "server.out").read_text())
         self.assertTrue(result["success"], result["reason"])
@@ -67,7 +67,7 @@ class Hands(support.Programs):
                    "640x360", "--quality", "low", "--json")
         window = self.display.find("NeoETI")
         self.wait_for("client", "mouse and keys hold laryngoscope and tube")
-        time.sleep(3)
+        self.wait_for("client", "shows the patient")
         self.drag(1, 300, 200, 30, 20)    # the tool is held and moved
         self.drag(3, 300, 200, 40, 0)     # the hand is swung about the tip
         self.display.key("Tab")

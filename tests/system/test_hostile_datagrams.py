@@ -21,19 +21,19 @@ class HostileDatagrams(support.Case):
         self.session = hostile.Session(self.folder, support.DOMAIN, support.SESSION)
         self.addCleanup(self.session.end)
         # A program that has hardly begun does not take Ctrl-C for a wish to end in order.
-        self.session.wait_for("observer", "scene is complete", 60)
+        self.session.wait_for("observer", "scene is complete")
 
     def assert_lives(self):
         self.assertEqual(self.session.dead(), {}, {role: self.session.log(role)[-800:] for role in self.session.dead()})
         answered, said = self.session.answers()
         self.assertTrue(answered, said)
         taken = self.session.end()
-        self.assertNotIn(None, taken.values(), f"did not end within 10 s of Ctrl-C: {taken}")
+        self.assertNotIn(None, taken.values(), f"did not end at Ctrl-C: {taken}")
         for role, process in self.session.running.items():
             self.assertEqual(process.returncode, 0, f"{role}: {self.session.log(role)[-800:]}")
 
     def test_the_one_datagram_that_ends_the_library(self):
-        self.session.wait_for("haptics", "device 'simulated'", 30)
+        self.session.wait_for("haptics", "device 'simulated'")
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for port in hostile.ports_of(support.DOMAIN):
                 for _ in range(3):
@@ -41,11 +41,11 @@ class HostileDatagrams(support.Case):
                         sender.sendto(hostile.DEADLY, ("127.0.0.1", port))
                     except OSError:
                         pass  # nobody listens there
-        self.session.wait_for("server", "is not sound RTPS was dropped", 5)
+        self.session.wait_for("server", "is not sound RTPS was dropped")
         self.assert_lives()
 
     def test_heartbeats_that_the_library_would_count_to(self):
-        self.session.wait_for("haptics", "device 'simulated'", 30)
+        self.session.wait_for("haptics", "device 'simulated'")
         heartbeats = hostile.far_heartbeats(self.tap.capture(3000, 3))
         self.assertGreater(len(heartbeats), 10)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -53,7 +53,7 @@ class HostileDatagrams(support.Case):
                 if not address.startswith("239."):
                     sender.sendto(heartbeat, (address, port))
         for role in ("haptics", "tracker", "observer"):
-            self.session.wait_for(role, "more samples than it can have written was dropped", 5)
+            self.session.wait_for(role, "more samples than it can have written was dropped")
         self.assert_lives()
 
     def test_mutants_of_the_sessions_traffic(self):

@@ -38,12 +38,12 @@ class Kill(support.Case):
             self.assertLess(time.monotonic(), deadline, self.explain())
             for program in self.others.values():
                 self.assertIn(program.exit_code(), (None, 0), self.explain())
-            time.sleep(0.1)
+            time.sleep(0.02)
 
     def kill(self, role):
         self.pass_time(KILL_AFTER)
         self.session.programs[role].send(signal.SIGKILL)
-        self.assertTrue(self.session.programs[role].wait(5))
+        self.assertTrue(self.session.programs[role].wait(PATIENCE))
         del self.others[role]
 
     def assert_ended_cleanly(self):
@@ -62,7 +62,7 @@ class Kill(support.Case):
         self.kill(role)
         self.pass_time(self.session.progress()[0] + GO_ON_FOR)
         self.session.stop("the test has seen enough")
-        self.assertTrue(self.session.server.wait(30), self.explain())
+        self.assertTrue(self.session.server.wait(PATIENCE), self.explain())
         self.assert_ended_cleanly()
         self.assert_readable()
 
@@ -96,12 +96,12 @@ class Kill(support.Case):
     def test_without_server(self):
         self.kill("server")
         # The others may end or wait for another server; either way they say that theirs is gone.
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + PATIENCE
         for role, program in self.others.items():
             while not any("server" in line.lower() for line in program.last_words()):
                 self.assertLess(time.monotonic(), deadline, f"{role} says nothing of the server\n{self.explain()}")
                 self.assertIn(program.exit_code(), (None, 0), self.explain())
-                time.sleep(0.1)
+                time.sleep(0.02)
         for program in self.others.values():  # else the session gives them time to end by themselves
             program.send(signal.SIGTERM)
         self.assert_ended_cleanly()

@@ -6,7 +6,6 @@ import json
 import re
 import signal
 import subprocess
-import time
 import unittest
 
 import h5py
@@ -35,6 +34,12 @@ class Live(support.Programs):
         arguments = [part for wish in wishes for part in ("--set", wish)]
         return support.run("eti-controller", *arguments, "--session", support.SESSION, "--domain", support.DOMAIN,
                            "--json")
+
+    def now(self, name):
+        """What a value that lives is, as clients hear it."""
+        said = support.run("eti-controller", "--list", "--json", "--session", support.SESSION, "--domain", support.DOMAIN)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        return next(row["now"] for row in json.loads(said.stdout)["live"] if row["name"] == name)
 
     def assert_ramped(self, values, wanted, most_per_second, relative=False):
         """It begins as it was, ends as it was wanted, and changes by no more than its rate in any step."""
@@ -129,12 +134,12 @@ class Live(support.Programs):
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(controller.kill)
         self.wait_seconds(2)  # till it has heard of the patient
-        for stick in (-1, 0):  # away from the body: up
-            pad.move(1, stick)
-            time.sleep(0.5)
+        pad.move(1, -1)  # away from the body: up
+        support.wait_until(lambda: self.now("head_elevation") > 22, "the head is lifted")
+        pad.move(1, 0)
         self.wait_seconds(2)
         controller.send_signal(signal.SIGINT)
-        said, log = controller.communicate(timeout=30)
+        said, log = controller.communicate(timeout=support.PATIENCE)
         self.assertEqual(controller.returncode, 0, log)
         self.assertGreater(json.loads(said)["accepted"], 0, log)
         self.stop("server")

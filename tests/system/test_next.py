@@ -26,7 +26,7 @@ class Next(support.Programs):
         self.assertEqual(next(row["now"] for row in session["live"] if row["name"] == "view_enhanced"), 1)
         done = self.ask("stop")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(self.running["server"].wait(30), 0)
+        self.assertEqual(self.running["server"].wait(support.PATIENCE), 0)
         self.assertEqual(sorted(file.name for file in self.folder.glob("*.h5")), ["lesson-2.eti.h5", "lesson.eti.h5"])
 
     def test_the_last_one_has_no_next(self):

@@ -37,9 +37,8 @@ class Panel(support.Programs):
     def open_client(self, *options):
         self.start("client", "eti-client", "--size", f"{WIDTH}x{HEIGHT}", "--view", "eye", "--quality", "low", "--json",
                    *options)
-        self.wait_for("client", "drawing with")
         self.display.find("NeoETI")
-        time.sleep(2)  # until the scene is there
+        self.wait_for("client", "shows the patient")
 
     def type_value(self, words, value):
         """By keys alone: shows the panel, which asks what to look for, and goes on to the slider found."""
@@ -61,14 +60,17 @@ class Panel(support.Programs):
     def test_keys_and_clicks_become_accepted_commands(self):
         self.start_server()
         self.open_client()
-        for _ in range(4):  # a picture may take longer than a key is held, where the machine is busy
+        for _ in range(8):  # a picture may take longer than a key is held, where the machine is busy
             self.type_value("axes", 1)
             if self.becomes("view_axes", 1):
                 break
             self.hide()
         self.assertEqual(self.now("view_axes"), 1, self.log("client"))
-        self.click_start_of_the_only_row()
-        self.assertTrue(self.becomes("view_axes", 0), self.log("client"))
+        for _ in range(8):
+            self.click_start_of_the_only_row()
+            if self.becomes("view_axes", 0):
+                break
+        self.assertEqual(self.now("view_axes"), 0, self.log("client"))
         report = self.end("client")
         self.assertGreaterEqual(report["commands"]["accepted"], 2)
         self.assertEqual(report["commands"]["refused"], 0)

@@ -8,7 +8,6 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
 import support
@@ -113,16 +112,13 @@ class Containers(support.Case):
 
         def health():
             return subprocess.run([OCI / "healthcheck.sh", str(server.pid)], stdout=subprocess.PIPE).returncode
-        end = time.monotonic() + 120
-        while health() != 0 and time.monotonic() < end:
-            pass
-        self.assertEqual(health(), 0)
+        support.wait_until(lambda: health() == 0, "a healthy loop")
         server.send_signal(signal.SIGSTOP)
         self.assertEqual(health(), 1)
         server.send_signal(signal.SIGCONT)
         self.assertEqual(health(), 0)
         server.terminate()
-        self.assertEqual(server.wait(60), 0)
+        self.assertEqual(server.wait(support.PATIENCE), 0)
         self.assertEqual(health(), 1)
 
 

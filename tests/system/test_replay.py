@@ -27,7 +27,7 @@ class Replay(support.Programs):
 
     def replay(self, *options):
         self.start("replay", "eti-review", "replay", self.record, *options)
-        self.wait_for("replay", "replays", 30)
+        self.wait_for("replay", "replays")
 
     def ask(self, *words, status=0):
         done = support.run("eti-controller", *words, "--json", *map(str, self.bus))
@@ -47,7 +47,7 @@ class Replay(support.Programs):
         return out
 
     def pictures(self, role, out):
-        self.assertEqual(self.running[role].wait(120), 0, self.log(role))
+        self.assertEqual(self.running[role].wait(support.PATIENCE), 0, self.log(role))
         report = json.loads((self.folder / f"{role}.out").read_text())
         self.assertEqual((report["end"], report["messages_dropped"]), ("finished", 0))
         pictures = {re.match(r"(\w+)_final_", file.name)[1]: support.read_picture(file).astype(int)
@@ -72,11 +72,11 @@ class Replay(support.Programs):
         self.start_server("--operator", "expert", "--steps", STEPS)
         live_time, live = self.pictures("live", live_out)
         self.assertAlmostEqual(live_time, STEPS / 180, places=6)
-        self.assertEqual(self.running["server"].wait(60), 0)
+        self.assertEqual(self.running["server"].wait(support.PATIENCE), 0)
         again_out = self.draw("again")
         self.replay("--from", STEPS / 180 - 1)
         again_time, again = self.pictures("again", again_out)
-        self.assertEqual(self.running["replay"].wait(60), 0, self.log("replay"))
+        self.assertEqual(self.running["replay"].wait(support.PATIENCE), 0, self.log("replay"))
         self.assertEqual(again_time, live_time)
         before_out = self.draw("before")
         self.replay("--to", 5)
@@ -94,29 +94,28 @@ class Replay(support.Programs):
         with h5py.File(self.record, "r+") as file:
             file["skeleton/jaw_opening"][:] = (
                 numpy.arange(len(file["inputs/step"]), dtype=numpy.float32) / 180 * numpy.pi / 180)  # a degree a second
-        self.replay("--pause")
+        self.replay("--pause", "--loop")
         self.assertLess(self.now("jaw_opening"), 0.02)
         for place in (2, 1, 1.5, 1.4):  # forwards, back by more and by less than a second
             self.ask("--seek", place)
             self.assertAlmostEqual(self.now("jaw_opening"), place, delta=0.02)
-        time.sleep(1)
+        time.sleep(0.2)
         self.assertAlmostEqual(self.now("jaw_opening"), 1.4, delta=0.02, msg="it stands still")
         self.ask("--command", "start")
-        time.sleep(0.5)
+        support.wait_until(lambda: abs(self.now("jaw_opening") - 1.4) > 0.2, "it goes on")
         self.ask("--command", "pause")
-        self.assertGreater(self.now("jaw_opening"), 1.6)
         self.ask("--command", "reset")
         self.assertLess(self.now("jaw_opening"), 0.02)
         self.ask("--set", "tongue_scale=1.2", status=1)
         self.ask("--command", "next", status=1)
         self.ask("--command", "stop")
-        self.assertEqual(self.running["replay"].wait(30), 0, self.log("replay"))
+        self.assertEqual(self.running["replay"].wait(support.PATIENCE), 0, self.log("replay"))
 
     def test_it_ends_loops_and_is_ended(self):
         self.record_expert(2)
         began = time.monotonic()
         self.replay("--from", 0.5, "--to", 1.5, "--speed", 8)
-        self.assertEqual(self.running["replay"].wait(30), 0)
+        self.assertEqual(self.running["replay"].wait(support.PATIENCE), 0)
         self.assertIn("the replay ended at 1.5 s", self.log("replay"))
         self.assertLess(time.monotonic() - began, 60)
         self.replay("--loop", "--speed", 4)

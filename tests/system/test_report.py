@@ -106,8 +106,19 @@ class Report(support.Case):
 
     def stage(self):
         self.find("#anatomy .stage")[0].location_once_scrolled_into_view
-        time.sleep(0.3)
         return self.find(".stage canvas")[0].screenshot_as_png
+
+    def stage_at(self, share):
+        """The stage once it stands still after the slider was moved."""
+        self.set_slider(share)
+        seen = [self.stage()]
+
+        def rests():
+            time.sleep(0.2)
+            seen.append(self.stage())
+            return seen[-1] == seen[-2]
+        support.wait_until(rests, "two equal pictures of the stage")
+        return seen[-1]
 
     def set_slider(self, share):
         self.browser.execute_script(
@@ -151,10 +162,9 @@ class Report(support.Case):
         legend.click()
         self.assertEqual(self.find(".u-series.u-off"), [])
         # The slider moves tools and tissue.
-        self.set_slider(0.1)
-        before = self.stage()
+        before = self.stage_at(0.1)
         self.set_slider(0.6)
-        self.assertNotEqual(before, self.stage())
+        support.wait_until(lambda: self.stage() != before, "another picture of the stage")
         self.assertEqual(len(self.find("#anatomy .gallery img")), 3)
         self.assert_quiet()
         self.assertLess(self.file.stat().st_size, 2 * 15e6)

@@ -7,7 +7,6 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 
 import h5py
@@ -101,7 +100,7 @@ class Resimulate(support.Programs):
             done = support.run("eti-controller", *wish, *map(str, self.bus))
             self.assertEqual(done.returncode, 0, done.stderr)
         # Of simulation time: half a second until the tongue may grow, and some in which it does.
-        self.wait_for("server", "simulation time 4 s", 60)
+        self.wait_for("server", "simulation time 4 s")
         live = self.end("server")
         with h5py.File(self.record) as file:
             self.assertIn(b"reset", list(file["inputs/commands/kind"]))
@@ -132,10 +131,11 @@ class Resimulate(support.Programs):
         self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)
         self.start("haptics", "eti-haptics", "--device", "simulated", "--operator", "expert")
         self.start("tracker", "eti-tracker", "--device", "scripted", "--operator", "expert")
-        self.wait_for("server", "simulation time 6 s", 60)
+        self.wait_for("server", "simulation time 6 s")
         for role in ("haptics", "tracker"):
             self.running[role].kill()
-        self.wait_for("server", "device has been silent", 20)
+        self.wait_for("server", "the tube's device has been silent")
+        self.wait_for("server", "the laryngoscope's device has been silent")
         live = self.end("server")
         with h5py.File(self.record) as file:
             self.assertEqual(sum(kind == b"device" for kind in file["events/kind"]), 4, "two came, two fell silent")
@@ -211,12 +211,13 @@ class Resimulate(support.Programs):
 
     def test_ctrl_c_ends_it_with_what_was_done(self):
         self.record = recording("novice")
-        for wait in (0.2, 2.0):  # before the patient is there, and probably after
+        for worked in (0.0, 2.5):  # [s] of processor: before the patient is there, and probably after
             running = subprocess.Popen([support.BIN / "eti-server", "--resimulate", self.record, "--json"],
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            time.sleep(wait)
+            support.wait_until(lambda: support.takes(running, signal.SIGINT) and
+                               support.processor_seconds(running) >= worked, "a handler of SIGINT, and work")
             running.send_signal(signal.SIGINT)
-            said, errors = running.communicate(timeout=60)
+            said, errors = running.communicate(timeout=support.PATIENCE)
             self.assertEqual(running.returncode, 130, errors)
             self.assertLess(json.loads(said)["steps"], json.loads(said)["recorded_steps"])
 

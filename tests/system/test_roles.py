@@ -32,7 +32,7 @@ class Display:
 
     def do(self, *what):
         return subprocess.run(["xdotool", *map(str, what)], env=self.environment, check=True, capture_output=True,
-                              text=True, timeout=30).stdout
+                              text=True, timeout=support.PATIENCE).stdout
 
     def window(self, process):
         """The window of a program, once it is there, in front and with the keyboard."""
@@ -57,21 +57,17 @@ class Roles(support.Programs):
 
     def draws(self, role):
         """Waits until it draws the patient: until then nothing can be pointed at."""
-        self.wait_for(role, "drawing with")
-        time.sleep(5)
+        self.wait_for(role, "shows the patient")
         return self.display.window(self.running[role])
 
     def said_by_server(self, words):
         return len(re.findall(words, self.log("server")))
 
-    def wait_until_server_says(self, words):
-        self.wait_for("server", words)
-
     def test_an_instructor_leaves_marks_and_commands_and_an_observer_neither(self):
         self.start_server()
         self.start_client("observer", "--observe")
         self.draws("observer")
-        self.hands()
+        self.hands(lambda words: time.sleep(0.5))
         report = self.end("observer")
         self.assertNotIn("commands", report)
         self.assertGreater(report["frames"], 0)
@@ -80,12 +76,9 @@ class Roles(support.Programs):
         # The lower half of an upright window is the instructor's panel.
         self.start_client("instructor", "--instructor", height=2 * HEIGHT)
         self.draws("instructor")
-        self.hands()
-        self.wait_until_server_says("note of")
-        self.wait_until_server_says("points at")
-        self.wait_until_server_says("draws on")
+        self.hands(lambda words: self.wait_for("server", words))
         self.display.do("key", "z")
-        self.wait_until_server_says("wipes all marks away")
+        self.wait_for("server", "wipes all marks away")
         report = self.end("instructor")
         self.assertEqual(report["commands"], {"sent": 1, "accepted": 1, "refused": 0})
         self.assertEqual(report["messages_dropped"], 0)
@@ -118,22 +111,23 @@ class Roles(support.Programs):
         self.assertIn("Lift more", summary.stdout)
         self.assertIn("points at", summary.stdout)
 
-    def hands(self):
-        """What an instructor's hands do: a command, a remark, a point and a line on the head."""
+    def hands(self, wait_for):
+        """What an instructor's hands do: a command, a remark, a point and a line on the head, each after the server has
+        had time for the one before."""
         x, y = WIDTH // 2, HEIGHT // 2
         self.display.do("key", "e")
         self.display.do("key", "w")
         self.display.do("type", "--delay", 60, "Lift more")
         self.display.do("key", "Return")
-        time.sleep(1)
+        wait_for("note of")
         self.display.do("mousemove", x, y, "keydown", "shift", "click", 1)
-        time.sleep(1)
+        wait_for("points at")
         self.display.do("mousedown", 1)
         for i in range(1, 8):
             self.display.do("mousemove", x + 6 * i, y)
             time.sleep(0.1)
         self.display.do("mouseup", 1, "keyup", "shift")
-        time.sleep(1)
+        wait_for("draws on")
 
     def test_a_window_outlives_its_server_and_follows_the_next(self):
         self.start_server()
@@ -145,14 +139,14 @@ class Roles(support.Programs):
         self.assertEqual(changed.returncode, 0, changed.stderr)
         for size in ((1, 1), (2, 500), (800, 450)):
             self.display.do("windowsize", window, *size)
-            time.sleep(1)
+            time.sleep(0.4)  # some pictures of that size
         self.running["server"].kill()
         self.running["server"].wait()
         self.wait_for("trainee", "the server is lost; waiting for one")
         self.record.unlink()
         self.start_server()
         self.wait_for("trainee", "a server is back")
-        time.sleep(2)
+        time.sleep(1)  # some pictures of its scene
         report = self.end("trainee")
         self.assertEqual(report["end"], "stopped")
         self.assertEqual(report["messages_dropped"], 0, self.log("trainee"))

@@ -87,7 +87,7 @@ class Security(support.Programs):
         note = self.run_as("observer", "eti-controller", "--note", "well done")
         self.assertEqual(note.returncode, 0, note.stderr)
         server.send_signal(signal.SIGINT)
-        server.wait(30)
+        server.wait(support.PATIENCE)
         with h5py.File(self.record, "r") as file:
             self.assertEqual(list(file["inputs/commands/kind"]), [b"head_elevation"])
         self.assertIn("well done", self.log("server"))

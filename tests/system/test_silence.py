@@ -2,7 +2,6 @@
 # Copyright the NeoETI authors
 """A device that falls silent, and one that comes back: what becomes of the session."""
 
-import signal
 import time
 import unittest
 
@@ -15,49 +14,48 @@ class Silence(support.Programs):
         scenario.write_text((support.ROOT / "deploy/scenarios/term.yaml").read_text() +
                             f"\nsilent_device: {silent_device}\n")
         self.start("server", "eti-server", "--scenario", scenario, "--json")
-        self.wait_for("server", "simulation time 1 s", 120)
+        self.wait_for("server", "simulation time 1 s")
         self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
-        self.wait_for("haptics", "device 'simulated'")
-        time.sleep(1.0)
+        self.wait_for("server", "the laryngoscope's device is here")
 
-    def simulated(self):
-        """Seconds of simulation time in the server's last line of progress."""
-        lines = [line for line in self.log("server").splitlines() if "simulation time" in line and "behind" in line]
-        return float(lines[-1].split("simulation time ")[1].split()[0])
+    def goes_on(self):
+        """Waits for the second line from now on: the first may be of a time before."""
+        wanted = self.simulated()[0] + 2
+        support.wait_until(lambda: self.simulated()[0] >= wanted, lambda: self.log("server"))
 
     def test_time_stands_still_where_the_scenario_says_so(self):
         self.serve_with("freeze")
         self.running["haptics"].kill()
         self.running["haptics"].wait()
-        self.wait_for("server", "time stands still", 5)
-        before = self.simulated()
-        time.sleep(3.0)
-        self.assertLess(self.simulated(), before + 1.5, "it went on")
+        self.wait_for("server", "time stands still")
+        began = time.monotonic()
+        time.sleep(0.5)  # what was being written is in the log
+        before, behind = self.simulated()
+        time.sleep(2.0)
+        self.assertEqual(self.simulated()[0], before, "it went on")
+        stood = time.monotonic() - began
         self.start("again", "eti-haptics", "--device", "simulated", "--json")
-        self.wait_for("server", "device is back", 10)
-        frozen = self.simulated()
-        time.sleep(3.0)
-        self.assertGreater(self.simulated(), frozen + 0.5, "it goes on")
+        self.wait_for("server", "device is back")
+        self.goes_on()
         self.end("again")
-        self.assertLess(self.end("server")["behind_s"], 2.0, "standing still is not falling behind")
+        # A busy machine falls behind, too, but not by all of the time in the two seconds since then.
+        self.assertLess(self.simulated()[1] - behind, stood, "standing still is not falling behind")
+        self.end("server")
 
     def test_time_goes_on_where_nothing_is_said(self):
         self.serve_with("go_on")
         self.running["haptics"].kill()
         self.running["haptics"].wait()
-        self.wait_for("server", "the tool stays where it was", 5)
-        before = self.simulated()
-        time.sleep(3.0)
-        self.assertGreater(self.simulated(), before + 0.5)
+        self.wait_for("server", "the tool stays where it was")
+        self.goes_on()
 
     def test_a_server_that_stands_still_can_be_stopped(self):
         self.serve_with("freeze")
         self.running["haptics"].kill()
-        self.wait_for("server", "time stands still", 5)
+        self.wait_for("server", "time stands still")
         answered = support.run("eti-controller", "--set", "head_elevation_deg=5", *self.bus)
         self.assertEqual(answered.returncode, 0, answered.stderr)
-        self.running["server"].send_signal(signal.SIGINT)
-        self.assertEqual(self.running["server"].wait(10), 0, self.log("server"))
+        self.stop("server")
 
 
 if __name__ == "__main__":

@@ -242,7 +242,7 @@ class Study(support.Case):
             time.sleep(0.05)
         time.sleep(0.5)
         os.killpg(first.pid, signal.SIGINT)  # as Ctrl-C does
-        first.communicate(timeout=60)
+        first.communicate(timeout=support.PATIENCE)
         self.assertEqual(first.returncode, 130)
         self.assertEqual(len(list(self.out.glob("*/*.cut-1"))), 1)
         self.assertEqual({row["state"] for row in read_plan(self.out)}, {"open"})
@@ -313,7 +313,7 @@ class Study(support.Case):
         process = subprocess.Popen([support.BIN / "eti-review", "questionnaire", file, "--form", form], stdin=theirs,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         os.write(mine, b"9\n2\nyes\n")
-        output, _ = process.communicate(timeout=60)
+        output, _ = process.communicate(timeout=support.PATIENCE)
         os.close(mine)
         os.close(theirs)
         self.assertEqual(process.returncode, 0, output)

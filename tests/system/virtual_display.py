@@ -30,14 +30,14 @@ class VirtualDisplay:
             os.environ["DISPLAY"] = self.before
 
     def _do(self, *words):
-        return subprocess.run(["xdotool", *map(str, words)], capture_output=True, text=True, timeout=30, check=True,
+        return subprocess.run(["xdotool", *map(str, words)], capture_output=True, text=True, timeout=120, check=True,
                               env={**os.environ, "DISPLAY": self.name}).stdout
 
     def find(self, title, seconds=60):
         """The window of that title, which has the keyboard from now on."""
         end = time.monotonic() + seconds
         while True:
-            found = subprocess.run(["xdotool", "search", "--name", title], capture_output=True, text=True, timeout=30,
+            found = subprocess.run(["xdotool", "search", "--name", title], capture_output=True, text=True, timeout=120,
                                    env={**os.environ, "DISPLAY": self.name}).stdout.split()
             if found:
                 self._do("windowmove", "--sync", found[-1], 0, 0)
