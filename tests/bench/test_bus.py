@@ -35,7 +35,9 @@ class Bench(unittest.TestCase):
         for row in self.rows("latency"):
             beyond = float(row["p50_us"]) - 1000 * float(row["delay_ms"])
             self.assertGreater(beyond, 0, row)
-            self.assertLess(beyond, 2000, row)
+            # Half of them: 0.1 ms on an idle machine, some of a scheduler's turns on a busy one; a repeated sending or a
+            # second way over the link would take its 20 ms once more.
+            self.assertLess(beyond, 20_000, row)
             # Each way of a frame is lost by chance; 2000 of them scatter by half a percent at 5 %.
             self.assertAlmostEqual(float(row["arrived_percent"]), 100 - float(row["loss_percent"]), delta=3, msg=row)
 

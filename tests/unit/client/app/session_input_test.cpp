@@ -11,10 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Takes what comes until `enough` or for 10 s.
+// Takes what comes until `enough`, or until only a hang is left.
 template <class Enough>
 void follow(client::SessionInput& input, view::SceneView& scene, Enough enough) {
-    const auto limit = std::chrono::steady_clock::now() + 10s;
+    const auto limit = std::chrono::steady_clock::now() + 120s;
     while (!enough() && std::chrono::steady_clock::now() < limit) {
         input.take_into(scene);
         input.wait(10ms);

@@ -205,26 +205,26 @@ TEST(Quality, ABellRingsForWhicheverTopicHasASample) {
     msg::Command received;
     msg::LiveMetrics measured;
     ASSERT_TRUE(commands.publish(example<msg::Command>()));
-    EXPECT_TRUE(bell.wait(5s));
+    EXPECT_TRUE(bell.wait(120s));
     EXPECT_TRUE(command.take(received));
     ASSERT_TRUE(metrics.publish(example<msg::LiveMetrics>()));
-    EXPECT_TRUE(bell.wait(5s));
+    EXPECT_TRUE(bell.wait(120s));
     EXPECT_TRUE(live.take(measured));
     EXPECT_FALSE(bell.wait(20ms)) << "it has rung for both";
     { const Subscriber<msg::Command> gone(std::move(command)); }
     ASSERT_TRUE(eventually([&] { return commands.matched() == 0; }));
     ASSERT_TRUE(metrics.publish(example<msg::LiveMetrics>()));
-    EXPECT_TRUE(bell.wait(5s)) << "the one that is left rings on";
+    EXPECT_TRUE(bell.wait(120s)) << "the one that is left rings on";
 }
 
 TEST(Quality, AStuckReliableReaderDoesNotHoldTheWriter) {
     CommandPair pair;
     pair.connect();
     // The reader never takes. Keep last 64 at both ends drops the oldest instead of waiting; a write may
-    // wait max_blocking_time (20 ms) at most, so 200 writes that blocked would take 4 s.
+    // wait max_blocking_time (20 ms) at most, so 1000 writes that blocked would take 20 s.
     const auto start = Clock::now();
-    pair.send(200);
-    EXPECT_LT(Clock::now() - start, 2s);
+    pair.send(1000);
+    EXPECT_LT(Clock::now() - start, 10s);
 }
 
 TEST(Quality, AHungWriterShowsWithinItsLease) {
@@ -235,27 +235,30 @@ TEST(Quality, AHungWriterShowsWithinItsLease) {
     ASSERT_TRUE(eventually([&] { return publisher.matched() == 1 && subscriber.matched() == 1; }));
     ASSERT_TRUE(publisher.publish(example<msg::SessionStatus>()));
     ASSERT_TRUE(eventually([&] { return subscriber.alive(); }));
-    // Ten leases long, asserted every 50 ms, it stays alive (a loaded machine may delay one assertion,
-    // not five in a row).
-    for (int i = 0; i < 60; ++i) {
+    // Three leases long, asserted every 50 ms, it stays alive, unless other programs held it up for a lease.
+    for (int i = 0; i < 20; ++i) {
+        const auto last = Clock::now();
         std::this_thread::sleep_for(50ms);
         if (i % 2 == 0) {
             publisher.assert_liveliness();
         } else {
             ASSERT_TRUE(publisher.publish(example<msg::SessionStatus>()));
         }
-        ASSERT_TRUE(subscriber.alive()) << "after " << i << " intervals";
+        const bool alive = subscriber.alive();
+        ASSERT_TRUE(alive || Clock::now() - last > 200ms) << "after " << i << " intervals";
     }
+    ASSERT_TRUE(publisher.publish(example<msg::SessionStatus>()));
     const auto stopped = Clock::now();
-    ASSERT_TRUE(eventually([&] { return !subscriber.alive(); }, 2s));
+    ASSERT_TRUE(eventually([&] { return subscriber.alive(); }));
+    ASSERT_TRUE(eventually([&] { return !subscriber.alive(); }));
     const auto lost = Clock::now() - stopped;
-    // Lease 300 ms, counted from the last assertion's arrival (under 10 ms after it was sent); the
-    // upper bound leaves 200 ms for a loaded machine's scheduling.
+    // Lease 300 ms, counted from the last assertion's arrival. The upper bound tells it from the library's
+    // own of 20 s and from none, on any machine.
     EXPECT_GT(lost, 280ms);
-    EXPECT_LT(lost, 500ms);
+    EXPECT_LT(lost, 10s);
     EXPECT_EQ(subscriber.matched(), 1) << "hung is not gone";
     publisher.assert_liveliness();
-    EXPECT_TRUE(eventually([&] { return subscriber.alive(); }, 2s)) << "it does not come back";
+    EXPECT_TRUE(eventually([&] { return subscriber.alive(); })) << "it does not come back";
 }
 
 TEST(Quality, AWriterThatLeavesIsNoLongerMatched) {
@@ -266,7 +269,7 @@ TEST(Quality, AWriterThatLeavesIsNoLongerMatched) {
         Publisher<msg::SessionStatus> publisher(server, topics::session_status);
         ASSERT_TRUE(eventually([&] { return subscriber.matched() == 1; }));
     }
-    EXPECT_TRUE(eventually([&] { return subscriber.matched() == 0 && !subscriber.alive(); }, 2s));
+    EXPECT_TRUE(eventually([&] { return subscriber.matched() == 0 && !subscriber.alive(); }));
 }
 
 }  // namespace

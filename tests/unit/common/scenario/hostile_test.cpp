@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <string>
 #include <utility>
 #include <vector>
@@ -86,17 +86,17 @@ std::vector<std::pair<std::string, std::string>> hostile() {
 
 TEST(HostileScenario, IsRefusedShortlyAndInGoodTime) {
     for (const auto& [name, text] : hostile()) {
-        const auto begin = std::chrono::steady_clock::now();
+        const std::clock_t begin = std::clock();
         std::string message;
         try {
             (void)parse_scenario(text, "evil.yaml");
         } catch (const InputError& error) {
             message = error.what();
         }
-        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+        const double took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;  // of the processor
         EXPECT_EQ(message.rfind("evil.yaml", 0), 0u) << name << ": " << message;
         EXPECT_LT(message.size(), 1000u) << name << " is shown whole";
-        EXPECT_LT(took.count(), 5.0) << name << " takes too long";
+        EXPECT_LT(took, 5.0) << name << " takes too long";
     }
 }
 

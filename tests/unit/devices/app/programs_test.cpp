@@ -72,7 +72,7 @@ class Running {
     }
 
     /// Exit status; -1 when a signal ended it, -2 when it did not end in time.
-    int wait(std::chrono::seconds limit = 30s) {
+    int wait(std::chrono::seconds limit = 120s) {
         const auto end = std::chrono::steady_clock::now() + limit;
         int status = 0;
         while (::waitpid(pid_, &status, WNOHANG) == 0) {
@@ -88,7 +88,7 @@ class Running {
     [[nodiscard]] std::string out() const { return text(".out"); }
     [[nodiscard]] std::string err() const { return text(".err"); }
 
-    [[nodiscard]] bool says(const std::string& words, std::chrono::seconds limit = 20s) const {
+    [[nodiscard]] bool says(const std::string& words, std::chrono::seconds limit = 120s) const {
         const auto end = std::chrono::steady_clock::now() + limit;
         while (err().find(words) == std::string::npos) {
             if (std::chrono::steady_clock::now() > end) {
@@ -347,7 +347,7 @@ TEST(Controller, PassesCommandsOnAndHearsTheAnswers) {
     const int end = ::open(pad.c_str(), O_RDWR | O_CLOEXEC);
     Running program(ETI_CONTROLLER, with("gamepad", {"--source", pad, "--json"}));
     ASSERT_TRUE(program.says("commands from")) << program.err();
-    const auto limit = std::chrono::steady_clock::now() + 20s;
+    const auto limit = std::chrono::steady_clock::now() + 120s;
     while (commands.matched() == 0 && std::chrono::steady_clock::now() < limit) {
         std::this_thread::sleep_for(10ms);
     }

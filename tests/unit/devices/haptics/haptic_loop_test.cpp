@@ -112,9 +112,9 @@ TEST(HapticLoop, ForceIsHeldAndGoneWithin300msOfAServerThatStops) {
     std::this_thread::sleep_for(200ms);
     server->push = 2e-3f;
     server->tissue = 1.0f;
-    ASSERT_TRUE(eventually([&] { return device.loop.force() > 1.5f; }, 20s)) << device.loop.force();
+    ASSERT_TRUE(eventually([&] { return device.loop.force() > 1.5f; })) << device.loop.force();
     server->stop();
-    ASSERT_TRUE(eventually([&] { return device.loop.force() == 0.0f; }, 2s));
+    ASSERT_TRUE(eventually([&] { return device.loop.force() == 0.0f; }));
     std::this_thread::sleep_for(100ms);
     EXPECT_EQ(device.loop.force(), 0.0f);
     device.loop.stop();
@@ -132,12 +132,12 @@ TEST(HapticLoop, ComesBackWhenTheServerDoes) {
     ASSERT_TRUE(eventually([&] { return server->heard > 200; }));
     std::this_thread::sleep_for(200ms);
     server->tissue = 2.0f;
-    ASSERT_TRUE(eventually([&] { return device.loop.force() > 1.8f; }, 20s));
+    ASSERT_TRUE(eventually([&] { return device.loop.force() > 1.8f; }));
     server.reset();
-    ASSERT_TRUE(eventually([&] { return device.loop.force() == 0.0f; }, 2s));
+    ASSERT_TRUE(eventually([&] { return device.loop.force() == 0.0f; }));
     server = std::make_unique<Answering>();
     server->tissue = 2.0f;
-    EXPECT_TRUE(eventually([&] { return device.loop.force() > 1.8f; }, 20s));
+    EXPECT_TRUE(eventually([&] { return device.loop.force() > 1.8f; }));
 }
 
 /// A device that is carried to where the test wants it, at 20 mm/s, whatever it feels.
@@ -175,12 +175,12 @@ TEST(HapticLoop, TissueIsPressedOverTheBus) {
     EXPECT_EQ(device.force, 0.0f);
     device.wanted = -6e-3f;
     // 5 mm deep at 160 N/m, to half a particle's share.
-    ASSERT_TRUE(eventually([&] { return std::abs(device.force - 0.8f) < 0.02f; }, 20s)) << device.force;
+    ASSERT_TRUE(eventually([&] { return std::abs(device.force - 0.8f) < 0.02f; })) << device.force;
     // The particles' middle is 19 mm along the blade: r x F = -z F about x.
-    EXPECT_TRUE(eventually([&] { return std::abs(device.torque + 0.019f * 0.8f) < 0.019f * 0.02f; }, 20s))
+    EXPECT_TRUE(eventually([&] { return std::abs(device.torque + 0.019f * 0.8f) < 0.019f * 0.02f; }))
         << device.torque;
     device.wanted = 0.0f;
-    EXPECT_TRUE(eventually([&] { return device.force == 0.0f; }, 20s)) << device.force;
+    EXPECT_TRUE(eventually([&] { return device.force == 0.0f; })) << device.force;
     loop.stop();
 }
 
@@ -189,10 +189,10 @@ TEST(HapticLoop, PublishesPosesAtItsRate) {
     bus::Subscriber<msg::ToolPose> poses(listener, bus::topics::laryngoscope_pose);
     Device device;
     ASSERT_TRUE(eventually([&] { return poses.matched() == 1; }));
-    const auto end = std::chrono::steady_clock::now() + 1s;
+    const auto begin = std::chrono::steady_clock::now();
     msg::ToolPose pose;
     std::uint32_t first = 0, last = 0;
-    while (std::chrono::steady_clock::now() < end) {
+    while (last - first < 300 && std::chrono::steady_clock::now() < begin + test::patience) {
         (void)poses.wait(20ms);
         while (poses.take(pose)) {
             first = first == 0 ? pose.header().number() : first;
@@ -200,12 +200,13 @@ TEST(HapticLoop, PublishesPosesAtItsRate) {
             last = pose.header().number();
         }
     }
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     device.loop.stop();
     EXPECT_TRUE(bus::is_valid(pose.pose()));
     EXPECT_LT((bus::from_msg(pose.pose()).translation - parked_pose(Tool::laryngoscope).translation).norm(),
               1e-4f);
-    // At most one a millisecond; on a machine shared by many tests at least a third of that.
-    EXPECT_LE(last - first, 1100u);
+    // At most one a millisecond, and those of the moment before, which came late.
+    EXPECT_LE(last - first, took.count() + 100.0);
     EXPECT_GE(last - first, 300u);
     EXPECT_LE(device.loop.published(), device.loop.cycle().record().intervals.count() + 1);
 }

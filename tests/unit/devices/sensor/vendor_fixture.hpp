@@ -42,7 +42,7 @@ class Loop {
     }
 
     template <class Condition>
-    [[nodiscard]] bool until(Condition condition, std::chrono::milliseconds limit = 10s) {
+    [[nodiscard]] bool until(Condition condition, std::chrono::milliseconds limit = test::patience) {
         const auto end = std::chrono::steady_clock::now() + limit;
         for (once(); !condition(); once()) {
             if (std::chrono::steady_clock::now() > end) {
