@@ -27,9 +27,9 @@ endif()
 # goes into its headers; a larger batch saves little more and takes over 1.3 GB of memory. A source with compile options or
 # definitions of its own stays by itself, and so does one whose SKIP_UNITY_BUILD_INCLUSION is set.
 function(eti_unity target batch)
-  if(ETI_UNITY)
-    get_target_property(sources ${target} SOURCES)
-    list(LENGTH sources count)
+  get_target_property(sources ${target} SOURCES)
+  list(LENGTH sources count)
+  if(ETI_UNITY AND count GREATER 1)
     math(EXPR batches "(${count} + ${batch} - 1) / ${batch}")
     math(EXPR size "(${count} + ${batches} - 1) / ${batches}")
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})

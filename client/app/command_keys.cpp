@@ -17,7 +17,7 @@ constexpr auto followed_after = 1s;
 constexpr auto between_steps = 100ms;
 
 // As on the assistant's keyboard (eti-controller).
-constexpr std::array keys{
+constexpr std::array command_key_table{
     CommandKey{key_up, "up", "head_elevation", Stroke::step, 1.0f, "head up"},
     CommandKey{key_down, "down", "head_elevation", Stroke::step, -1.0f, "head down"},
     CommandKey{key_right, "right", "jaw_opening", Stroke::step, 1.0f, "jaw open"},
@@ -32,12 +32,12 @@ constexpr std::array keys{
 }  // namespace
 
 std::span<const CommandKey> command_keys() {
-    return keys;
+    return command_key_table;
 }
 
 const CommandKey* command_key(char32_t key) {
-    const auto found = std::ranges::find(keys, key, &CommandKey::key);
-    return found == keys.end() ? nullptr : &*found;
+    const auto found = std::ranges::find(command_key_table, key, &CommandKey::key);
+    return found == command_key_table.end() ? nullptr : &*found;
 }
 
 std::optional<WantedCommand> CommandTyping::press(const CommandKey& key, bool repeated,

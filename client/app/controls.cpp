@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto notice_for = 5s;
-constexpr auto farewell = 500ms;
+constexpr auto command_delivery_wait = 500ms;
 constexpr float mark_step = 4.0f;  // [pixels], between two places of a drawn line
 
 constexpr char32_t key_follow = U't', key_write = U'w', key_wipe = U'z';
@@ -148,7 +148,7 @@ void Controls::let_go(Time now) {
         }
     }
     if (any) {
-        commands_->wait_until_received(farewell);
+        commands_->wait_until_received(command_delivery_wait);
     }
 }
 

@@ -32,9 +32,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr int headset_nice = 5;
-constexpr double lost_after_s = 1.0;
 constexpr std::uint64_t frames_with_help = 900;  // 10 s: what the hands do
-constexpr auto between_looks = 500ms;            // for a headset
+constexpr auto headset_poll_interval = 500ms;    // for a headset
 constexpr auto between_calls =
     2000ms;  // for a runtime that went; OpenXR's loader says each time that it failed
 constexpr auto while_nobody_looks = 20ms;  // between events of a runtime that wants no frames
@@ -113,7 +112,7 @@ class HeadsetClient {
                 runtime.reset();
             }
             if (!over()) {
-                idle(runtime ? between_looks : between_calls);
+                idle(runtime ? headset_poll_interval : between_calls);
             }
         }
         controls_->let_go(Clock::now());

@@ -7,7 +7,7 @@
 namespace eti::client {
 namespace {
 
-const std::vector<Selection>& table() {
+const std::vector<Selection>& selection_table() {
     static const std::vector<Selection> rows = [] {
         std::vector<Selection> out;
         Selection all{
@@ -48,8 +48,8 @@ const std::vector<Selection>& table() {
 
 template <class Value>
 const Selection* row_with(Value Selection::*member, Value value) {
-    const auto found = std::ranges::find(table(), value, member);
-    return found == table().end() ? nullptr : &*found;
+    const auto found = std::ranges::find(selection_table(), value, member);
+    return found == selection_table().end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -62,11 +62,11 @@ std::optional<Views> shown_now(const Selection& selection, const view::SceneView
 }
 
 std::span<const Selection> selections() {
-    return table();
+    return selection_table();
 }
 
 const Selection& default_selection() {
-    return table().back();
+    return selection_table().back();
 }
 
 const Selection& instructors_selection() {

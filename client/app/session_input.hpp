@@ -23,6 +23,9 @@ enum class Presence {
     gone,    ///< was there and left the bus
 };
 
+/// A lost connection shows at once; a server that only stumbles is not called lost.
+inline constexpr double lost_after_s = 1.0;
+
 /// The client's side of the bus: takes what arrives into a SceneView, publishes the trainee's eye.
 class SessionInput {
   public:

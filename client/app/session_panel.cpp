@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto between_looks = 1s;  // for who else is there
+constexpr auto peer_poll_interval = 1s;  // for who else is there
 
 panel::Model::Send send_by(bus::CommandSender* commands) {
     if (commands == nullptr) {
@@ -46,7 +46,7 @@ void SessionPanel::follow(const view::SceneView& scene, const SessionInput& inpu
 }
 
 void SessionPanel::note_programs(Time now) {
-    if (now - programs_noted_ < between_looks) {
+    if (now - programs_noted_ < peer_poll_interval) {
         return;
     }
     programs_noted_ = now;

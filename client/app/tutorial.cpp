@@ -45,7 +45,7 @@ bool attempt_succeeded(const LessonSight& sight) {
 }
 
 constexpr std::size_t blade_lesson = 1;
-constexpr std::array table{
+constexpr std::array lesson_table{
     Lesson{
         "1 of 5: look",
         "Press 2: the head cut open shows where the tools are. 5 is your own eye, 3 the camera on the blade.",
@@ -73,7 +73,7 @@ constexpr std::array table{
 }  // namespace
 
 std::span<const Lesson> lessons() {
-    return table;
+    return lesson_table;
 }
 
 void Tutorial::look(const LessonSight& sight) {
@@ -86,7 +86,7 @@ void Tutorial::look(const LessonSight& sight) {
             lesson_ = blade_lesson;
         }
     }
-    while (!finished() && table[lesson_].done(sight)) {
+    while (!finished() && lesson_table[lesson_].done(sight)) {
         ++lesson_;
         failed_.clear();
     }
@@ -101,11 +101,11 @@ void Tutorial::put_into(hud::Readout& readout) const {
     if (finished()) {
         return;
     }
-    readout.guidance.emplace_back(table[lesson_].title);
+    readout.guidance.emplace_back(lesson_table[lesson_].title);
     if (!failed_.empty()) {
         readout.guidance.push_back(fmt::format("That attempt: {}. Once more.", failed_));
     }
-    readout.guidance.emplace_back(table[lesson_].text);
+    readout.guidance.emplace_back(lesson_table[lesson_].text);
     readout.guidance.emplace_back("Enter passes over a step; h lists all keys.");
 }
 

@@ -24,7 +24,7 @@ constexpr float plane_per_notch = 1e-3f;    // [m]
 constexpr float plane_per_key = 2e-3f;      // [m]
 constexpr float plane_turn = 5.0f * degree;
 
-constexpr std::array keys{
+constexpr std::array vantage_key_table{
     VantageKey{U'j', "j", "eye to the left",
                [](Vantage& v, const Landmarks& now) {
                    v.eye.move({-eye_per_key, 0.0f, 0.0f}, now);
@@ -92,12 +92,12 @@ void move_section(render::Section& section, const Drag& mouse) {
 }  // namespace
 
 std::span<const VantageKey> vantage_keys() {
-    return keys;
+    return vantage_key_table;
 }
 
 const VantageKey* vantage_key(char32_t key) {
-    const auto found = std::ranges::find(keys, key, &VantageKey::key);
-    return found == keys.end() ? nullptr : &*found;
+    const auto found = std::ranges::find(vantage_key_table, key, &VantageKey::key);
+    return found == vantage_key_table.end() ? nullptr : &*found;
 }
 
 void drag(Vantage& vantage, const render::View& view, const Drag& mouse, const Landmarks& now) {

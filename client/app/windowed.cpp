@@ -25,11 +25,9 @@
 namespace eti::client {
 namespace {
 
-// A lost connection shows at once; a server that only stumbles is not called lost.
-constexpr double lost_after_s = 1.0;
 constexpr int window_nice = 5;
 constexpr auto shortest_frame = std::chrono::milliseconds(11);
-constexpr auto farewell = std::chrono::milliseconds(500);  // for what was written last
+constexpr auto instruction_delivery_wait = std::chrono::milliseconds(500);  // for what was written last
 
 /// What an instructor writes besides commands.
 struct Instruction {
@@ -160,7 +158,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     }
     controls.let_go(std::chrono::steady_clock::now());
     if (instruction) {
-        instruction->publisher.wait_until_received(farewell);
+        instruction->publisher.wait_until_received(instruction_delivery_wait);
     }
     result = {{"session", options.bus.session},
               {"view", std::string(controls.selection().name)},

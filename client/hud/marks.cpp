@@ -18,7 +18,7 @@ using Eigen::Vector2f;
 
 constexpr float dot_radius = 5.0f, rim = 1.5f;          // [pixels], as are those that follow
 constexpr float beside = 10.0f;                         // a text from what it names
-const Vector2f margin(3.0f, 1.0f);                      // around a text
+const Vector2f text_margin(3.0f, 1.0f);                 // around a text
 constexpr ImU32 text_shade = IM_COL32(8, 12, 14, 205);  // red on a tongue is read, too
 
 struct Box {
@@ -79,9 +79,11 @@ void place_labels(Tile& tile, const ImFont& font) {
             continue;
         }
         const Vector2f size = size_of(mark, font);
-        const auto box_at = [&](const Vector2f& at) { return Box{at - margin, at + size + margin}; };
+        const auto box_at = [&](const Vector2f& at) {
+            return Box{at - text_margin, at + size + text_margin};
+        };
         const float left = anchor->x() - beside - size.x(), right = anchor->x() + beside;
-        const float level = anchor->y() - 0.5f * size.y(), row = size.y() + 2.0f * margin.y() + 1.0f;
+        const float level = anchor->y() - 0.5f * size.y(), row = size.y() + 2.0f * text_margin.y() + 1.0f;
         std::optional<Vector2f> found;
         for (const int rows : {0, -1, 1, -2, 2, -3, 3, -4, 4}) {
             for (const float x : {mark.text_left ? left : right, mark.text_left ? right : left}) {
@@ -94,8 +96,10 @@ void place_labels(Tile& tile, const ImFont& font) {
             }
         }
         if (!found) {  // crowded: within the tile at least
-            const Vector2f most = (room.high - size - margin).cwiseMax(room.low + margin);
-            found = Vector2f(mark.text_left ? left : right, level).cwiseMin(most).cwiseMax(room.low + margin);
+            const Vector2f most = (room.high - size - text_margin).cwiseMax(room.low + text_margin);
+            found = Vector2f(mark.text_left ? left : right, level)
+                        .cwiseMin(most)
+                        .cwiseMax(room.low + text_margin);
         }
         taken.push_back(box_at(*found));
         mark.label = *found - mark.to;
@@ -118,7 +122,8 @@ void draw_marks(ImDrawList& list, const Tile& tile, const ImFont& font) {
         if (mark.label) {
             // Letters are made of whole pixels.
             const Vector2f at = (mark.to + *mark.label).array().round();
-            list.AddRectFilled(of(at - margin), of(at + size_of(mark, font) + margin), text_shade, 3.0f);
+            list.AddRectFilled(of(at - text_margin), of(at + size_of(mark, font) + text_margin), text_shade,
+                               3.0f);
             list.AddText(&font, height_of(font), of(at), colour_of(mark.level), mark.text.c_str());
         }
     }

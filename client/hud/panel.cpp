@@ -7,7 +7,7 @@
 namespace eti::hud {
 namespace {
 
-constexpr float margin = 10.0f;
+constexpr float panel_margin = 10.0f;
 constexpr float gap = 3.0f;
 
 struct Font {
@@ -47,19 +47,19 @@ float height_of(const ImFont& font) {
 }
 
 float panel_height(const PanelFonts& fonts, std::span<const PanelLine> lines, float width) {
-    float height = 2.0f * margin - gap;
+    float height = 2.0f * panel_margin - gap;
     for (const PanelLine& line : lines) {
-        height += extent(font_of(fonts, line), line, width - 2.0f * margin).y + gap;
+        height += extent(font_of(fonts, line), line, width - 2.0f * panel_margin).y + gap;
     }
     return height;
 }
 
 void draw_panel(ImDrawList& list, const PanelFonts& fonts, std::span<const PanelLine> lines, ImVec2 corner,
                 float width) {
-    const float inner = width - 2.0f * margin;
+    const float inner = width - 2.0f * panel_margin;
     list.AddRectFilled(corner, ImVec2(corner.x + width, corner.y + panel_height(fonts, lines, width)),
                        IM_COL32(8, 12, 14, 200), 4.0f);
-    ImVec2 at(corner.x + margin, corner.y + margin);
+    ImVec2 at(corner.x + panel_margin, corner.y + panel_margin);
     for (const PanelLine& line : lines) {
         const Font font = font_of(fonts, line);
         list.AddText(font.font, font.size, at, line.colour, line.text.c_str(), nullptr, inner);

@@ -11,11 +11,11 @@
 namespace eti::render {
 namespace {
 
-constexpr std::string_view vertex_source = R"(
+constexpr std::string_view annotation_vertex_source = R"(
 layout(location = 0) in vec4 clipped;
 void main() { gl_Position = clipped; }
 )";
-constexpr std::string_view fragment_source = R"(
+constexpr std::string_view annotation_fragment_source = R"(
 uniform vec4 colour;
 out vec4 pixel;
 void main() { pixel = colour; }
@@ -147,7 +147,8 @@ std::vector<DrawnMark> drawn_marks(const View& view, const view::SceneView& scen
     return marks;
 }
 
-AnnotationPass::AnnotationPass() : program_("marks", {}, vertex_source, fragment_source) {}
+AnnotationPass::AnnotationPass()
+    : program_("marks", {}, annotation_vertex_source, annotation_fragment_source) {}
 
 void AnnotationPass::draw(const Drawing& drawing) {
     if (drawing.ids()) {

@@ -27,8 +27,8 @@ float band_width(Tissue tissue) {
 }
 
 // The pixels that hold all of a box, within the viewport; all of it where the box reaches the eye.
-Viewport pixels_of(const Eigen::AlignedBox3f& box, const Eigen::Matrix4f& view_projection,
-                   const Viewport& viewport) {
+Viewport pixels_of_box(const Eigen::AlignedBox3f& box, const Eigen::Matrix4f& view_projection,
+                       const Viewport& viewport) {
     Eigen::Vector2f low(1.0f, 1.0f), high(-1.0f, -1.0f);
     for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector4f clip =
@@ -112,7 +112,7 @@ void CapsPass::draw_organ(const Drawing& drawing, PatientMesh& patient, std::siz
     if (cut.counts.empty()) {
         return;
     }
-    const Viewport rim = pixels_of(box, drawing.view_projection, drawing.viewport);
+    const Viewport rim = pixels_of_box(box, drawing.view_projection, drawing.viewport);
     if (rim.width <= 0 || rim.height <= 0) {
         return;
     }

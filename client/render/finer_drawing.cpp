@@ -10,12 +10,8 @@
 namespace eti::render {
 namespace {
 
-constexpr GLuint place = 0, face = 1;
+constexpr GLuint place_attribute = 0, face_attribute = 1;
 constexpr int first_unit = 5;  // after those of frames, liquid and shadows
-
-const void* offset(std::size_t bytes) {
-    return reinterpret_cast<const void*>(bytes);
-}
 
 }  // namespace
 
@@ -45,13 +41,13 @@ FinerDrawing::FinerDrawing() {
     glBindBuffer(GL_ARRAY_BUFFER, places_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(places.size() * sizeof(places[0])), places.data(),
                  GL_STATIC_DRAW);
-    glEnableVertexAttribArray(place);
-    glVertexAttribIPointer(place, 2, GL_BYTE, sizeof(places[0]), nullptr);
+    glEnableVertexAttribArray(place_attribute);
+    glVertexAttribIPointer(place_attribute, 2, GL_BYTE, sizeof(places[0]), nullptr);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(indices[0])),
                  indices.data(), GL_STATIC_DRAW);
-    glEnableVertexAttribArray(face);
-    glVertexAttribDivisor(face, 1);
+    glEnableVertexAttribArray(face_attribute);
+    glVertexAttribDivisor(face_attribute, 1);
     glBindVertexArray(0);
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most_texels_);
 }
@@ -110,10 +106,10 @@ void FinerDrawing::draw(std::vector<FinerInstance>& faces, ShaderProgram& progra
         }
         const Grid& grid = grids_[static_cast<std::size_t>(n)];
         program.set("grid", n);
-        glVertexAttribIPointer(face, 1, GL_UNSIGNED_INT, sizeof(packed_[0]),
-                               offset(first * sizeof(packed_[0])));
+        glVertexAttribIPointer(face_attribute, 1, GL_UNSIGNED_INT, sizeof(packed_[0]),
+                               buffer_offset(first * sizeof(packed_[0])));
         glDrawElementsInstancedBaseVertex(GL_TRIANGLES, grid.index_count, GL_UNSIGNED_SHORT,
-                                          offset(grid.first_index[turned] * sizeof(std::uint16_t)),
+                                          buffer_offset(grid.first_index[turned] * sizeof(std::uint16_t)),
                                           static_cast<GLsizei>(end - first), grid.first_place);
         first = end;
     }

@@ -86,4 +86,9 @@ using Renderbuffer = GlObject<kind::Renderbuffer>;
 using Framebuffer = GlObject<kind::Framebuffer>;
 using Program = GlObject<kind::Program>;
 
+/// A place in the bound buffer [bytes], as OpenGL takes it: as a pointer.
+inline const void* buffer_offset(std::size_t bytes) {
+    return reinterpret_cast<const void*>(bytes);
+}
+
 }  // namespace eti::render

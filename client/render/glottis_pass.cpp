@@ -9,12 +9,12 @@
 namespace eti::render {
 namespace {
 
-constexpr std::string_view vertex_source = R"(
+constexpr std::string_view glottis_vertex_source = R"(
 layout(location = 0) in vec3 position;
 uniform mat4 view_projection;
 void main() { gl_Position = view_projection * vec4(position, 1.0); }
 )";
-constexpr std::string_view fragment_source = R"(
+constexpr std::string_view glottis_fragment_source = R"(
 uniform vec4 tint;
 out vec4 pixel;
 void main() { pixel = tint; }
@@ -25,7 +25,7 @@ const Eigen::Vector4f tint(0.05f, 0.75f, 0.25f, 0.45f);
 
 }  // namespace
 
-GlottisPass::GlottisPass() : program_("tinted glottis", {}, vertex_source, fragment_source) {}
+GlottisPass::GlottisPass() : program_("tinted glottis", {}, glottis_vertex_source, glottis_fragment_source) {}
 
 void GlottisPass::draw(const Drawing& drawing) {
     const std::span<const Vec3f> contour = drawing.scene.glottis_contour();

@@ -39,7 +39,7 @@ void make_texture(const Texture& texture, GLenum format, int width, int height) 
     }
 }
 
-void attach(const Framebuffer& target, const Texture& texture) {
+void attach_colour(const Framebuffer& target, const Texture& texture) {
     glBindFramebuffer(GL_FRAMEBUFFER, target.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
@@ -49,8 +49,9 @@ void attach(const Framebuffer& target, const Texture& texture) {
 }
 
 /// The pixels [left, bottom, width, height] of a picture that spheres about `positions` may touch.
-std::array<int, 4> pixels_of(std::span<const Vec3f> positions, float radius,
-                             const Eigen::Matrix4f& view_projection, float steepness, int width, int height) {
+std::array<int, 4> pixels_of_spheres(std::span<const Vec3f> positions, float radius,
+                                     const Eigen::Matrix4f& view_projection, float steepness, int width,
+                                     int height) {
     Eigen::AlignedBox2f box;
     for (const Vec3f& p : positions) {
         const Eigen::Vector4f clip = view_projection * p.homogeneous();
@@ -110,9 +111,9 @@ LiquidSurface::Layers::Layers(int wide, int high) : width(wide), height(high) {
     make_texture(thickness, GL_R16F, width, height);
     glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
     glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
-    attach(smoothed_target, smoothed);
-    attach(thickness_target, thickness);
-    attach(depth_target, depth);
+    attach_colour(smoothed_target, smoothed);
+    attach_colour(thickness_target, thickness);
+    attach_colour(depth_target, depth);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffer.name());
 }
 
@@ -258,8 +259,8 @@ void LiquidSurface::draw(const Drawing& drawing, const ShadowPass& shadows) {
     }
     const Eigen::Matrix4f projection =
         camera.projection(static_cast<float>(width) / static_cast<float>(height));
-    const auto [left, bottom, across, up] =
-        pixels_of(extent_, radius_, projection * camera.view(), projection(1, 1), layer_width, layer_height);
+    const auto [left, bottom, across, up] = pixels_of_spheres(extent_, radius_, projection * camera.view(),
+                                                              projection(1, 1), layer_width, layer_height);
     if (across <= 0 || up <= 0) {
         return;
     }

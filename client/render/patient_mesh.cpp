@@ -38,7 +38,7 @@ std::vector<Row> rows_of(std::span<const FrameMap> frames) {
 }
 
 template <class Value>
-void store(GLenum target, const Buffer& buffer, const std::vector<Value>& values, GLenum usage) {
+void upload(GLenum target, const Buffer& buffer, const std::vector<Value>& values, GLenum usage) {
     glBindBuffer(target, buffer.name());
     glBufferData(target, static_cast<GLsizeiptr>(values.size() * sizeof(Value)), values.data(), usage);
 }
@@ -54,10 +54,6 @@ enum class Layer : std::uint8_t { body, organs, bones };
 
 Layer layer_of(Tissue tissue) {
     return tissue == Tissue::soft ? Layer::body : is_bone(tissue) ? Layer::bones : Layer::organs;
-}
-
-const void* offset(std::size_t bytes) {
-    return reinterpret_cast<const void*>(bytes);
 }
 
 }  // namespace
@@ -128,32 +124,32 @@ void PatientMesh::build(const view::SceneView& scene) {
         coarse_[level].count = triangles.size() - coarse_[level].first;
     }
     glBindVertexArray(rest_array_.name());
-    store(GL_ARRAY_BUFFER, rest_, rest, GL_STATIC_DRAW);
+    upload(GL_ARRAY_BUFFER, rest_, rest, GL_STATIC_DRAW);
     for (GLuint i = 0; i < 2; ++i) {
         glEnableVertexAttribArray(i);
-        glVertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(view::LitVertex), offset(12 * i));
+        glVertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(view::LitVertex), buffer_offset(12 * i));
     }
-    store(GL_ARRAY_BUFFER, weights_, weights, GL_STATIC_DRAW);
+    upload(GL_ARRAY_BUFFER, weights_, weights, GL_STATIC_DRAW);
     for (GLuint group = 0; group < groups; ++group) {
         const GLuint frame = 2 + group, weight = 2 + static_cast<GLuint>(groups) + group;
         glEnableVertexAttribArray(frame);
         glVertexAttribIPointer(frame, 4, GL_UNSIGNED_SHORT, sizeof(SkinWeights),
-                               offset(offsetof(SkinWeights, frame) + 8 * group));
+                               buffer_offset(offsetof(SkinWeights, frame) + 8 * group));
         glEnableVertexAttribArray(weight);
         glVertexAttribPointer(weight, 4, GL_FLOAT, GL_FALSE, sizeof(SkinWeights),
-                              offset(offsetof(SkinWeights, weight) + 16 * group));
+                              buffer_offset(offsetof(SkinWeights, weight) + 16 * group));
     }
     glBindVertexArray(array_.name());
-    store(GL_ARRAY_BUFFER, skinned_, rest, GL_DYNAMIC_COPY);
+    upload(GL_ARRAY_BUFFER, skinned_, rest, GL_DYNAMIC_COPY);
     attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, 24, 0);
     attribute(Attribute::normal, 3, GL_FLOAT, GL_FALSE, 24, 12);
-    store(GL_ARRAY_BUFFER, colours_, std::vector<VertexColour>(vertex_count_), GL_STATIC_DRAW);
+    upload(GL_ARRAY_BUFFER, colours_, std::vector<VertexColour>(vertex_count_), GL_STATIC_DRAW);
     attribute(Attribute::colour, 4, GL_UNSIGNED_BYTE, GL_TRUE, 4, 0);
-    store(GL_ARRAY_BUFFER, relief_, std::vector<VertexRelief>(vertex_count_), GL_STATIC_DRAW);
+    upload(GL_ARRAY_BUFFER, relief_, std::vector<VertexRelief>(vertex_count_), GL_STATIC_DRAW);
     attribute(Attribute::relief, 4, GL_UNSIGNED_BYTE, GL_TRUE, 4, 0);
     glBindBuffer(GL_ARRAY_BUFFER, rest_.name());
     attribute(Attribute::rest, 3, GL_FLOAT, GL_FALSE, 24, 0);
-    store(GL_ELEMENT_ARRAY_BUFFER, indices_, triangles, GL_STATIC_DRAW);
+    upload(GL_ELEMENT_ARRAY_BUFFER, indices_, triangles, GL_STATIC_DRAW);
     glBindVertexArray(0);
 }
 
@@ -199,7 +195,7 @@ void PatientMesh::update(const view::SceneView& scene) {
 void PatientMesh::skin(const view::SceneView& scene) {
     blade_ = scene.laryngoscope_pose();
     skinned_revision_ = view::next_revision();
-    store(GL_TEXTURE_BUFFER, frames_, rows_of(scene.frame_maps()), GL_STREAM_DRAW);
+    upload(GL_TEXTURE_BUFFER, frames_, rows_of(scene.frame_maps()), GL_STREAM_DRAW);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, frames_texture_.name());
     glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, frames_.name());
@@ -226,7 +222,7 @@ PatientMesh::Selection PatientMesh::selection_of(const Part& part,
     const auto add = [&](std::size_t first, std::size_t end) {
         if (first < end) {
             selection.counts.push_back(static_cast<GLsizei>(3 * (end - first)));
-            selection.offsets.push_back(offset(sizeof(Triangle) * (part.first_triangle + first)));
+            selection.offsets.push_back(buffer_offset(sizeof(Triangle) * (part.first_triangle + first)));
         }
     };
     for (const TriangleBlocks::Range& range : ranges) {
@@ -285,7 +281,7 @@ void PatientMesh::draw(Coarse coarse) const {
     const TriangleBlocks::Range& range = coarse_[static_cast<std::size_t>(coarse)];
     glBindVertexArray(array_.name());
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * range.count), GL_UNSIGNED_INT,
-                   offset(sizeof(Triangle) * range.first));
+                   buffer_offset(sizeof(Triangle) * range.first));
 }
 
 std::vector<view::LitVertex> PatientMesh::vertices() const {

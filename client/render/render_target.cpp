@@ -10,12 +10,12 @@
 namespace eti::render {
 namespace {
 
-void attach(GLuint framebuffer, GLenum point, GLuint renderbuffer) {
+void attach_renderbuffer(GLuint framebuffer, GLenum point, GLuint renderbuffer) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, renderbuffer);
 }
 
-void store(GLuint renderbuffer, GLenum format, int width, int height, int samples) {
+void allocate_storage(GLuint renderbuffer, GLenum format, int width, int height, int samples) {
     glBindRenderbuffer(GL_RENDERBUFFER, renderbuffer);
     if (samples > 1) {
         glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
@@ -40,20 +40,20 @@ RenderTarget::RenderTarget(int width, int height, int samples) : width_(width), 
     GLint most = 1;
     glGetIntegerv(GL_MAX_SAMPLES, &most);
     const int used = std::clamp(samples, 1, std::max(1, static_cast<int>(most)));
-    store(picture_colour_.name(), GL_SRGB8_ALPHA8, width, height, 1);
-    attach(picture_.name(), GL_COLOR_ATTACHMENT0, picture_colour_.name());
+    allocate_storage(picture_colour_.name(), GL_SRGB8_ALPHA8, width, height, 1);
+    attach_renderbuffer(picture_.name(), GL_COLOR_ATTACHMENT0, picture_colour_.name());
     require_complete(picture_.name(), width, height);
     store_light(light_, scene_, width, height);
-    store(depth_stencil_.name(), GL_DEPTH24_STENCIL8, width, height, used);
+    allocate_storage(depth_stencil_.name(), GL_DEPTH24_STENCIL8, width, height, used);
     if (used > 1) {
         sampled_.emplace();
-        store(sampled_->light.name(), GL_RGBA16F, width, height, used);
-        attach(sampled_->framebuffer.name(), GL_COLOR_ATTACHMENT0, sampled_->light.name());
-        attach(sampled_->framebuffer.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        allocate_storage(sampled_->light.name(), GL_RGBA16F, width, height, used);
+        attach_renderbuffer(sampled_->framebuffer.name(), GL_COLOR_ATTACHMENT0, sampled_->light.name());
+        attach_renderbuffer(sampled_->framebuffer.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
         require_complete(sampled_->framebuffer.name(), width, height);
     } else {
-        attach(scene_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
-        attach(picture_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        attach_renderbuffer(scene_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
+        attach_renderbuffer(picture_.name(), GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_.name());
         require_complete(picture_.name(), width, height);
     }
     require_complete(scene_.name(), width, height);

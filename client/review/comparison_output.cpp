@@ -76,12 +76,8 @@ void in_two_parts(const Comparison& comparison, const Each& each, const Between&
     }
 }
 
-ordered_json finite(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
 ordered_json interval_json(const Interval& interval) {
-    return {finite(interval.low), finite(interval.high)};
+    return {number_or_null(interval.low), number_or_null(interval.high)};
 }
 
 /// The effect and its interval as a line with a dot, from -3 to 3 standard deviations.
@@ -203,8 +199,9 @@ ordered_json to_json(const Comparison& comparison) {
                          {"unit", row.measure->unit},       {"in_paper", row.measure->in_paper},
                          {"groups", ordered_json::array()}, {"differences", ordered_json::array()}};
         for (const MeasureRow::Cell& cell : row.groups) {
-            one["groups"].push_back(
-                {{"count", cell.count}, {"mean", finite(cell.mean)}, {"deviation", finite(cell.deviation)}});
+            one["groups"].push_back({{"count", cell.count},
+                                     {"mean", number_or_null(cell.mean)},
+                                     {"deviation", number_or_null(cell.deviation)}});
         }
         for (const Contrast& contrast : row.contrasts) {
             const Difference& d = contrast.difference;
@@ -213,11 +210,11 @@ ordered_json to_json(const Comparison& comparison) {
             if (comparison.paired) {
                 entry["pairs"] = contrast.pairs;
             }
-            entry["difference"] = finite(d.value);
+            entry["difference"] = number_or_null(d.value);
             entry["interval"] = interval_json(d.interval);
-            entry["p"] = finite(d.p);
-            entry["p_holm"] = finite(contrast.p_adjusted);
-            entry["hedges_g"] = finite(d.effect);
+            entry["p"] = number_or_null(d.p);
+            entry["p_holm"] = number_or_null(contrast.p_adjusted);
+            entry["hedges_g"] = number_or_null(d.effect);
             entry["hedges_g_interval"] = interval_json(d.effect_interval);
             one["differences"].push_back(std::move(entry));
         }

@@ -31,7 +31,6 @@ namespace {
 using namespace eti;
 
 constexpr int refused = 1;
-constexpr int interrupted = 130;
 
 int summary(const std::filesystem::path& file, bool json) {
     const review::Summary summary = review::summarise(file);
@@ -97,7 +96,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     if (json) {
         std::cout << nlohmann::ordered_json{{"file", file.string()}, {"written", names}}.dump(2) << '\n';
     }
-    return stop_asked() ? interrupted : 0;
+    return stop_asked() ? review::interrupted : 0;
 }
 
 /// Options of a replay, as eti-server takes them.
@@ -146,7 +145,7 @@ int report(const std::vector<std::filesystem::path>& files, const std::filesyste
     const std::optional<review::ScoreModel> model = score_for_report(score);
     const std::filesystem::path written = review::write_report(files, folder, model, stop_asked);
     if (written.empty()) {
-        return interrupted;
+        return review::interrupted;
     }
     if (json) {
         std::cout << nlohmann::ordered_json{{"written", written.string()}}.dump(2) << '\n';

@@ -18,8 +18,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int interrupted = 130;
-
 void print(const ordered_json& json) {
     std::cout << json.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
 }

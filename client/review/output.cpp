@@ -3,6 +3,8 @@
 #include "client/review/output.hpp"
 
 #include <fmt/format.h>
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/process/folder.hpp"
 #include "common/process/unfinished_file.hpp"
@@ -61,6 +63,10 @@ std::string csv_text(std::string_view text) {
         out.append(c == '"' ? 2 : 1, c);
     }
     return out + '"';
+}
+
+nlohmann::ordered_json number_or_null(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 }  // namespace eti::review

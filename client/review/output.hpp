@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -30,5 +31,8 @@ void write_new_file(const std::filesystem::path& path, std::string_view text, st
 
 /// As a value of CSV (RFC 4180), quoted.
 [[nodiscard]] std::string csv_text(std::string_view text);
+
+/// As a value of JSON, which has no NaN: null instead.
+[[nodiscard]] nlohmann::ordered_json number_or_null(double value);
 
 }  // namespace eti::review

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "client/review/output.hpp"
 #include "common/session/reader.hpp"
 
 namespace eti::review {
@@ -22,10 +23,6 @@ std::string share(double value) {
 
 std::string with_interval(double value, const Interval& interval) {
     return fmt::format("{} ({} to {})", share(value), share(interval.low), share(interval.high));
-}
-
-nlohmann::ordered_json finite(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 }  // namespace
@@ -123,10 +120,12 @@ nlohmann::ordered_json to_json(const std::vector<ItemAgreement>& items) {
              {"raters", one.raters},
              {"sessions", one.sessions},
              {"left_out", one.left_out},
-             {"icc_2_1", finite(value.single)},
-             {"icc_2_1_interval", {finite(value.single_interval.low), finite(value.single_interval.high)}},
-             {"icc_2_k", finite(value.mean)},
-             {"icc_2_k_interval", {finite(value.mean_interval.low), finite(value.mean_interval.high)}}});
+             {"icc_2_1", number_or_null(value.single)},
+             {"icc_2_1_interval",
+              {number_or_null(value.single_interval.low), number_or_null(value.single_interval.high)}},
+             {"icc_2_k", number_or_null(value.mean)},
+             {"icc_2_k_interval",
+              {number_or_null(value.mean_interval.low), number_or_null(value.mean_interval.high)}}});
     }
     return out;
 }

@@ -20,14 +20,6 @@ using Steps = std::span<const session::StepRecord>;
 /// Things to practise that a person keeps in mind.
 constexpr std::size_t most_practice = 3;
 
-double seconds(const session::StepRecord& step) {
-    return 1e-9 * static_cast<double>(step.time_ns);
-}
-
-const ParameterField& field_of(std::string_view key) {
-    return *std::ranges::find(parameter_fields, key, &ParameterField::key);
-}
-
 /// As the session began: what a fall is measured from.
 Parameters first_values(Steps steps) {
     for (const session::StepRecord& step : steps) {
@@ -76,7 +68,7 @@ double time_of_greatest(Steps steps, const Value& value) {
         const float number = value(step);
         return std::isnan(number) ? -1.0f : number;
     });
-    return most == steps.end() ? 0.0 : seconds(*most);
+    return most == steps.end() ? 0.0 : seconds_of(*most);
 }
 
 double time_of_best_view(Steps steps) {
@@ -93,7 +85,7 @@ ordered_json moments_json(Steps steps) {
     const auto passed =
         std::ranges::find_if(steps, [](const auto& step) { return step.tube_depth_past_glottis > 0; });
     if (passed != steps.end()) {
-        out.push_back({{"label", "The tube passes the glottis"}, {"time_s", seconds(*passed)}});
+        out.push_back({{"label", "The tube passes the glottis"}, {"time_s", seconds_of(*passed)}});
     }
     if (some([](const auto& step) { return step.gum_force_n > 0; })) {
         out.push_back(
@@ -106,7 +98,7 @@ ordered_json moments_json(Steps steps) {
 double moment_of(const Aim& aim, Steps steps, const session::SummaryRecord& record, const Parameters& first) {
     const auto when = [&](auto&& predicate) {
         const auto found = std::ranges::find_if(steps, predicate);
-        return found == steps.end() ? seconds(steps.back()) : seconds(*found);
+        return found == steps.end() ? seconds_of(steps.back()) : seconds_of(*found);
     };
     switch (aim.moment) {
         case AimMoment::best_view:
@@ -116,10 +108,10 @@ double moment_of(const Aim& aim, Steps steps, const session::SummaryRecord& reco
         case AimMoment::end:
             for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
                 if (step->attempt_running) {
-                    return seconds(*step);
+                    return seconds_of(*step);
                 }
             }
-            return seconds(steps.back());
+            return seconds_of(steps.back());
         case AimMoment::crossed:
             break;
     }
@@ -149,7 +141,7 @@ ordered_json practise_json(const Summary& summary, Steps steps, const Parameters
     ordered_json out = ordered_json::array();
     for (const Miss& miss : misses) {
         out.push_back({{"key", miss.aim->key},
-                       {"value", miss.record->parameters.*field_of(miss.aim->key).value},
+                       {"value", miss.record->parameters.*parameter_field(miss.aim->key).value},
                        {"light", name_of(light_of(miss.by))},
                        {"practise", miss.aim->practise},
                        {"time_s", moment_of(*miss.aim, steps, *miss.record, first)}});
@@ -184,7 +176,7 @@ ordered_json samples_json(Steps steps) {
             }
             return shortened(static_cast<double>(most));
         };
-        time.push_back(seconds(last));
+        time.push_back(seconds_of(last));
         gum.push_back(greatest(&session::StepRecord::gum_force_n));
         view.push_back(greatest(&session::StepRecord::glottic_opening_percent));
         depth.push_back(shortened(1e3 * static_cast<double>(last.tube_depth_past_glottis)));

@@ -60,7 +60,7 @@ constexpr double penalty_share(const ScoreFeature& feature) {
 }
 
 double parameter(const Parameters& parameters, std::string_view key) {
-    return parameters.*std::ranges::find(parameter_fields, key, &ParameterField::key)->value;
+    return parameters.*parameter_field(key).value;
 }
 
 double logistic(double x) {

@@ -17,15 +17,11 @@ namespace eti::review {
 
 namespace {
 
-const ParameterField& field_of(std::string_view key) {
-    return *std::ranges::find(parameter_fields, key, &ParameterField::key);
-}
-
 std::string label_of(const ScoreFeature& feature) {
     if (feature.key == intubated_key) {
         return "trachea intubated";
     }
-    const std::string label(field_of(feature.key).label);
+    const std::string label(parameter_field(feature.key).label);
     return feature.less.empty() ? label : label + ", off the weight rule";
 }
 

@@ -24,10 +24,6 @@ nlohmann::ordered_json outcome_json(const Summary& summary, const session::Summa
     return out;
 }
 
-double seconds(const session::StepRecord& step) {
-    return 1e-9 * static_cast<double>(step.time_ns);
-}
-
 /// What the last steps tell of the tube.
 std::string tube_so_far(std::span<const session::StepRecord> steps) {
     const auto past = [](const session::StepRecord& step) { return step.tube_depth_past_glottis > 0.0f; };
@@ -37,11 +33,11 @@ std::string tube_so_far(std::span<const session::StepRecord> steps) {
     }
     if (last != steps.rbegin()) {
         return fmt::format("the tube had passed the glottis and left the trachea again at {:.1f} s",
-                           seconds(*(last - 1)));
+                           seconds_of(*(last - 1)));
     }
     const auto before = std::find_if_not(last, steps.rend(), past);
     return fmt::format("the tube passed the glottis at {:.1f} s and lay {:.0f} mm beyond it",
-                       seconds(*(before - 1)),
+                       seconds_of(*(before - 1)),
                        1e3 * static_cast<double>(steps.back().tube_depth_past_glottis));
 }
 
@@ -58,7 +54,7 @@ void sum_up(Summary& summary, std::span<const session::StepRecord> steps) {
     }
     const session::StepRecord& last = steps.back();
     summary.run.outcome.reason = fmt::format("{} at {:.1f} s, before the run was summed up; {}", ends,
-                                             seconds(last), tube_so_far(steps));
+                                             seconds_of(last), tube_so_far(steps));
     summary.run.parameters = last.parameters;
     if (!last.attempt_running) {
         return;

@@ -35,6 +35,11 @@ struct Summary {
     std::vector<session::Answer> answers;       ///< of the participant to questionnaires
 };
 
+/// Simulation time of a step [s].
+[[nodiscard]] inline double seconds_of(const session::StepRecord& step) {
+    return 1e-9 * static_cast<double>(step.time_ns);
+}
+
 /// Throws hdf5::Error.
 [[nodiscard]] Summary summarise(const std::filesystem::path& file);
 

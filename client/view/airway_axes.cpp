@@ -9,14 +9,14 @@
 namespace eti::view {
 namespace {
 
-constexpr float reach = 0.05f;  // [m], drawn to each side
+constexpr float axis_reach = 0.05f;  // [m], drawn to each side
 
 float angle(const Vec3f& a, const Vec3f& b) {
     return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0f, 1.0f));
 }
 
 AirwayAxis axis(std::string_view name, const Vec3f& through, const Vec3f& direction) {
-    const Vec3f along = reach * direction.normalized();
+    const Vec3f along = axis_reach * direction.normalized();
     return {name, through - along, through + along};
 }
 

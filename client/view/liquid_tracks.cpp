@@ -10,7 +10,7 @@ namespace eti::view {
 namespace {
 
 // Farther than this from where it was expected [spacings], a particle is another one.
-constexpr float reach = 1.5f;
+constexpr float match_reach = 1.5f;
 // Nearer than this to where it was [spacings], it is the same: chance does so once in 30 thousand times.
 constexpr float unmoved = 0.02f;
 
@@ -39,7 +39,7 @@ void LiquidTracks::advance(std::span<const Vec3f> positions, float spacing, floa
         expected_[i] += dt * former_velocities_[i];
         miss_[i] = after_[i] == nobody ? miss_[i] : 0.0f;
     }
-    match(reach * spacing);
+    match(match_reach * spacing);
     for (std::uint32_t i = 0; i < positions_.size(); ++i) {
         if (before_[i] != nobody) {
             velocities_[i] = (positions_[i] - former_[before_[i]]) / dt;

@@ -10,11 +10,11 @@
 #include <new>
 
 namespace {
-std::atomic<long> count{0};
+std::atomic<long> allocation_count{0};
 thread_local long count_here = 0;
 
 void add() {
-    ++count;
+    ++allocation_count;
     ++count_here;
 }
 }  // namespace
@@ -65,7 +65,7 @@ void operator delete(void* memory, std::size_t) noexcept {
 namespace eti::test {
 
 long allocations() {
-    return count;
+    return allocation_count;
 }
 
 long allocations_here() {

@@ -18,7 +18,7 @@ namespace {
 using namespace validation;
 using devices::SafetySettings;
 
-struct Surface {
+struct GapSurface {
     std::string_view name;
     Medium medium;
     Move move;
@@ -26,7 +26,7 @@ struct Surface {
 };
 
 /// As shipped.
-std::array<Surface, 3> surfaces() {
+std::array<GapSurface, 3> gap_surfaces() {
     return {{
         {"wall", Medium::wall, Move::press, CouplingSettings{}.stiffness},
         {"tissue", Medium::tissue, Move::press,
@@ -81,7 +81,7 @@ Gaps gaps_of(Pattern pattern, double longest) {
 
 /// One patient under one hand.
 struct Scene {
-    Surface surface;
+    GapSurface surface;
     Grip grip;
     double speed;  ///< [m/s], as Moving's
 
@@ -134,7 +134,7 @@ void press_through_gaps(const GapsOptions& options) {
     for (int ms = 10; ms <= 300; ms += 10) {
         single.push_back(1e-3 * ms);
     }
-    for (const Surface& surface : surfaces()) {
+    for (const GapSurface& surface : gap_surfaces()) {
         for (const Grip& grip : {firm, light}) {
             for (const double speed : {fastest, usual, -fastest}) {
                 run({surface, grip, speed}, Pattern::once, single, {let_go, held_on}, table);

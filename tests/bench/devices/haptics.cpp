@@ -23,12 +23,12 @@ namespace {
 using devices::SoftForce;
 using namespace validation;
 
-struct Surface {
+struct RenderedSurface {
     std::string_view name;
     Medium medium;
     SoftForce law;
 };
-constexpr std::array<Surface, 3> surfaces = {{
+constexpr std::array<RenderedSurface, 3> rendered_surfaces = {{
     {"wall", Medium::wall, SoftForce::constraint},
     {"tissue, constraint forces", Medium::tissue, SoftForce::constraint},
     {"tissue, displacements", Medium::tissue, SoftForce::displacement},
@@ -46,13 +46,13 @@ double virtual_damping_of(Medium medium) {
 }
 
 /// Passive whatever the hand: b > K T / 2 + B (Colgate & Schenkel 1997), with the hand's damping in b.
-double passive_stiffness(const Surface& surface, const Grip& grip) {
+double passive_stiffness(const RenderedSurface& surface, const Grip& grip) {
     return 2.0 * (damping_of(grip) - virtual_damping_of(surface.medium)) / period;
 }
 
 /// Stable with a force that is late by t: K < (b + B) / (T / 2 + t) (Gil, Sanchez, Hulin, Preusche &
 /// Hirzinger 2009).
-double stable_stiffness(const Surface& surface, const Grip& grip, double delay) {
+double stable_stiffness(const RenderedSurface& surface, const Grip& grip, double delay) {
     return (damping_of(grip) + virtual_damping_of(surface.medium)) / (0.5 * period + delay);
 }
 
@@ -63,7 +63,7 @@ void map_stability(const HapticsOptions& options) {
     const std::vector<double> delays =
         options.quick ? std::vector{0.0, 0.010} : std::vector{0.0, 0.005, 0.010, 0.020, 0.030, 0.040, 0.050};
     const std::vector<double> losses = options.quick ? std::vector{0.01} : std::vector{0.0, 0.01, 0.02, 0.05};
-    for (const Surface& surface : surfaces) {
+    for (const RenderedSurface& surface : rendered_surfaces) {
         for (const Grip& grip : {firm, light}) {
             for (const bool passivity : {false, true}) {
                 for (const double delay : delays) {
@@ -125,7 +125,7 @@ void compare_stiffness(const HapticsOptions& options) {
         options.out, "haptics-rendered.csv",
         "surface,passivity,delay_ms,loss_percent,set_n_per_m,rendered_n_per_m,onset_ms,excursion_mm,dip_mm,"
         "energy_lowest_mj,dissipated_mj");
-    for (const Surface& surface : surfaces) {
+    for (const RenderedSurface& surface : rendered_surfaces) {
         for (const bool passivity : {false, true}) {
             for (const double delay : {0.0, 0.010, 0.020, 0.050}) {
                 for (const float stiffness : {100.0f, 200.0f, 400.0f, 800.0f, 1200.0f}) {

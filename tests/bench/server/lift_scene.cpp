@@ -16,11 +16,11 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double longest = 15.0;    // [s] by which the expert has seen the glottis
-constexpr double settled = 1.5;     // [s] without a better view, after which there is none to come
-constexpr int held_steps = 270;     // at standstill, until tissue has come to rest
-constexpr int averaged_steps = 36;  // the last of them
-constexpr int looking = 6;          // steps from look to look, of these
+constexpr double longest_lift = 15.0;  // [s] by which the expert has seen the glottis
+constexpr double view_settled = 1.5;   // [s] without a better view, after which there is none to come
+constexpr int held_steps = 270;        // at standstill, until tissue has come to rest
+constexpr int averaged_steps = 36;     // the last of them
+constexpr int looking = 6;             // steps from look to look, of these
 
 /// Which particles of the tongue finite elements may move: those of its mesh that move, and that no cluster
 /// in use joins to what the mesh does not hold.
@@ -111,8 +111,8 @@ std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Pati
     std::vector<scene::Inputs> way = {inputs};
     std::size_t best = 0;
     float seen = 0.0f;
-    double seen_at = longest;
-    while (simulation.time() < std::min(longest, seen_at + settled)) {
+    double seen_at = longest_lift;
+    while (simulation.time() < std::min(longest_lift, seen_at + view_settled)) {
         hands.advance(simulation.observation(), simulation.snapshot());
         hands.hold(inputs);
         inputs.tube_grip = tube;

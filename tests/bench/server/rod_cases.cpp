@@ -13,7 +13,7 @@ namespace eti::bench {
 
 namespace {
 
-constexpr std::string_view method = "rod";
+constexpr std::string_view rod_method = "rod";
 
 double since(std::chrono::steady_clock::time_point before) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count();
@@ -37,7 +37,7 @@ AccuracyRow cantilever(int segments, int substeps) {
     const Eigen::Vector2d tip(static_cast<double>(rod.tip().z()), static_cast<double>(rod.tip().y()));
     const double moved = (expected.tip - Eigen::Vector2d(elastica.length, 0.0)).norm();
     return {.name = "tube",
-            .method = method,
+            .method = rod_method,
             .error = (tip - expected.tip).norm() / moved,
             .frame_ms = wall / (test::settled * 90.0)};
 }
@@ -95,7 +95,7 @@ AccuracyRow three_point_bending(int segments, int substeps) {
     const double deflection = 0.5 * (height(left) + height(right)) - height(middle);
     const double stiffness = 48.0 * double{tube.bending_stiffness()} / std::pow(span, 3);
     return {.name = "tube-bending",
-            .method = method,
+            .method = rod_method,
             .error = std::fabs(force / deflection / stiffness - 1.0),
             .frame_ms = since(before) / (test::settled * 90.0)};
 }

@@ -22,8 +22,8 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double longest = 120.0;     // [s] of simulation time
-constexpr double quick_course = 2.0;  // [s]
+constexpr double longest_course = 120.0;  // [s] of simulation time
+constexpr double quick_course = 2.0;      // [s]
 constexpr int rest_steps = 3 * steps_per_second;
 constexpr int after_steps = 10 * steps_per_second;
 constexpr int steps_per_row = steps_per_second / 10;
@@ -94,7 +94,7 @@ struct Apart {
 };
 
 /// A scene that goes the reference's way, and how far it leaves it.
-struct Follower {
+struct FollowedScene {
     app::Simulation simulation;
     std::array<double, measures> greatest{}, mean{};
     std::array<std::vector<double>, measures> differences;  // a step
@@ -124,7 +124,7 @@ struct Follower {
 
 /// "least,most" of what `value` gives for the scenes led beside.
 template <typename Value>
-std::string range_beside(std::span<const Follower> those, Value value) {
+std::string range_beside(std::span<const FollowedScene> those, Value value) {
     std::vector<double> values(those.size());
     std::transform(those.begin(), those.end(), values.begin(), value);
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -143,13 +143,14 @@ void compare(const std::string& name, const Scenario& shipped, TissueMethod mode
     const anatomy::Patient patient = app::patient_of(awake);
     scene::Inputs inputs = app::parked(awake, patient);
     // All awake, what rests asleep and all awake with the blade beside: these follow, in this order.
-    std::array<Follower, 2 + besides.size()> scenes = {Follower{{awake, patient, inputs}, {}, {}, {}, {}},
-                                                       Follower{{sleeping, patient, inputs}, {}, {}, {}, {}},
-                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}},
-                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}},
-                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}},
-                                                       Follower{{awake, patient, inputs}, {}, {}, {}, {}}};
-    const auto led_beside = std::span<const Follower>(scenes).subspan(2);
+    std::array<FollowedScene, 2 + besides.size()> scenes = {
+        FollowedScene{{awake, patient, inputs}, {}, {}, {}, {}},
+        FollowedScene{{sleeping, patient, inputs}, {}, {}, {}, {}},
+        FollowedScene{{awake, patient, inputs}, {}, {}, {}, {}},
+        FollowedScene{{awake, patient, inputs}, {}, {}, {}, {}},
+        FollowedScene{{awake, patient, inputs}, {}, {}, {}, {}},
+        FollowedScene{{awake, patient, inputs}, {}, {}, {}, {}}};
+    const auto led_beside = std::span<const FollowedScene>(scenes).subspan(2);
     app::Simulation& reference = scenes[0].simulation;
 
     // At rest, tools away.
@@ -165,14 +166,14 @@ void compare(const std::string& name, const Scenario& shipped, TissueMethod mode
     app::LocalOperator hands(script, reference.scope(), awake.tube, awake.seed ^ script.seed,
                              reference.observation());
     hands.hold(inputs);
-    for (Follower& f : scenes) {
+    for (FollowedScene& f : scenes) {
         f.simulation.scene().reset(inputs);
     }
     std::array<double, 2> all_ms{}, row_ms{};
     double all_awake = 0.0;
     Apart row_apart;
     int steps = 0;
-    const double end = reference.time() + (options.quick ? quick_course : longest);
+    const double end = reference.time() + (options.quick ? quick_course : longest_course);
     while (!hands.finished() && reference.time() < end) {
         hands.advance(reference.observation(), reference.snapshot());
         hands.hold(inputs);
@@ -192,7 +193,7 @@ void compare(const std::string& name, const Scenario& shipped, TissueMethod mode
         const double share = share_awake(scenes[1].simulation.scene());
         all_awake += share;
         const std::array<double, measures> there = measured(reference);
-        for (Follower& f : scenes) {
+        for (FollowedScene& f : scenes) {
             f.add(measured(f.simulation), there);
         }
         if (steps % steps_per_row != 0) {
@@ -226,16 +227,16 @@ void compare(const std::string& name, const Scenario& shipped, TissueMethod mode
                                   all_ms[1] / count, all_ms[1] / all_ms[0], 100.0 * after_awake);
     for (std::size_t m = 0; m < measures; ++m) {
         const double limit = off * scenes[0].greatest[m];
-        const Follower& asleep = scenes[1];
+        const FollowedScene& asleep = scenes[1];
         row += fmt::format(",{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}", scenes[0].greatest[m],
                            scenes[0].mean[m] / count, asleep.greatest[m], asleep.mean[m] / count,
                            asleep.difference_rms(m), asleep.off_percent(m, limit));
-        row += range_beside(led_beside, [&](const Follower& f) { return f.mean[m] / count; });
-        row += range_beside(led_beside, [&](const Follower& f) { return f.difference_rms(m); });
-        row += range_beside(led_beside, [&](const Follower& f) { return f.off_percent(m, limit); });
+        row += range_beside(led_beside, [&](const FollowedScene& f) { return f.mean[m] / count; });
+        row += range_beside(led_beside, [&](const FollowedScene& f) { return f.difference_rms(m); });
+        row += range_beside(led_beside, [&](const FollowedScene& f) { return f.off_percent(m, limit); });
     }
     row += fmt::format(",{:.4f},{:.4f}", 1e3 * scenes[1].apart.rms(), 1e3 * scenes[1].apart.most());
-    row += range_beside(led_beside, [](const Follower& f) { return 1e3 * f.apart.rms(); });
+    row += range_beside(led_beside, [](const FollowedScene& f) { return 1e3 * f.apart.rms(); });
     table.row(row);
     spdlog::info(
         "{} {}: {:.1f} % awake at rest, {:.3f} of the time; {:.0f} % awake in the attempt, {:.2f} of the "

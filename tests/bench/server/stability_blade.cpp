@@ -11,10 +11,10 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double watched = 4.0;  // [s]
-constexpr double pressed = 1.0;  // [s], then the blade is lifted off
+constexpr double blade_watched = 4.0;  // [s]
+constexpr double blade_pressed = 1.0;  // [s], then the blade is lifted off
 constexpr double height = 10e-3;
-constexpr double radius = 3.5e-3;              // [m], of the blade's distal capsule
+constexpr double distal_radius = 3.5e-3;       // [m], of the blade's distal capsule
 constexpr std::string_view as_cut = "as cut";  // column: by the scene, for fast blades
 constexpr double gap = 0.5e-3;                 // [m], that the rigid layer keeps between blade and bone
 
@@ -32,7 +32,7 @@ class Driven {
     /// Moves on by `dt` [s]; `reaction` [N] of the tissue, upwards.
     void advance(double time, double dt, double reaction) {
         before_ = bottom_;
-        if (time > pressed) {
+        if (time > blade_pressed) {
             velocity_ = push_.force > 0.0 ? 1.0 : push_.speed;
         } else if (push_.force > 0.0) {
             constexpr double mass = 0.1;  // [kg], as the proxy's
@@ -65,8 +65,10 @@ class Driven {
 
   private:
     [[nodiscard]] static Capsule capsule_at(double bottom) {
-        const auto end = [&](double x) { return Vec3d(x, 10e-3, bottom + radius).cast<float>().eval(); };
-        return {end(-10e-3), end(30e-3), static_cast<float>(radius)};
+        const auto end = [&](double x) {
+            return Vec3d(x, 10e-3, bottom + distal_radius).cast<float>().eval();
+        };
+        return {end(-10e-3), end(30e-3), static_cast<float>(distal_radius)};
     }
 
     Push push_;
@@ -163,7 +165,7 @@ Course drive(const Setting& setting, bool cut, const Push& push) {
         }
         reaction = std::isfinite(reaction) ? reaction : 0.0;
     };
-    Follower follower(height, watched);
+    Follower follower(height, blade_watched);
     double looked = 0.0;
     body.watch = [&](const pbd::Particles& particles) {
         looked += setting.step;
@@ -172,7 +174,7 @@ Course drive(const Setting& setting, bool cut, const Push& push) {
             follower.look(rotation);
         }
     };
-    body.settle(watched);
+    body.settle(blade_watched);
     return follower.course(height);
 }
 

@@ -10,9 +10,9 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double watched = 3.0;  // [s]
-constexpr double side = 10e-3;   // [m]
-constexpr std::string_view figure = "blocks";
+constexpr double blocks_watched = 3.0;  // [s]
+constexpr double block_side = 10e-3;    // [m]
+constexpr std::string_view block_figure = "blocks";
 
 Vec3d uniform(Random& random) {
     return {double{random.uniform()}, double{random.uniform()}, double{random.uniform()}};
@@ -31,17 +31,19 @@ const std::vector<Disturbance>& disturbances() {
     static const std::vector<Disturbance> list = {
         {"stretch x2", [](const Vec3d& p, Random&) { return Vec3d(p.x(), p.y(), 2.0 * p.z()); }},
         {"stretch x10", [](const Vec3d& p, Random&) { return Vec3d(p.x(), p.y(), 10.0 * p.z()); }},
-        {"turned 180 deg", [](const Vec3d& p, Random&) { return Vec3d(side - p.x(), side - p.y(), p.z()); }},
-        {"upset 180 deg", [](const Vec3d& p, Random&) { return Vec3d(p.x(), side - p.y(), -p.z()); }},
+        {"turned 180 deg",
+         [](const Vec3d& p, Random&) { return Vec3d(block_side - p.x(), block_side - p.y(), p.z()); }},
+        {"upset 180 deg", [](const Vec3d& p, Random&) { return Vec3d(p.x(), block_side - p.y(), -p.z()); }},
         {"flat", [](const Vec3d& p, Random&) { return Vec3d(p.x(), p.y(), 0.0); }},
-        {"one line", [](const Vec3d& p, Random&) { return Vec3d(0.5 * side, 0.5 * side, p.z()); }},
+        {"one line",
+         [](const Vec3d& p, Random&) { return Vec3d(0.5 * block_side, 0.5 * block_side, p.z()); }},
         {"inverted", [](const Vec3d& p, Random&) { return Vec3d(p.x(), p.y(), -p.z()); }},
         // A micron apart: no method can tell directions where there are none.
         {"one point",
          [](const Vec3d&, Random& random) {
-             return Vec3d(Vec3d::Constant(0.5 * side) + 1e-6 * normal(random));
+             return Vec3d(Vec3d::Constant(0.5 * block_side) + 1e-6 * normal(random));
          }},
-        {"random", [](const Vec3d&, Random& random) { return Vec3d(side * uniform(random)); }}};
+        {"random", [](const Vec3d&, Random& random) { return Vec3d(block_side * uniform(random)); }}};
     return list;
 }
 
@@ -62,14 +64,14 @@ Course release(const Setting& setting, const Release& how) {
             body.hold(i);
             continue;
         }
-        if (rest.x() > 0.5 * side) {
+        if (rest.x() > 0.5 * block_side) {
             body.scale_mass(i, 1.0 / how.mass_ratio);
         }
         const Vec3d start = how.disturbance.position(rest, random);
         thrown = std::max(thrown, (start - rest).norm());
         p.position[i] = start.cast<float>();
     }
-    Follower follower(side, watched);
+    Follower follower(block_side, blocks_watched);
     double time = 0.0;
     body.watch = [&](const pbd::Particles& particles) {
         time += setting.step;
@@ -78,7 +80,7 @@ Course release(const Setting& setting, const Release& how) {
             follower.look(rotation);
         }
     };
-    body.settle(watched);
+    body.settle(blocks_watched);
     return follower.course(thrown);
 }
 
@@ -102,7 +104,7 @@ void blocks_thrown_and_released(const Sweep& sweep, Maps& maps) {
         for (const auto& [column, rate] : columns_of(sweep, method)) {
             const auto add = [&, &column = column](std::string_view map, std::string_view row,
                                                    const auto& course) {
-                maps.add(figure, map, name_of(method), row, column, course);
+                maps.add(block_figure, map, name_of(method), row, column, course);
             };
             for (const double modulus : {8e1, 8e2, 8e3, 8e4, 8e5, 8e6, 8e7}) {
                 const Setting setting = with_rate(method, rate, modulus);

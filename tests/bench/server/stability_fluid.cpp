@@ -9,11 +9,11 @@ namespace eti::bench {
 
 namespace {
 
-constexpr float spacing = 1e-3f;   // [m]
-constexpr float radius = 3.5e-3f;  // [m], of the capsules
+constexpr float fluid_spacing = 1e-3f;     // [m]
+constexpr float capsule_radius = 3.5e-3f;  // [m], of the capsules
 constexpr float open_gap = 6e-3f;
 constexpr float closed_gap = 0.5e-3f;  // half a particle: all have to leave
-constexpr double watched = 2.0;        // [s]
+constexpr double fluid_watched = 2.0;  // [s]
 
 /// A closed vessel of 40 x 24 x 30 mm: what is squeezed out splashes against its walls and comes back.
 DistanceGrid vessel() {
@@ -36,7 +36,7 @@ DistanceGrid vessel() {
 pbd::MovingCapsule capsule_between(float before, float now) {
     const Vec3f half(30e-3f, 0.0f, 0.0f);
     const auto up = [](float height) { return Vec3f(0.0f, 0.0f, height); };
-    return {up(before) - half, up(before) + half, up(now) - half, up(now) + half, radius};
+    return {up(before) - half, up(before) + half, up(now) - half, up(now) + half, capsule_radius};
 }
 
 /// A gap of 6 mm that is closed at `speed` [m/s] to half a particle, with saliva as the scene has it or with
@@ -46,29 +46,31 @@ pbd::MovingCapsule capsule_between(float before, float now) {
 Course squeeze(double rate, float speed, bool two_capsules, bool as_in_the_scene) {
     const DistanceGrid walls = vessel();
     const auto dt = static_cast<float>(1.0 / rate);
-    pbd::FluidSettings settings = scene::saliva_settings(spacing, dt);
+    pbd::FluidSettings settings = scene::saliva_settings(fluid_spacing, dt);
     if (!as_in_the_scene) {
         settings.surface_tension = pbd::FluidSettings{}.surface_tension;
     }
     pbd::Fluid fluid(settings);
     for (int k = 0; k < 12 * 6 * 4; ++k) {
-        fluid.add(spacing * Vec3f(static_cast<float>(k % 12) - 5.5f, static_cast<float>(k / 12 % 6) - 2.5f,
-                                  static_cast<float>(k / 72) + 0.5f));
+        fluid.add(fluid_spacing * Vec3f(static_cast<float>(k % 12) - 5.5f,
+                                        static_cast<float>(k / 12 % 6) - 2.5f,
+                                        static_cast<float>(k / 72) + 0.5f));
     }
     const std::size_t filled = fluid.count();
     float gap = open_gap;
     double deepest = 0.0, overlap = 0.0, peak[2] = {0.0, 0.0};
     bool finite = true;
     double quiet_since = Course::none;
-    for (int n = 1; n <= static_cast<int>(watched * rate); ++n) {
+    for (int n = 1; n <= static_cast<int>(fluid_watched * rate); ++n) {
         const float before = gap;
         gap = std::max(gap - speed * dt, closed_gap);
         // Two capsules close from both sides about the middle of the pool, the lower one lying in the floor.
-        const float low_before = -radius + 0.5f * (open_gap - before),
-                    low = -radius + 0.5f * (open_gap - gap);
+        const float low_before = -capsule_radius + 0.5f * (open_gap - before),
+                    low = -capsule_radius + 0.5f * (open_gap - gap);
         const pbd::MovingCapsule capsules[2] = {
-            two_capsules ? capsule_between(low_before + before + 2.0f * radius, low + gap + 2.0f * radius)
-                         : capsule_between(before + radius, gap + radius),
+            two_capsules ? capsule_between(low_before + before + 2.0f * capsule_radius,
+                                           low + gap + 2.0f * capsule_radius)
+                         : capsule_between(before + capsule_radius, gap + capsule_radius),
             capsule_between(low_before, low)};
         pbd::FluidSurroundings surroundings;
         surroundings.solid = &walls;
@@ -88,7 +90,8 @@ Course squeeze(double rate, float speed, bool two_capsules, bool as_in_the_scene
             kinetic += 0.5 * static_cast<double>(fluid.particle_mass() * fluid.velocities()[i].squaredNorm());
         }
         deepest = std::max(deepest, overlap);
-        peak[n > 0.5 * watched * rate ? 1 : 0] = std::max(peak[n > 0.5 * watched * rate ? 1 : 0], kinetic);
+        peak[n > 0.5 * fluid_watched * rate ? 1 : 0] =
+            std::max(peak[n > 0.5 * fluid_watched * rate ? 1 : 0], kinetic);
         // 20 mm/s in the mean: what a film in capillary and gravity's balance trembles with is below.
         const double speed_now = std::sqrt(2.0 * kinetic / static_cast<double>(fluid.particle_mass()) /
                                            static_cast<double>(std::max<std::size_t>(fluid.count(), 1)));
@@ -100,7 +103,7 @@ Course squeeze(double rate, float speed, bool two_capsules, bool as_in_the_scene
     }
     Course course;
     course.return_time = quiet_since;
-    course.residual = overlap / static_cast<double>(spacing);
+    course.residual = overlap / static_cast<double>(fluid_spacing);
     course.kinetic_growth = peak[1] / peak[0];
     const bool kept = finite && fluid.count() == filled;
     if (kept && !(overlap > 0.0) && !std::isnan(quiet_since)) {

@@ -12,9 +12,9 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double watched = 6.0;  // [s]; a scene takes 3.5 s, and the shell's distances follow after one
-constexpr float at_once = 1e6f;  // [rad/s]
-constexpr double size = 10e-3;   // [m], what 1 % refers to
+constexpr double scene_watched = 6.0;  // [s]; a scene takes 3.5 s, and the shell's distances follow after one
+constexpr float at_once = 1e6f;        // [rad/s]
+constexpr double scene_size = 10e-3;   // [m], what 1 % refers to
 
 /// [rad/s], at which a scene moves head and jaw.
 float scene_rate() {
@@ -37,10 +37,10 @@ scene::Inputs parked(const anatomy::Posture& posture) {
 }
 
 /// The patient put to rest in a posture at once.
-std::vector<FramePose> settled(const anatomy::Patient& patient, const Laryngoscope& scope,
-                               const anatomy::Posture& posture, const scene::Settings& settings) {
+std::vector<FramePose> settled_frames(const anatomy::Patient& patient, const Laryngoscope& scope,
+                                      const anatomy::Posture& posture, const scene::Settings& settings) {
     scene::Scene scene(patient, scope, Tube{}, parked(posture), settings);
-    for (int k = 0; k < static_cast<int>(watched) * steps_per_second; ++k) {
+    for (int k = 0; k < static_cast<int>(scene_watched) * steps_per_second; ++k) {
         scene.step(parked(posture));
     }
     return scene.snapshot().frames;
@@ -51,12 +51,12 @@ Course move(const anatomy::Patient& patient, const Move& move, int substeps) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     scene::Settings settings;
     settings.substeps = substeps;
-    const std::vector<FramePose> expected = settled(patient, scope, move.to, settings);
+    const std::vector<FramePose> expected = settled_frames(patient, scope, move.to, settings);
     settings.haste = move.rate / scene_rate();
     scene::Scene scene(patient, scope, Tube{}, parked(move.from), settings);
-    Follower follower(size, watched);
+    Follower follower(scene_size, scene_watched);
     double thrown = 0.0;
-    for (int k = 0; k <= static_cast<int>(watched) * steps_per_second; ++k) {
+    for (int k = 0; k <= static_cast<int>(scene_watched) * steps_per_second; ++k) {
         double away = 0.0;
         for (std::size_t i = 0; i < expected.size(); ++i) {
             const FramePose& frame = scene.snapshot().frames[i];

@@ -12,9 +12,9 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double watched = 3.0;  // [s]
-constexpr double side = 10e-3;   // [m]
-constexpr std::string_view figure = "sets";
+constexpr double sets_watched = 3.0;  // [s]
+constexpr double set_side = 10e-3;    // [m]
+constexpr std::string_view set_figure = "sets";
 
 /// Where the particles of a cluster lie, at rest.
 struct Shape {
@@ -23,7 +23,7 @@ struct Shape {
 };
 
 std::vector<Shape> shapes() {
-    const auto s = static_cast<float>(side);
+    const auto s = static_cast<float>(set_side);
     Shape plane{"coplanar", {}}, line{"collinear", {}}, point{"coincident", {}};
     for (int k = 0; k < 25; ++k) {
         plane.rest.push_back(0.25f * s * Vec3f(static_cast<float>(k % 5), static_cast<float>(k / 5), 0.0f));
@@ -69,7 +69,8 @@ double distortion(const pbd::Particles& p) {
         }
         // Alone, a particle is to stay where it was put.
         if (p.size() == 1) {
-            worst = static_cast<double>((p.position[0] - Vec3f::Constant(static_cast<float>(side))).norm());
+            worst =
+                static_cast<double>((p.position[0] - Vec3f::Constant(static_cast<float>(set_side))).norm());
         }
     }
     return worst;
@@ -84,13 +85,13 @@ Course lone_cluster(const Shape& shape, const Placement& placement, Method metho
     pbd::SoftBody body = body_of(shape, method);
     Random random(2);
     for (Vec3f& x : body.particles.position) {
-        x = shape.rest.size() == 1 ? Vec3f(Vec3f::Constant(static_cast<float>(side)))
+        x = shape.rest.size() == 1 ? Vec3f(Vec3f::Constant(static_cast<float>(set_side)))
                                    : placement.position(x, random);
     }
-    Follower follower(side, watched);
+    Follower follower(set_side, sets_watched);
     const double thrown = distortion(body.particles);
     const auto dt = static_cast<float>(1.0 / rate);
-    for (int n = 1; n <= static_cast<int>(watched * rate); ++n) {
+    for (int n = 1; n <= static_cast<int>(sets_watched * rate); ++n) {
         body.predict(dt, 1.0f);
         body.project(dt);
         body.finish(dt);
@@ -104,16 +105,16 @@ Course lone_cluster(const Shape& shape, const Placement& placement, Method metho
 /// between; the residual is its distance from where both forces balance.
 Course two_links(float stiffness_ratio, double rate) {
     const float stiffness[2] = {20.0f, 20.0f * stiffness_ratio};
-    const float length[2] = {static_cast<float>(side), 2.0f * static_cast<float>(side)};
+    const float length[2] = {static_cast<float>(set_side), 2.0f * static_cast<float>(set_side)};
     const float balance =
         (stiffness[0] * length[0] + stiffness[1] * length[1]) / (stiffness[0] + stiffness[1]);
     const auto dt = static_cast<float>(1.0 / rate);
     const float keep = std::exp(-static_cast<float>(light_damping) * dt);
     constexpr float inverse_mass = 1.0f / (4e3f * 8e-9f);
     Vec3f anchor = Vec3f::Zero(), x(0.0f, 0.0f, 3.0f * length[0]), velocity = Vec3f::Zero();
-    Follower follower(side, watched);
+    Follower follower(set_side, sets_watched);
     double off = 0.0;
-    for (int n = 1; n <= static_cast<int>(watched * rate); ++n) {
+    for (int n = 1; n <= static_cast<int>(sets_watched * rate); ++n) {
         const Vec3f before = x;
         x += dt * velocity;
         for (int k = 0; k < 2; ++k) {
@@ -121,14 +122,14 @@ Course two_links(float stiffness_ratio, double rate) {
         }
         velocity = keep / dt * (x - before);
         const float distance = x.norm();
-        off = static_cast<double>(std::fabs(distance - balance)) / side;
+        off = static_cast<double>(std::fabs(distance - balance)) / set_side;
         const double outside =
             static_cast<double>(std::max({0.0f, length[0] - distance, distance - length[1]}));
         const double way = 1e-3 * static_cast<double>(velocity.norm());  // in the next millisecond
         follower.look(n / rate, outside + way,
                       0.5 * static_cast<double>(velocity.squaredNorm() / inverse_mass));
     }
-    Course course = follower.course(2.0 * side);
+    Course course = follower.course(2.0 * set_side);
     course.residual = off;
     return course;
 }
@@ -142,30 +143,32 @@ Course links_against_body(Method method, double rate, float stiffness) {
     std::vector<std::size_t> corners;
     for (std::size_t i = 0; i < body.lattice().position.size(); ++i) {
         const Vec3d rest = body.lattice().position[i];
-        const bool edge =
-            std::fabs(rest.x() - 0.5 * side) > 0.49 * side && std::fabs(rest.y() - 0.5 * side) > 0.49 * side;
+        const bool edge = std::fabs(rest.x() - 0.5 * set_side) > 0.49 * set_side &&
+                          std::fabs(rest.y() - 0.5 * set_side) > 0.49 * set_side;
         if (rest.z() < 1e-9) {
             body.hold(i);
-        } else if (edge && rest.z() > 0.99 * side) {
+        } else if (edge && rest.z() > 0.99 * set_side) {
             corners.push_back(i);
         }
     }
     double time = 0.0;
     double thrown = 0.0;
-    Follower follower(side, watched);
+    Follower follower(set_side, sets_watched);
     body.before_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, double) {
         mesh.springs.clear();
-        for (const std::size_t i : time < 0.5 * watched ? std::span(corners) : std::span<std::size_t>()) {
+        for (const std::size_t i :
+             time < 0.5 * sets_watched ? std::span(corners) : std::span<std::size_t>()) {
             for (const Vec3f& way : ways) {
-                mesh.springs.push_back(
-                    {static_cast<std::uint32_t>(i), p.rest[i] + static_cast<float>(side) * way, stiffness});
+                mesh.springs.push_back({static_cast<std::uint32_t>(i),
+                                        p.rest[i] + static_cast<float>(set_side) * way, stiffness});
             }
         }
     };
     body.contact = [&](pbd::Particles& p, double dt, double) {
-        for (const std::size_t i : time < 0.5 * watched ? std::span(corners) : std::span<std::size_t>()) {
+        for (const std::size_t i :
+             time < 0.5 * sets_watched ? std::span(corners) : std::span<std::size_t>()) {
             for (const Vec3f& way : ways) {
-                Vec3f anchor = p.rest[i] + static_cast<float>(side) * way;
+                Vec3f anchor = p.rest[i] + static_cast<float>(set_side) * way;
                 pbd::project_link(anchor, p.predicted[i], 0.0f, p.inverse_mass[i], 0.0f, stiffness,
                                   static_cast<float>(dt));
             }
@@ -174,13 +177,13 @@ Course links_against_body(Method method, double rate, float stiffness) {
     body.watch = [&](const pbd::Particles& particles) {
         time += setting.step;
         const double away = farthest_from_rest(particles);
-        thrown = std::max(thrown, time < 0.5 * watched ? std::min(away, 2.0 * side) : 0.0);
+        thrown = std::max(thrown, time < 0.5 * sets_watched ? std::min(away, 2.0 * set_side) : 0.0);
         follower.look(time, away, kinetic_energy(particles));
         for (const Quatf& rotation : body.shapes().rotation()) {
             follower.look(rotation);
         }
     };
-    body.settle(watched);
+    body.settle(sets_watched);
     return follower.course(thrown);
 }
 
@@ -190,7 +193,7 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps) {
     const std::vector<Placement> placements = {
         {"scattered",
          [](const Vec3f&, Random& random) {
-             return Vec3f(static_cast<float>(side) *
+             return Vec3f(static_cast<float>(set_side) *
                           Vec3f(random.uniform(), random.uniform(), random.uniform()));
          }},
         {"turned 180 deg", [](const Vec3f& p, Random&) { return Vec3f(-p.x(), -p.y(), p.z()); }},
@@ -201,7 +204,7 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps) {
         for (const auto& [column, rate] : columns_of(sweep, method)) {
             const auto add = [&, &column = column](std::string_view map, std::string_view row,
                                                    const auto& course) {
-                maps.add(figure, map, name_of(method), row, column, course);
+                maps.add(set_figure, map, name_of(method), row, column, course);
             };
             if (method != Method::tetrahedra &&
                 method != Method::tetrahedra_implicit) {  // flat ones are left out
@@ -220,7 +223,7 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, Maps& maps) {
     }
     for (const double rate : sweep.rates) {
         for (const float ratio : {1.0f, 1e2f, 1e4f}) {
-            maps.add(figure, "two links, 10 and 20 mm", "links, XPBD", fmt::format("1:{:g}", ratio),
+            maps.add(set_figure, "two links, 10 and 20 mm", "links, XPBD", fmt::format("1:{:g}", ratio),
                      step_name(rate), [&] { return two_links(ratio, rate); });
         }
     }

@@ -12,12 +12,12 @@ namespace eti::bench {
 
 namespace {
 
-constexpr float spacing = 1e-3f;  // [m], of particles, as the patient's epiglottis and larynx
-constexpr int across = 13;        // particles along x and y
-constexpr double watched = 2.0;   // [s]
-constexpr double pressed = 0.5;   // [s], from when on the tool goes back
-constexpr float start = 8e-3f;    // [m], of the tool's surface over the wall
-constexpr double size = 10e-3;    // [m], what 1 % refers to
+constexpr float wall_spacing = 1e-3f;  // [m], of particles, as the patient's epiglottis and larynx
+constexpr int across = 13;             // particles along x and y
+constexpr double walls_watched = 2.0;  // [s]
+constexpr double walls_pressed = 0.5;  // [s], from when on the tool goes back
+constexpr float start = 8e-3f;         // [m], of the tool's surface over the wall
+constexpr double wall_size = 10e-3;    // [m], what 1 % refers to
 const Vec3f far_away(0.0f, 0.5f, 0.5f);
 
 enum class Target { flap, cords, wall, shell };
@@ -138,9 +138,10 @@ class Sheet {
     void place(int x, int y, int layer) {
         pbd::Particles& p = body.particles;
         const std::size_t i = number(x, y) + static_cast<std::size_t>(layer);
-        p.rest[i] = spacing * Vec3f(static_cast<float>(x - across / 2), static_cast<float>(y - across / 2),
-                                    static_cast<float>(layer) - 0.5f * static_cast<float>(layers_ - 1));
-        p.radius[i] = 0.5f * spacing;
+        p.rest[i] =
+            wall_spacing * Vec3f(static_cast<float>(x - across / 2), static_cast<float>(y - across / 2),
+                                 static_cast<float>(layer) - 0.5f * static_cast<float>(layers_ - 1));
+        p.radius[i] = 0.5f * wall_spacing;
         p.channels[i] = pbd::channel::blade | pbd::channel::tube;
         p.inverse_mass[i] = held(x, y) ? 0.0f : 1.0f / mass;
     }
@@ -166,7 +167,7 @@ class Sheet {
                 close(target_ == Target::flap ? soft : 4.0f * soft);
             }
         }
-        out.particle_volume.assign(body.particles.size(), spacing * spacing * spacing);
+        out.particle_volume.assign(body.particles.size(), wall_spacing * wall_spacing * wall_spacing);
         out.fitting_mass.assign(body.particles.size(), mass);
         body.shapes.configure(out, body.particles);
         body.reset();
@@ -204,7 +205,7 @@ class Sheet {
         return false;
     }
 
-    static constexpr float mass = 4e3f * spacing * spacing * spacing;
+    static constexpr float mass = 4e3f * wall_spacing * wall_spacing * wall_spacing;
     Target target_;
     int layers_;
     std::vector<std::uint32_t> number_;
@@ -214,14 +215,15 @@ class Sheet {
 float height_at(double time, const Case& c) {
     const auto t = static_cast<float>(time);
     const float down = std::max(start - c.speed * t, -travel(c));
-    return time < pressed ? down : std::min(down + 0.2f * (t - static_cast<float>(pressed)), start);
+    return time < walls_pressed ? down
+                                : std::min(down + 0.2f * (t - static_cast<float>(walls_pressed)), start);
 }
 
 /// The tool's axis over a wall at z = 0, `height` [m] being that of its lowest side: end on, it points down
 /// on the middle, or on a cord's edge; else it lies across the flap, or along a cord.
 RigidTransform pose(const Case& c, float height, float radius, float tip_from_origin) {
     const bool cords = c.target == Target::cords;
-    const float top = 0.5f * spacing * static_cast<float>(c.layers) + height + radius;
+    const float top = 0.5f * wall_spacing * static_cast<float>(c.layers) + height + radius;
     const Vec3f along = c.end_on                   ? Vec3f(0, 0, -1)
                         : c.target == Target::flap ? Vec3f(1, 0, 0)
                                                    : Vec3f(0, 1, 0);
@@ -288,10 +290,10 @@ class Run {
     /// Steps as the scene does.
     template <class Begin, class Predict, class Project, class Line>
     Course follow(const Begin& begin_step, const Predict& predict, const Project& project, const Line& line) {
-        Follower follower(size, watched);
+        Follower follower(wall_size, walls_watched);
         pbd::SoftBody& body = sheet_.body;
         bool passed = false;
-        const auto steps = static_cast<int>(watched * steps_per_second);
+        const auto steps = static_cast<int>(walls_watched * steps_per_second);
         for (int k = 0; k < steps; ++k) {
             const double from = static_cast<double>(k) / steps_per_second;
             const double to = static_cast<double>(k + 1) / steps_per_second;

@@ -11,7 +11,7 @@ namespace eti::bench {
 
 namespace {
 
-constexpr double longest = 120.0;  // [s] of simulation time
+constexpr double longest_trial = 120.0;  // [s] of simulation time
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Trial perform(const Scenario& scenario, const OperatorScript& script, std::uint6
     Trial trial;
     trial.particles = patient.particles.size();
     Clock::duration spent{};
-    while (!hands.finished() && simulation.time() < longest) {
+    while (!hands.finished() && simulation.time() < longest_trial) {
         hands.advance(simulation.observation(), simulation.snapshot());
         hands.hold(inputs);
         const Clock::time_point before = Clock::now();

@@ -16,10 +16,10 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::VectorXd;
 
-constexpr double within_reach = 5e-3;  // [m], farther than anything moves in an increment
-constexpr int iteration_limit = 200;   // in one round
-constexpr double far_off = 0.3;        // residual
-constexpr double first_bound = 1e-2;   // of the residual, in the first round
+constexpr double within_reach = 5e-3;      // [m], farther than anything moves in an increment
+constexpr int path_iteration_limit = 200;  // in one round
+constexpr double far_off = 0.3;            // residual
+constexpr double first_bound = 1e-2;       // of the residual, in the first round
 
 Vec3d at(const VectorXd& x, std::uint32_t vertex) {
     return x.segment<3>(3 * static_cast<Index>(vertex));
@@ -253,7 +253,7 @@ bool FrictionPath::minimise(Increment& out, double bound) {
         }
         return v;
     };
-    for (int k = 0; k < iteration_limit; ++k, ++out.iterations) {
+    for (int k = 0; k < path_iteration_limit; ++k, ++out.iterations) {
         const VectorXd residual = still(gradient(x_));
         double largest = potential_.largest_element_force(x_);
         for (const std::uint32_t n : near_) {

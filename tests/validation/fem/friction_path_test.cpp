@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 using test::tetrahedral_lattice;
 using test::TetrahedralLattice;
 
-constexpr double youngs_modulus = 8e3;
+constexpr double path_modulus = 8e3;
 
 /// The half-space behind a plane.
 class Plane : public Solid {
@@ -50,11 +50,11 @@ Vec3d sum(const std::vector<Vec3d>& of) {
     return out;
 }
 
-PathProblem problem_of(const TetrahedralLattice& lattice, double poisson_ratio) {
+PathProblem path_problem(const TetrahedralLattice& lattice, double poisson_ratio) {
     PathProblem problem;
     problem.body.rest = lattice.position;
     problem.body.tetrahedra = lattice.tetrahedra;
-    problem.body.youngs_modulus = youngs_modulus;
+    problem.body.youngs_modulus = path_modulus;
     problem.body.poisson_ratio = poisson_ratio;
     return problem;
 }
@@ -72,7 +72,7 @@ std::vector<std::uint32_t> at_height(const TetrahedralLattice& lattice, double z
 /// A block of cubes of 2 mm on a floor that holds it, its skin of balls of 1 mm, under a blade along x.
 PathProblem block_under_blade(int nx, int ny, int nz, double friction, bool edges) {
     const TetrahedralLattice lattice = tetrahedral_lattice(nx, ny, nz, 2e-3);
-    PathProblem problem = problem_of(lattice, 0.45);
+    PathProblem problem = path_problem(lattice, 0.45);
     for (const std::uint32_t i : at_height(lattice, 0.0)) {
         problem.body.hold(i);
     }
@@ -168,7 +168,7 @@ TEST(FrictionPath, BlockOnAPlaneFollowsTheClosedForm) {
     // Squeezed from above on a plane without friction, held at its top only along z, and at an edge: a
     // homogeneous state, which linear elements have. Penetration is below 0.02 mm of 8 mm.
     const TetrahedralLattice lattice = tetrahedral_lattice(4, 4, 4, 2e-3);
-    PathProblem problem = problem_of(lattice, 0.3);
+    PathProblem problem = path_problem(lattice, 0.3);
     const Plane floor;
     problem.solid = &floor;
     problem.on_solid = at_height(lattice, 0.0);
@@ -189,14 +189,14 @@ TEST(FrictionPath, BlockOnAPlaneFollowsTheClosedForm) {
     EXPECT_LT(done.penetration, 0.02e-3);
     const double area = 8e-3 * 8e-3;
     const double force = sum(path.solid_force()).z();
-    const test::UniaxialStretch expected = test::uniaxial_stretch(-force / area, youngs_modulus, 0.3);
+    const test::UniaxialStretch expected = test::uniaxial_stretch(-force / area, path_modulus, 0.3);
     EXPECT_NEAR(expected.along, 1.0 + squeeze / 8e-3, 0.02 / 8.0);
 }
 
 /// A block on an incline, with springs along that: what these carry, in parts of what pulls it downhill.
 double carried_by_spring(double slope, double friction) {
     const TetrahedralLattice lattice = tetrahedral_lattice(3, 2, 2, 2e-3);
-    PathProblem problem = problem_of(lattice, 0.3);
+    PathProblem problem = path_problem(lattice, 0.3);
     const Plane floor(Vec3d::UnitZ(), 1e-6);  // touches from the start: nothing else holds the block up
     problem.solid = &floor;
     problem.on_solid = at_height(lattice, 0.0);
@@ -292,7 +292,7 @@ TEST(FrictionPath, LineContactIsHertzs) {
     constexpr int half = 12;
     constexpr double cell = 0.25e-3;
     const TetrahedralLattice lattice = tetrahedral_lattice(1, 4 * half, 3 * half, cell);
-    PathProblem problem = problem_of(lattice, 0.3);
+    PathProblem problem = path_problem(lattice, 0.3);
     const double top = 3 * half * cell;
     problem.points = at_height(lattice, top);
     for (std::uint32_t i = 0; i < lattice.position.size(); ++i) {
@@ -314,7 +314,7 @@ TEST(FrictionPath, LineContactIsHertzs) {
         force -= on[i].z();
         moment -= on[i].z() * std::pow(lattice.position[i].y() - 2 * half * cell, 2);
     }
-    const double squared = 4.0 * (force / cell) * radius / (std::numbers::pi * youngs_modulus / (1.0 - 0.09));
+    const double squared = 4.0 * (force / cell) * radius / (std::numbers::pi * path_modulus / (1.0 - 0.09));
     const double a = std::sqrt(squared);
     RecordProperty("half_width_mm", std::to_string(1e3 * a));
     EXPECT_GT(a, 4 * cell);
@@ -328,7 +328,7 @@ TEST(FrictionPath, StepsAreThoseOfImplicitEuler) {
     constexpr double drag = 0.1;       // [N s/m]
     constexpr double duration = 0.02;  // [s]
     PathProblem problem;
-    problem.body.youngs_modulus = youngs_modulus;
+    problem.body.youngs_modulus = path_modulus;
     problem.body.rest = {{0, 0, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}, {0, 0, 2e-3}};
     problem.body.tetrahedra = {{0, 1, 2, 3}};
     const Vec3d away(3e-3, -2e-3, 1e-3);
@@ -384,7 +384,7 @@ TEST(FrictionPath, StepsFollowASnap) {
     constexpr double half = 10e-3;  // [m]
     constexpr double rise = 2e-3;   // [m]
     PathProblem problem;
-    problem.body.youngs_modulus = youngs_modulus;
+    problem.body.youngs_modulus = path_modulus;
     problem.body.rest = {{-1e-3, -1e-3, rise}, {1e-3, -1e-3, rise}, {0, 1e-3, rise}, {0, 0, rise - 2e-3}};
     problem.body.tetrahedra = {{0, 1, 2, 3}};
     const double length = std::hypot(half, rise);

@@ -14,14 +14,14 @@
 namespace eti::fem {
 namespace {
 
-constexpr double cell = 2.5e-3;
-constexpr double youngs_modulus = 5e3;
-constexpr double density = 1000.0;
-constexpr float dt = 1.0f / 180.0f;
+constexpr double implicit_cell = 2.5e-3;
+constexpr double implicit_modulus = 5e3;
+constexpr double implicit_density = 1000.0;
+constexpr float implicit_dt = 1.0f / 180.0f;
 
 /// A block of 20 x 10 x 10 mm, one solve a step, without damping but that of implicit Euler and `damping`.
 struct Block {
-    test::TetrahedralLattice lattice = test::tetrahedral_lattice(8, 4, 4, cell);
+    test::TetrahedralLattice lattice = test::tetrahedral_lattice(8, 4, 4, implicit_cell);
     pbd::Particles particles;
     pbd::ImplicitTetrahedra mesh;
 
@@ -33,28 +33,28 @@ struct Block {
         std::vector<double> mass(p.size(), 0.0);
         for (const auto& corners : lattice.tetrahedra) {
             for (const std::uint32_t i : corners) {
-                mass[i] += density * std::pow(cell, 3) / 24.0;
+                mass[i] += implicit_density * std::pow(implicit_cell, 3) / 24.0;
             }
         }
         for (std::size_t i = 0; i < p.size(); ++i) {
             p.rest[i] = p.position[i] = p.predicted[i] = lattice.position[i].cast<float>();
             p.inverse_mass[i] = held(lattice.position[i]) ? 0.0f : static_cast<float>(1.0 / mass[i]);
         }
-        const std::vector<float> moduli(lattice.tetrahedra.size(), static_cast<float>(youngs_modulus));
+        const std::vector<float> moduli(lattice.tetrahedra.size(), static_cast<float>(implicit_modulus));
         mesh.configure({lattice.tetrahedra, moduli, static_cast<float>(poisson_ratio)}, p, p.inverse_mass);
     }
 
     void predict(const Vec3f& gravity) {
         pbd::Particles& p = particles;
         for (std::size_t i = 0; i < p.size(); ++i) {
-            p.velocity[i] += p.inverse_mass[i] > 0.0f ? Vec3f(dt * gravity) : Vec3f(Vec3f::Zero());
+            p.velocity[i] += p.inverse_mass[i] > 0.0f ? Vec3f(implicit_dt * gravity) : Vec3f(Vec3f::Zero());
             p.predicted[i] = p.position[i];
         }
     }
     void solve(float damping) {
         pbd::Particles& p = particles;
-        mesh.solve(p, dt);
-        const float keep = std::exp(-damping * dt) / dt;
+        mesh.solve(p, implicit_dt);
+        const float keep = std::exp(-damping * implicit_dt) / implicit_dt;
         for (std::size_t i = 0; i < p.size(); ++i) {
             p.velocity[i] = keep * (p.predicted[i] - p.position[i]);
             p.position[i] = p.predicted[i];
@@ -62,11 +62,11 @@ struct Block {
     }
 };
 
-Problem problem_of(const test::TetrahedralLattice& lattice, double poisson_ratio) {
+Problem implicit_problem(const test::TetrahedralLattice& lattice, double poisson_ratio) {
     Problem problem;
     problem.rest = lattice.position;
     problem.tetrahedra = lattice.tetrahedra;
-    problem.youngs_modulus = youngs_modulus;
+    problem.youngs_modulus = implicit_modulus;
     problem.poisson_ratio = poisson_ratio;
     return problem;
 }
@@ -80,7 +80,7 @@ TEST_P(ImplicitSag, IsThatOfFiniteElements) {
     const auto [nu, gravity] = GetParam();
     const auto held = [](const Vec3d& rest) { return rest.x() < 1e-9; };
     Block block(nu, held);
-    Problem problem = problem_of(block.lattice, nu);
+    Problem problem = implicit_problem(block.lattice, nu);
     problem.gravity = {0, 0, -gravity};
     for (std::uint32_t i = 0; i < block.lattice.position.size(); ++i) {
         if (held(block.lattice.position[i])) {
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(PoissonRatiosAndLoads, ImplicitSag,
 /// The block held above, a plane beneath it that has come up by `depth` [m] and goes on along x with `speed`
 /// [m/s].
 struct PressedBlock {
-    static constexpr double top = 4 * cell;
+    static constexpr double top = 4 * implicit_cell;
     static constexpr float depth = 1e-3f;
     Block block{0.45, [](const Vec3d& rest) { return rest.z() > top - 1e-9; }};
     std::vector<std::uint32_t> bottom;
@@ -134,7 +134,7 @@ struct PressedBlock {
             c.particle = {i, i};
             c.normal = Vec3f::UnitZ();
             c.gap = p.predicted[i].z() - depth;
-            c.slip = c.across(p.predicted[i] - p.position[i] - Vec3f(speed * dt, 0.0f, 0.0f));
+            c.slip = c.across(p.predicted[i] - p.position[i] - Vec3f(speed * implicit_dt, 0.0f, 0.0f));
             c.friction = friction;
             for (const pbd::MeshContact& last : block.mesh.contacts) {
                 if (last.particle == c.particle) {
@@ -161,7 +161,7 @@ struct PressedBlock {
 /// or are free.
 Vec3d pressed_by_elements(bool sticks) {
     const PressedBlock pressed;
-    Problem problem = problem_of(pressed.block.lattice, 0.45);
+    Problem problem = implicit_problem(pressed.block.lattice, 0.45);
     for (std::uint32_t i = 0; i < problem.rest.size(); ++i) {
         if (problem.rest[i].z() > PressedBlock::top - 1e-9) {
             problem.hold(i);

@@ -7,13 +7,13 @@
 namespace eti::test {
 namespace {
 
-constexpr double youngs_modulus = 8e3;
-constexpr double cell = 2e-3;
+constexpr double springs_modulus = 8e3;
+constexpr double springs_cell = 2e-3;
 
 /// Work [J] of the springs' forces over a small uniform strain of a block of 4 x 4 x 4 cells.
 double stored(const Eigen::Matrix3d& strain) {
-    const TetrahedralLattice lattice = tetrahedral_lattice(4, 4, 4, cell);
-    const MassSprings springs(lattice, youngs_modulus);
+    const TetrahedralLattice lattice = tetrahedral_lattice(4, 4, 4, springs_cell);
+    const MassSprings springs(lattice, springs_modulus);
     pbd::Particles p;
     p.resize(lattice.position.size());
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -31,9 +31,9 @@ double stored(const Eigen::Matrix3d& strain) {
 /// The same for Hooke's solid.
 double expected(const Eigen::Matrix3d& strain) {
     constexpr double nu = MassSprings::poisson_ratio;
-    const double mu = youngs_modulus / (2.0 * (1.0 + nu));
-    const double lambda = youngs_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-    const double volume = std::pow(4.0 * cell, 3);
+    const double mu = springs_modulus / (2.0 * (1.0 + nu));
+    const double lambda = springs_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    const double volume = std::pow(4.0 * springs_cell, 3);
     return volume * (0.5 * lambda * std::pow(strain.trace(), 2) + mu * strain.squaredNorm());
 }
 

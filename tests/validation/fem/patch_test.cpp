@@ -10,19 +10,19 @@ namespace eti {
 namespace {
 
 constexpr int cells = 4;
-constexpr double cell = 2.5e-3;
-constexpr float youngs_modulus = 8e3f;
+constexpr double patch_cell = 2.5e-3;
+constexpr float patch_modulus = 8e3f;
 
 /// A cube whose inner nodes are shifted by up to a fifth of a cell, so that no two tetrahedra are alike.
 test::TetrahedralLattice crooked() {
-    test::TetrahedralLattice lattice = test::tetrahedral_lattice(cells, cells, cells, cell);
+    test::TetrahedralLattice lattice = test::tetrahedral_lattice(cells, cells, cells, patch_cell);
     Random random(1);
     for (Vec3d& x : lattice.position) {
         const Vec3d shift =
-            0.2 * cell *
+            0.2 * patch_cell *
             (2.0 * Vec3d(double{random.uniform()}, double{random.uniform()}, double{random.uniform()}) -
              Vec3d::Ones());
-        if (x.minCoeff() > 1e-9 && x.maxCoeff() < cells * cell - 1e-9) {
+        if (x.minCoeff() > 1e-9 && x.maxCoeff() < cells * patch_cell - 1e-9) {
             x += shift;
         }
     }
@@ -31,7 +31,7 @@ test::TetrahedralLattice crooked() {
 
 /// The greatest distance [m] of an inner node from where the affine motion would have it, at rest.
 double departure(const Eigen::Matrix3d& gradient, float poisson_ratio, float dt) {
-    test::TetrahedralBody body(crooked(), youngs_modulus, poisson_ratio);
+    test::TetrahedralBody body(crooked(), patch_modulus, poisson_ratio);
     body.damping = 60.0f;
     pbd::Particles& p = body.particles;
     Random random(2);
@@ -41,10 +41,10 @@ double departure(const Eigen::Matrix3d& gradient, float poisson_ratio, float dt)
         const Vec3d rest = p.rest[i].cast<double>();
         expected.push_back(gradient * rest + Vec3d(1e-3, -2e-3, 3e-3));
         p.position[i] = expected.back().cast<float>();
-        if (rest.minCoeff() > 1e-9 && rest.maxCoeff() < cells * cell - 1e-9) {
+        if (rest.minCoeff() > 1e-9 && rest.maxCoeff() < cells * patch_cell - 1e-9) {
             inner.push_back(i);
             // A tenth of a cell away from it: it has to find back.
-            p.position[i] += 0.1f * static_cast<float>(cell) *
+            p.position[i] += 0.1f * static_cast<float>(patch_cell) *
                              Vec3f(random.normal(), random.normal(), random.normal()).normalized();
         } else {
             p.inverse_mass[i] = 0.0f;
@@ -74,12 +74,12 @@ TEST(PatchTest, AffineMotionOfTheSurfaceIsAnEquilibrium) {
     constexpr double fine_dt = 1.0 / 5760.0;
     for (const float nu : {0.3f, 0.45f}) {
         const double n = double{nu};
-        const double speed_squared = double{youngs_modulus} * (1 - n) / ((1 + n) * (1 - 2 * n) * 1000.0);
-        const double courant_squared = fine_dt * fine_dt * speed_squared / (cell * cell);
+        const double speed_squared = double{patch_modulus} * (1 - n) / ((1 + n) * (1 - 2 * n) * 1000.0);
+        const double courant_squared = fine_dt * fine_dt * speed_squared / (patch_cell * patch_cell);
         for (const Eigen::Matrix3d& gradient : {stretch, shear, Eigen::Matrix3d(turn * stretch)}) {
             const double coarse = departure(gradient, nu, static_cast<float>(4.0 * fine_dt));
             const double fine = departure(gradient, nu, static_cast<float>(fine_dt));
-            EXPECT_LT(fine, 0.4 * courant_squared * 0.3 * cell) << nu;
+            EXPECT_LT(fine, 0.4 * courant_squared * 0.3 * patch_cell) << nu;
             EXPECT_GT(coarse / fine, 12.0) << nu;
             EXPECT_LT(coarse / fine, 20.0) << nu;
         }

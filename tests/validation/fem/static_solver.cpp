@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-constexpr int iteration_limit = 200;
+constexpr int solver_iteration_limit = 200;
 // Rounding of forces leaves about 1e-13 of the largest element's on meshes of thousands of elements.
 constexpr double residual_limit = 1e-10;
 // What negative eigenvalues are raised to, in parts of the shear modulus: enough for a factorisation in
@@ -281,7 +281,7 @@ Solution solve(const Problem& problem, const std::vector<Vec3d>& start) {
     Solution out;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
     bool analysed = false;
-    for (; out.iterations < iteration_limit; ++out.iterations) {
+    for (; out.iterations < solver_iteration_limit; ++out.iterations) {
         const VectorXd residual = potential.gradient(x)(free);
         out.residual = residual.cwiseAbs().maxCoeff() / potential.largest_element_force(x);
         out.converged = out.residual < residual_limit;

@@ -14,7 +14,7 @@
 namespace eti {
 namespace {
 
-constexpr int width = 640, height = 360;
+constexpr int enhanced_width = 640, enhanced_height = 360;
 
 // What the session's enhanced view changes, in drawn pixels.
 class EnhancedView : public ::testing::Test {
@@ -45,8 +45,8 @@ class EnhancedView : public ::testing::Test {
     static std::pair<int, int> changed(const render::Image& a, const render::Image& b,
                                        const Eigen::Vector2f& about, float distance) {
         int all = 0, far = 0;
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
+        for (int y = 0; y < enhanced_height; ++y) {
+            for (int x = 0; x < enhanced_width; ++x) {
                 if (differs(a, b, x, y)) {
                     ++all;
                     const Eigen::Vector2f place(static_cast<float>(x), static_cast<float>(y));
@@ -61,15 +61,16 @@ class EnhancedView : public ::testing::Test {
     }
     [[nodiscard]] Eigen::Vector2f pixel_of(const Vec3f& point, std::string_view view) const {
         const render::Camera camera = render::view_named(view)->camera(scene_, {});
-        const Eigen::Vector4f clip =
-            camera.projection(static_cast<float>(width) / height) * camera.view() * point.homogeneous();
-        return {0.5f * width * (1.0f + clip.x() / clip.w()), 0.5f * height * (1.0f - clip.y() / clip.w())};
+        const Eigen::Vector4f clip = camera.projection(static_cast<float>(enhanced_width) / enhanced_height) *
+                                     camera.view() * point.homogeneous();
+        return {0.5f * enhanced_width * (1.0f + clip.x() / clip.w()),
+                0.5f * enhanced_height * (1.0f - clip.y() / clip.w())};
     }
 
     synthetic::Scene source_ = synthetic::make_scene();
     view::SceneView scene_;
     render::HeadlessContext context_;
-    client::Compositor compositor_{width, height, render::qualities().front()};
+    client::Compositor compositor_{enhanced_width, enhanced_height, render::qualities().front()};
 };
 
 TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
@@ -77,14 +78,15 @@ TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
     const render::Image plain = picture("auto");
     say(true, 1.0f);
     const render::Image enhanced = picture("auto");
-    const auto tiles = client::layout(client::selection_named("auto")->views(scene_), width, height);
+    const auto tiles =
+        client::layout(client::selection_named("auto")->views(scene_), enhanced_width, enhanced_height);
     ASSERT_EQ(tiles.size(), 4u);
     EXPECT_EQ(tiles.front().view->name, "eye");
     EXPECT_EQ(tiles[3].view->name, "section");
     // Most of the section's tile was another view's background.
     int inside = 0;
-    for (int y = tiles[3].tile.y; y < height; ++y) {
-        for (int x = tiles[3].tile.x; x < width; ++x) {
+    for (int y = tiles[3].tile.y; y < enhanced_height; ++y) {
+        for (int x = tiles[3].tile.x; x < enhanced_width; ++x) {
             inside += differs(plain, enhanced, x, y) ? 1 : 0;
         }
     }
@@ -102,7 +104,7 @@ TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
         const render::Image plain = picture(view.name);
         const Eigen::Vector2f gum = gum_pixel(view.name);
         const int x = static_cast<int>(std::lround(gum.x())), y = static_cast<int>(std::lround(gum.y()));
-        ASSERT_TRUE(x > 0 && x < width && y > 0 && y < height) << view.name;
+        ASSERT_TRUE(x > 0 && x < enhanced_width && y > 0 && y < enhanced_height) << view.name;
         for (const auto& [force, red] : {std::pair{1.0f, false}, std::pair{5.0f, true}}) {
             LiveValues mark_alone;
             mark_alone.view_gum_force = 1.0f;
@@ -162,7 +164,7 @@ TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
     say(true, 5.0f);
     const render::View& view = *render::view_named("overview");
     const auto marks = client::aids_of(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
-                                       {"overview", 0, 0, width, height});
+                                       {"overview", 0, 0, enhanced_width, enhanced_height});
     const auto mark = std::ranges::find(marks, "5.0 N", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     const Eigen::Vector2f there = pixel_of(pressed, "overview");
@@ -199,8 +201,8 @@ TEST_F(EnhancedView, TheGlottisIsTintedAsFarAsNothingCoversIt) {
     };
     // 4 mm at a quarter of a metre, in pixels.
     const float distance = 0.25f;
-    const float side = 4e-3f / distance * 0.5f * static_cast<float>(height) *
-                       camera.projection(static_cast<float>(width) / height)(1, 1);
+    const float side = 4e-3f / distance * 0.5f * static_cast<float>(enhanced_height) *
+                       camera.projection(static_cast<float>(enhanced_width) / enhanced_height)(1, 1);
     EXPECT_NEAR(tinted(distance), side * side, 0.35f * side * side);
     EXPECT_EQ(tinted(1.0f), 0) << "behind the head";
 }
@@ -211,15 +213,16 @@ TEST_F(EnhancedView, DrawsTheLineOfSightInTheSection) {
     say(true, 1.0f);
     const render::Image sighted = picture("section");
     const render::Camera camera = render::view_named("section")->camera(scene_, {});
-    const Eigen::Matrix4f matrix = camera.projection(static_cast<float>(width) / height) * camera.view();
+    const Eigen::Matrix4f matrix =
+        camera.projection(static_cast<float>(enhanced_width) / enhanced_height) * camera.view();
     const Vec3f eye = best_eye(scene_.landmarks()), glottis = at(scene_.landmarks(), Landmark::glottis);
     int along = 0, drawn = 0;
     for (int i = 0; i <= 400; ++i) {
         const Vec3f point = eye + static_cast<float>(i) / 400.0f * (glottis - eye);
         const Eigen::Vector4f clip = matrix * point.homogeneous();
-        const int x = static_cast<int>(0.5f * width * (1.0f + clip.x() / clip.w()));
-        const int y = static_cast<int>(0.5f * height * (1.0f - clip.y() / clip.w()));
-        if (x >= 2 && x < width - 2 && y >= 2 && y < height - 2) {
+        const int x = static_cast<int>(0.5f * enhanced_width * (1.0f + clip.x() / clip.w()));
+        const int y = static_cast<int>(0.5f * enhanced_height * (1.0f - clip.y() / clip.w()));
+        if (x >= 2 && x < enhanced_width - 2 && y >= 2 && y < enhanced_height - 2) {
             ++along;
             const std::uint8_t* const p = sighted.pixel(x, y);
             const bool coloured = std::abs(p[0] - p[1]) > 60;
@@ -274,7 +277,7 @@ TEST_F(EnhancedView, WhatWasWrittenStandsBesideItsPoint) {
     ASSERT_TRUE(scene_.apply(shown));
     const render::View& view = *render::view_named("overview");
     const auto marks = client::aids_of(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
-                                       {"overview", 0, 0, width, height});
+                                       {"overview", 0, 0, enhanced_width, enhanced_height});
     const auto mark = std::ranges::find(marks, "lift here", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     EXPECT_TRUE(mark->bare);

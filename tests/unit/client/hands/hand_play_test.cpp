@@ -13,15 +13,15 @@ namespace {
 using client::HandPlay;
 using client::Hands;
 
-constexpr float dt = 1.0f / 180.0f;
+constexpr float hand_play_dt = 1.0f / 180.0f;
 
 class HandPlayTest : public ::testing::Test {
   protected:
     void SetUp() override { synthetic::fill(seen_, scene_); }
     void play(HandPlay& list, int steps) {
         for (int i = 0; i < steps; ++i) {
-            list.advance(dt, hands_, seen_, {});
-            hands_.advance(dt, {}, {});
+            list.advance(hand_play_dt, hands_, seen_, {});
+            hands_.advance(hand_play_dt, {}, {});
         }
     }
     synthetic::Scene scene_ = synthetic::make_scene();
@@ -44,17 +44,17 @@ steps:
     const render::View* const section = render::view_named("section");
     same.drag({{.x = 30.0f, .y = 12.0f}, section->camera(seen_, {}), 540.0f}, seen_.landmarks());
     for (int i = 0; i < 200; ++i) {
-        same.advance(dt, {}, {});
+        same.advance(hand_play_dt, {}, {});
     }
     (void)same.press(U'w');
     for (int i = 0; i < 90; ++i) {
-        same.advance(dt, {}, {});
+        same.advance(hand_play_dt, {}, {});
     }
     same.release(U'w');
     (void)same.press(client::other_hand_key);
     same.drag({{.notches = 4.0f}, {}, 540.0f}, seen_.landmarks());
     for (int i = 0; i < 200; ++i) {
-        same.advance(dt, {}, {});
+        same.advance(hand_play_dt, {}, {});
     }
     EXPECT_EQ(hands_.chosen(), Tool::tube);
     for (const Tool tool : {Tool::laryngoscope, Tool::tube}) {

@@ -16,17 +16,17 @@ namespace {
 using client::Drag;
 using client::Hands;
 
-constexpr float dt = 1.0f / 180.0f, height = 540.0f;
-constexpr float tolerance = 2e-6f;  // [m], of floats of a metre
+constexpr float hands_dt = 1.0f / 180.0f, hands_height = 540.0f;
+constexpr float hands_tolerance = 2e-6f;  // [m], of floats of a metre
 
 class HandsTest : public ::testing::Test {
   protected:
     void follow(int steps) {
         for (int i = 0; i < steps; ++i) {
-            hands_.advance(dt, {}, {});
+            hands_.advance(hands_dt, {}, {});
         }
     }
-    void drag(const Drag& mouse) { hands_.drag({mouse, camera_, height}, scene_.landmarks); }
+    void drag(const Drag& mouse) { hands_.drag({mouse, camera_, hands_height}, scene_.landmarks); }
     [[nodiscard]] const client::HeldTool& blade() const { return hands_.held(Tool::laryngoscope); }
     [[nodiscard]] const client::HeldTool& tube() const { return hands_.held(Tool::tube); }
 
@@ -69,7 +69,7 @@ TEST_F(HandsTest, OnlyTheHandWhoseTurnItIsMoves) {
     EXPECT_TRUE(hands_.press(client::other_hand_key));
     drag({.x = 30.0f});
     follow(100);
-    EXPECT_NEAR((blade().tip() - moved).norm(), 0.0f, tolerance);
+    EXPECT_NEAR((blade().tip() - moved).norm(), 0.0f, hands_tolerance);
     EXPECT_GT((tube().tip() - tube_tip).norm(), 1e-3f);
 }
 
@@ -77,19 +77,19 @@ TEST_F(HandsTest, TheTipGoesWithThePointer) {
     const Vec3f from = blade().tip();
     drag({.x = 20.0f, .y = -8.0f});
     follow(100);
-    const Vec3f expected = client::in_picture(camera_, height, from, 20.0f, -8.0f);
-    EXPECT_NEAR((blade().tip() - from - expected).norm(), 0.0f, tolerance);
+    const Vec3f expected = client::in_picture(camera_, hands_height, from, 20.0f, -8.0f);
+    EXPECT_NEAR((blade().tip() - from - expected).norm(), 0.0f, hands_tolerance);
 }
 
 TEST_F(HandsTest, TheWheelSlidesTheToolAndTheRightButtonSwingsTheHand) {
     const Vec3f from = blade().tip(), axis = blade().pose().rotation * Vec3f::UnitZ();
     drag({.notches = 3.0f});
     follow(100);
-    EXPECT_NEAR((blade().tip() - from - 6e-3f * axis).norm(), 0.0f, tolerance) << "2 mm a notch";
+    EXPECT_NEAR((blade().tip() - from - 6e-3f * axis).norm(), 0.0f, hands_tolerance) << "2 mm a notch";
     const Vec3f tip = blade().tip(), grip = blade().pose().translation;
     drag({.y = 25.0f, .second = true});
     follow(100);
-    EXPECT_NEAR((blade().tip() - tip).norm(), 0.0f, tolerance);
+    EXPECT_NEAR((blade().tip() - tip).norm(), 0.0f, hands_tolerance);
     EXPECT_GT((blade().pose().translation - grip).norm(), 1e-3f);
 }
 
@@ -99,7 +99,8 @@ TEST_F(HandsTest, KeysMoveWhileTheyAreHeld) {
     follow(90);  // half a second at 15 mm/s
     hands_.release(U'w');
     follow(90);
-    EXPECT_NEAR((from.inverse() * blade().pose().translation - Vec3f(0, 7.5e-3f, 0)).norm(), 0.0f, tolerance);
+    EXPECT_NEAR((from.inverse() * blade().pose().translation - Vec3f(0, 7.5e-3f, 0)).norm(), 0.0f,
+                hands_tolerance);
     EXPECT_TRUE(hands_.press(U'g'));
     follow(180);
     hands_.release(U'g');
@@ -121,7 +122,7 @@ TEST_F(HandsTest, ATubeInTheMouthIsTurnedAboutTheLips) {
     const Vec3f lips = tube().along(outside);
     drag({.x = 15.0f});
     follow(100);
-    EXPECT_NEAR((tube().along(outside) - lips).norm(), 0.0f, tolerance);
+    EXPECT_NEAR((tube().along(outside) - lips).norm(), 0.0f, hands_tolerance);
 }
 
 TEST_F(HandsTest, GoBackToTheirStart) {
@@ -130,7 +131,7 @@ TEST_F(HandsTest, GoBackToTheirStart) {
     follow(100);
     EXPECT_TRUE(hands_.press(client::home_key));
     follow(200);
-    EXPECT_NEAR((blade().pose().translation - start.translation).norm(), 0.0f, tolerance);
+    EXPECT_NEAR((blade().pose().translation - start.translation).norm(), 0.0f, hands_tolerance);
 }
 
 // A key that had two meanings would do only one of them.

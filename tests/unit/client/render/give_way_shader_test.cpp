@@ -32,7 +32,7 @@ out vec4 pixel;
 void main() { pixel = vec4(place, 1.0); }
 )";
 
-std::vector<Vec3f> drawn(const std::vector<Vec3f>& points, const PlacedGiveWay& give_way) {
+std::vector<Vec3f> drawn_giving_way(const std::vector<Vec3f>& points, const PlacedGiveWay& give_way) {
     render::ShaderProgram program("give way", {}, render::give_way_source() + vertex, fragment);
     program.use();
     render::apply(give_way, program);
@@ -95,7 +95,7 @@ TEST(GiveWayShader, DrawsWhatTheServerMeasures) {
                                           0.024f * (random.uniform() - 0.5f),
                                           (scope.blade_length + 0.01f) * random.uniform()));
         }
-        const std::vector<Vec3f> places = drawn(points, give_way);
+        const std::vector<Vec3f> places = drawn_giving_way(points, give_way);
         float moved = 0.0f;
         for (std::size_t i = 0; i < points.size(); ++i) {
             // Both in single precision at 0.1 m: roundings of 1e-8 m that slopes of three enlarge.

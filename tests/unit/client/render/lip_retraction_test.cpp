@@ -20,7 +20,7 @@ struct Point {
 };
 
 /// What the vertex shader of all meshes makes of them.
-std::vector<Point> drawn(const std::vector<Point>& points, const LipRetraction& lips) {
+std::vector<Point> drawn_lips(const std::vector<Point>& points, const LipRetraction& lips) {
     render::ShaderProgram program("lips", {"RETRACT"}, render::source::mesh_vertex, {"world", "normal_at"});
     program.use();
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
@@ -73,7 +73,7 @@ TEST(LipRetractionShader, HoldsLipsWhereTheServersRaysFindThem) {
                                 0.055f + 0.02f * random.uniform()),
                           normal.normalized()});
     }
-    const std::vector<Point> held = drawn(points, lips);
+    const std::vector<Point> held = drawn_lips(points, lips);
     float moved = 0.0f;
     double turned = 0.0, wrong = 0.0;
     for (std::size_t i = 0; i < points.size(); ++i) {

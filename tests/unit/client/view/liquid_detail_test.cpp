@@ -14,15 +14,15 @@
 namespace eti {
 namespace {
 
-constexpr float spacing = 1e-3f;
+constexpr float detail_spacing = 1e-3f;
 constexpr std::uint64_t state_ns = 11'111'111;
-constexpr float state = 1e-9f * static_cast<float>(state_ns);
+constexpr float detail_state = 1e-9f * static_cast<float>(state_ns);
 
-std::vector<Vec3f> block(const Vec3f& at, int wide, int high) {
+std::vector<Vec3f> flat_block(const Vec3f& at, int wide, int high) {
     std::vector<Vec3f> points;
     for (int y = 0; y < high; ++y) {
         for (int k = 0; k < wide * wide; ++k) {
-            points.push_back(at + spacing * Eigen::Vector3i(k % wide, y, k / wide).cast<float>());
+            points.push_back(at + detail_spacing * Eigen::Vector3i(k % wide, y, k / wide).cast<float>());
         }
     }
     return points;
@@ -42,14 +42,15 @@ view::LiquidDetail churned(float speed, int states, float foaming = 1.0f) {
     view::LiquidDetail detail;
     detail.set_kind(that(foaming, 1.0f));
     for (int s = 0; s < states; ++s) {
-        std::vector<Vec3f> points = block(Vec3f::Zero(), 12, 3);
+        std::vector<Vec3f> points = flat_block(Vec3f::Zero(), 12, 3);
         Random random(5);
         for (Vec3f& p : points) {
             const Vec3f way(random.normal(), random.normal(), random.normal());
             const float phase = 2.0f * std::numbers::pi_v<float> * random.uniform();
-            p += speed / turns * std::sin(turns * state * static_cast<float>(s) + phase) * way.normalized();
+            p += speed / turns * std::sin(turns * detail_state * static_cast<float>(s) + phase) *
+                 way.normalized();
         }
-        detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, points, spacing, {});
+        detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, points, detail_spacing, {});
     }
     return detail;
 }
@@ -76,13 +77,13 @@ TEST(LiquidFoam, IsOfThePublishedSizeNearTheLiquidAndBursts) {
         for (const Vec3f& p : detail.tracks().positions()) {
             nearest = std::min(nearest, (p - bubble.position).norm());
         }
-        EXPECT_LT(nearest, 3.0f * spacing);
+        EXPECT_LT(nearest, 3.0f * detail_spacing);
     }
     // Nothing moves any more, and the longest-lived bubble has 9 s.
     const std::vector<Vec3f> rest(detail.tracks().positions().begin(), detail.tracks().positions().end());
     const std::size_t before = detail.foam().bubbles().size();
     for (std::uint64_t s = 21; s < 21 + 90 * 10; ++s) {
-        detail.advance(s * state_ns, rest, spacing, {});
+        detail.advance(s * state_ns, rest, detail_spacing, {});
         if (s == 21 + 90) {
             EXPECT_GT(detail.foam().bubbles().size(), before / 2) << "a second later it is still there";
         }
@@ -103,9 +104,9 @@ view::LiquidDetail pulled(int states, float stringing = 1.0f) {
     view::LiquidDetail detail;
     detail.set_kind(that(0.0f, stringing));
     for (int s = 0; s < states; ++s) {
-        std::vector<Vec3f> points = block(Vec3f::Zero(), 5, 3);
-        points.push_back(Vec3f(2e-3f, -1e-3f - 0.03f * state * static_cast<float>(s), 2e-3f));
-        detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, points, spacing, {});
+        std::vector<Vec3f> points = flat_block(Vec3f::Zero(), 5, 3);
+        points.push_back(Vec3f(2e-3f, -1e-3f - 0.03f * detail_state * static_cast<float>(s), 2e-3f));
+        detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, points, detail_spacing, {});
     }
     return detail;
 }
@@ -121,7 +122,7 @@ TEST(LiquidStrings, AreDrawnOutBetweenWhatPartsAndBreak) {
     EXPECT_NEAR(std::numbers::pi_v<float> * s.radius() * s.radius() * s.length(), s.volume, 1e-3f * s.volume);
     EXPECT_NEAR(l.volume / s.volume, std::exp(-2.0f * (l.age - s.age) / 1.6f), 1e-3f);
     EXPECT_LT(l.radius(), s.radius());
-    EXPECT_NEAR(s.length(), 1e-3f + 0.03f * 11.0f * state, 1e-4f);
+    EXPECT_NEAR(s.length(), 1e-3f + 0.03f * 11.0f * detail_state, 1e-4f);
     // 14 mm at 30 mm/s.
     EXPECT_TRUE(pulled(46).strings().strings().empty());
     EXPECT_TRUE(pulled(12, 0.0f).strings().strings().empty()) << "what is not stringy";
@@ -130,13 +131,13 @@ TEST(LiquidStrings, AreDrawnOutBetweenWhatPartsAndBreak) {
 TEST(LiquidStrings, HangOnAToolThatLeaves) {
     view::LiquidDetail detail;
     detail.set_kind(that(0.0f, 1.0f));
-    const std::vector<Vec3f> pool = block(Vec3f::Zero(), 5, 3);
+    const std::vector<Vec3f> pool = flat_block(Vec3f::Zero(), 5, 3);
     float gap = 0.0f;
     for (int s = 0; s < 12; ++s) {
-        gap = 0.4e-3f + 0.03f * state * static_cast<float>(s);
+        gap = 0.4e-3f + 0.03f * detail_state * static_cast<float>(s);
         const float y = -gap - 2e-3f;
         const Capsule tool{Vec3f(-20e-3f, y, 2e-3f), Vec3f(20e-3f, y, 2e-3f), 2e-3f};
-        detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, pool, spacing, {&tool, 1});
+        detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, pool, detail_spacing, {&tool, 1});
     }
     ASSERT_FALSE(detail.strings().strings().empty());
     EXPECT_LE(detail.strings().strings().size(), view::LiquidStrings::most);
@@ -146,20 +147,20 @@ TEST(LiquidStrings, HangOnAToolThatLeaves) {
         EXPECT_GE(string.length(), gap - 1e-5f);
     }
     // A blade that is taken out of the scene takes its threads along.
-    detail.advance(13 * state_ns, pool, spacing, {});
+    detail.advance(13 * state_ns, pool, detail_spacing, {});
     EXPECT_TRUE(detail.strings().strings().empty());
 }
 
 TEST(LiquidDetail, WithoutLiquidThereIsNothing) {
     view::LiquidDetail detail = churned(0.04f, 20);
     ASSERT_FALSE(detail.foam().bubbles().empty());
-    detail.advance(21 * state_ns, {}, spacing, {});
+    detail.advance(21 * state_ns, {}, detail_spacing, {});
     EXPECT_TRUE(detail.foam().bubbles().empty());
     EXPECT_TRUE(detail.tracks().positions().empty());
     // A recording that begins again has the foam of its beginning: none.
     view::LiquidDetail again = churned(0.04f, 20);
     const std::vector<Vec3f> rest(again.tracks().positions().begin(), again.tracks().positions().end());
-    again.advance(state_ns, rest, spacing, {});
+    again.advance(state_ns, rest, detail_spacing, {});
     EXPECT_TRUE(again.foam().bubbles().empty());
 }
 

@@ -15,9 +15,9 @@
 namespace eti {
 namespace {
 
-constexpr float spacing = 1e-3f, state = 1.0f / 90.0f;
+constexpr float tracks_spacing = 1e-3f, tracks_state = 1.0f / 90.0f;
 
-std::vector<Vec3f> block(int side, float gap = spacing) {
+std::vector<Vec3f> cube_block(int side, float gap = tracks_spacing) {
     std::vector<Vec3f> points;
     for (int k = 0; k < side * side * side; ++k) {
         points.push_back(gap * Eigen::Vector3i(k % side, k / side % side, k / side / side).cast<float>());
@@ -56,22 +56,22 @@ TEST(LiquidCells, FindsEverybodyNear) {
 
 // A cube's lattice: six neighbours at a spacing within, three at a corner; a particle apart is alone.
 TEST(LiquidCrowds, TellDropsFromLiquid) {
-    std::vector<Vec3f> points = block(3);
-    points.emplace_back(4.6f * spacing, 0.0f, 0.0f);
+    std::vector<Vec3f> points = cube_block(3);
+    points.emplace_back(4.6f * tracks_spacing, 0.0f, 0.0f);
     view::LiquidCrowds liquid;
-    liquid.count(points, spacing);
+    liquid.count(points, tracks_spacing);
     // Those on a face's diagonal, at the square root of two, count 2 (1.5 - 1.414) each.
     EXPECT_NEAR(liquid.crowds()[13], 6.0f + 12.0f * 0.1716f, 1e-3f);
     EXPECT_NEAR(liquid.crowds()[0], 3.0f + 3.0f * 0.1716f, 1e-3f);
     EXPECT_EQ(liquid.crowds().back(), 0.0f);
-    liquid.count({}, spacing);
+    liquid.count({}, tracks_spacing);
     EXPECT_TRUE(liquid.crowds().empty());
 }
 
 // Reference: a body that turns and falls, whose velocities are known; its particles come in another order in
 // each state, as the server's do.
 TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
-    const std::vector<Vec3f> rest = block(6);
+    const std::vector<Vec3f> rest = cube_block(6);
     const Vec3f turn(0.0f, 0.0f, 8.0f);  // [rad/s]: 60 mm/s at the far corner
     view::LiquidTracks tracks;
     Random random(1);
@@ -81,7 +81,7 @@ TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (int step = 0; step < 30; ++step) {
         const Eigen::Matrix3f rotation =
-            Eigen::AngleAxisf(turn.norm() * state * static_cast<float>(step), Vec3f::UnitZ())
+            Eigen::AngleAxisf(turn.norm() * tracks_state * static_cast<float>(step), Vec3f::UnitZ())
                 .toRotationMatrix();
         for (std::size_t k = order.size() - 1; k > 0; --k) {
             std::swap(order[k], order[random.bits() % (k + 1)]);
@@ -90,7 +90,7 @@ TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
         for (const std::size_t i : order) {
             now.push_back(rotation * rest[i] + shift);
         }
-        tracks.advance(now, spacing, step == 0 ? 0.0f : state);
+        tracks.advance(now, tracks_spacing, step == 0 ? 0.0f : tracks_state);
         if (step > 3) {
             for (std::size_t k = 0; k < now.size(); ++k) {
                 const Vec3f known = velocity + turn.cross(rotation * rest[order[k]]);
@@ -100,20 +100,20 @@ TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
                 EXPECT_EQ(tracks.after()[tracks.before()[k]], k);
             }
         }
-        velocity += state * Vec3f(0.0f, 0.2f, 0.0f);
-        shift += state * velocity;
+        velocity += tracks_state * Vec3f(0.0f, 0.2f, 0.0f);
+        shift += tracks_state * velocity;
     }
 }
 
 TEST(LiquidTracks, WhoComesAndGoesIsNobodyElse) {
-    std::vector<Vec3f> points = block(4);
+    std::vector<Vec3f> points = cube_block(4);
     view::LiquidTracks tracks;
-    tracks.advance(points, spacing, 0.0f);
+    tracks.advance(points, tracks_spacing, 0.0f);
     EXPECT_TRUE(std::ranges::all_of(tracks.before(), [](auto b) { return b == view::LiquidTracks::nobody; }));
     const Vec3f far(0.03f, 0.0f, 0.0f);
     points.erase(points.begin() + 5);
     points.push_back(far);
-    tracks.advance(points, spacing, state);
+    tracks.advance(points, tracks_spacing, tracks_state);
     EXPECT_EQ(tracks.after()[5], view::LiquidTracks::nobody);
     EXPECT_EQ(tracks.before().back(), view::LiquidTracks::nobody);
     EXPECT_EQ(tracks.velocities().back(), Vec3f(Vec3f::Zero()));

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 constexpr ParticipantId a{1}, b{2}, stranger{9};
 
-WriterId writer(const ParticipantId& participant, std::uint8_t number) {
+WriterId writer_of(const ParticipantId& participant, std::uint8_t number) {
     return {participant, {0, 0, number, 3}};
 }
 
@@ -24,34 +24,34 @@ class AnAdmission : public testing::Test {
   protected:
     AnAdmission() {
         admission_.found(a, "'eti-server' host:1", true);
-        admission_.found(writer(a, 1), topics::session_status.name);
-        admission_.found(writer(a, 2), topics::proxy.name);
+        admission_.found(writer_of(a, 1), topics::session_status.name);
+        admission_.found(writer_of(a, 2), topics::proxy.name);
     }
     Admission admission_{false};
 };
 
 TEST_F(AnAdmission, FollowsTheServerFoundFirst) {
     EXPECT_EQ(admission_.owner(), a);
-    EXPECT_FALSE(admission_.refuses(writer(a, 1)));
-    EXPECT_FALSE(admission_.refuses(writer(a, 2)));
+    EXPECT_FALSE(admission_.refuses(writer_of(a, 1)));
+    EXPECT_FALSE(admission_.refuses(writer_of(a, 2)));
     EXPECT_FALSE(admission_.contested());
 }
 
 TEST_F(AnAdmission, TakesWhatIsTheServersFromNobodyElse) {
     admission_.found(stranger, "", false);
-    admission_.found(writer(stranger, 7), topics::proxy.name);
-    admission_.found(writer(stranger, 8), topics::command.name);
-    EXPECT_TRUE(admission_.refuses(writer(stranger, 7)));
-    EXPECT_FALSE(admission_.refuses(writer(stranger, 8))) << "commands are anybody's";
+    admission_.found(writer_of(stranger, 7), topics::proxy.name);
+    admission_.found(writer_of(stranger, 8), topics::command.name);
+    EXPECT_TRUE(admission_.refuses(writer_of(stranger, 7)));
+    EXPECT_FALSE(admission_.refuses(writer_of(stranger, 8))) << "commands are anybody's";
     EXPECT_FALSE(admission_.contested()) << "nobody's status is doubted";
     EXPECT_THAT(admission_.news(), Contains(HasSubstr("eti/proxy")));
     EXPECT_TRUE(admission_.news().empty()) << "once";
 }
 
 TEST_F(AnAdmission, ASecondStatusMakesTheSessionContestedUntilItIsGone) {
-    admission_.found(writer(stranger, 7), topics::session_status.name);
+    admission_.found(writer_of(stranger, 7), topics::session_status.name);
     EXPECT_TRUE(admission_.contested());
-    EXPECT_TRUE(admission_.refuses(writer(stranger, 7)));
+    EXPECT_TRUE(admission_.refuses(writer_of(stranger, 7)));
     EXPECT_EQ(admission_.owner(), a);
     EXPECT_THAT(admission_.news(), Contains(HasSubstr("forces are off")));
     admission_.gone(stranger);
@@ -60,59 +60,59 @@ TEST_F(AnAdmission, ASecondStatusMakesTheSessionContestedUntilItIsGone) {
 }
 
 TEST_F(AnAdmission, AServerThatComesBackAfterAKillIsFollowedAtOnce) {
-    admission_.heard(writer(a, 1), true);
+    admission_.heard(writer_of(a, 1), true);
     admission_.found(b, "'eti-server' host:2", true);
-    admission_.found(writer(b, 1), topics::session_status.name);
+    admission_.found(writer_of(b, 1), topics::session_status.name);
     EXPECT_EQ(admission_.owner(), a);
     EXPECT_TRUE(admission_.contested());
-    admission_.heard(writer(a, 1), false);
+    admission_.heard(writer_of(a, 1), false);
     EXPECT_EQ(admission_.owner(), b);
     EXPECT_FALSE(admission_.contested()) << "a killed server contests nothing";
-    EXPECT_FALSE(admission_.refuses(writer(b, 1)));
-    EXPECT_TRUE(admission_.refuses(writer(a, 2)));
+    EXPECT_FALSE(admission_.refuses(writer_of(b, 1)));
+    EXPECT_TRUE(admission_.refuses(writer_of(a, 2)));
 }
 
 TEST_F(AnAdmission, AServerThatOnlyPausesStaysTheOwner) {
-    admission_.heard(writer(a, 1), true);
-    admission_.heard(writer(a, 1), false);
+    admission_.heard(writer_of(a, 1), true);
+    admission_.heard(writer_of(a, 1), false);
     EXPECT_EQ(admission_.owner(), a);
-    EXPECT_FALSE(admission_.refuses(writer(a, 2)));
+    EXPECT_FALSE(admission_.refuses(writer_of(a, 2)));
 }
 
 TEST(Admission, BeforeAServerIsThereNobodyElseIsHeard) {
     Admission admission(false);
-    admission.found(writer(stranger, 7), topics::scene.name);
-    EXPECT_TRUE(admission.refuses(writer(stranger, 7)));
+    admission.found(writer_of(stranger, 7), topics::scene.name);
+    EXPECT_TRUE(admission.refuses(writer_of(stranger, 7)));
     EXPECT_FALSE(admission.contested()) << "there is nothing to contest";
     admission.found(a, "'eti-server' host:1", true);
-    admission.found(writer(a, 1), topics::scene.name);
-    EXPECT_FALSE(admission.refuses(writer(a, 1)));
-    EXPECT_TRUE(admission.refuses(writer(stranger, 7)));
+    admission.found(writer_of(a, 1), topics::scene.name);
+    EXPECT_FALSE(admission.refuses(writer_of(a, 1)));
+    EXPECT_TRUE(admission.refuses(writer_of(stranger, 7)));
 }
 
 TEST(Admission, AServerFollowsOneWriterOfEachPose) {
     Admission server(true);
-    server.found(writer(a, 1), topics::laryngoscope_pose.name);
-    server.found(writer(b, 1), topics::laryngoscope_pose.name);
-    server.found(writer(b, 2), topics::tube_pose.name);
-    EXPECT_FALSE(server.refuses(writer(a, 1)));
-    EXPECT_TRUE(server.refuses(writer(b, 1)));
-    EXPECT_FALSE(server.refuses(writer(b, 2)));
+    server.found(writer_of(a, 1), topics::laryngoscope_pose.name);
+    server.found(writer_of(b, 1), topics::laryngoscope_pose.name);
+    server.found(writer_of(b, 2), topics::tube_pose.name);
+    EXPECT_FALSE(server.refuses(writer_of(a, 1)));
+    EXPECT_TRUE(server.refuses(writer_of(b, 1)));
+    EXPECT_FALSE(server.refuses(writer_of(b, 2)));
     server.let_go(topics::laryngoscope_pose.name);
-    EXPECT_TRUE(server.refuses(writer(a, 1)));
-    EXPECT_FALSE(server.refuses(writer(b, 1)));
-    server.gone(writer(b, 1));
-    EXPECT_FALSE(server.refuses(writer(a, 1)));
+    EXPECT_TRUE(server.refuses(writer_of(a, 1)));
+    EXPECT_FALSE(server.refuses(writer_of(b, 1)));
+    server.gone(writer_of(b, 1));
+    EXPECT_FALSE(server.refuses(writer_of(a, 1)));
 }
 
 TEST(Admission, OneThatWasLetGoWaitsForNobodyAndYieldsToWhoeverComes) {
     Admission server(true);
-    server.found(writer(a, 1), topics::tube_pose.name);
+    server.found(writer_of(a, 1), topics::tube_pose.name);
     server.let_go(topics::tube_pose.name);
-    EXPECT_FALSE(server.refuses(writer(a, 1))) << "it may come back";
-    server.found(writer(b, 1), topics::tube_pose.name);
-    EXPECT_FALSE(server.refuses(writer(b, 1)));
-    EXPECT_TRUE(server.refuses(writer(a, 1)));
+    EXPECT_FALSE(server.refuses(writer_of(a, 1))) << "it may come back";
+    server.found(writer_of(b, 1), topics::tube_pose.name);
+    EXPECT_FALSE(server.refuses(writer_of(b, 1)));
+    EXPECT_TRUE(server.refuses(writer_of(a, 1)));
 }
 
 TEST(Admission, WhatIsFoundBeyondItsBoundsIsRefused) {
@@ -124,9 +124,9 @@ TEST(Admission, WhatIsFoundBeyondItsBoundsIsRefused) {
     const WriterId last{{3}, {std::uint8_t(9'999 & 0xff), std::uint8_t(9'999 >> 8), 1, 3}};
     EXPECT_TRUE(admission.refuses(last));
     admission.found(a, "'eti-server' host:1", true);
-    admission.found(writer(a, 1), topics::proxy.name);
+    admission.found(writer_of(a, 1), topics::proxy.name);
     EXPECT_TRUE(admission.refuses(last)) << "what is found later lets none of them in";
-    EXPECT_FALSE(admission.refuses(writer(a, 1))) << "there is room for others";
+    EXPECT_FALSE(admission.refuses(writer_of(a, 1))) << "there is room for others";
 }
 
 TEST(AdmissionOnTheBus, AStrangersSceneDoesNotTakeTheServersPlace) {

@@ -13,7 +13,7 @@
 namespace eti::bus {
 namespace {
 
-constexpr float far = 10.0f;  // [m]
+constexpr float farthest_particle = 10.0f;  // [m]
 
 struct Sample {
     explicit Sample(std::size_t count) {
@@ -37,7 +37,7 @@ TEST(FluidState, ComesBackWithinTheQuantum) {
     for (std::size_t chunk = 0; chunk < 6; ++chunk) {
         put_fluid_chunk(sample.liquid(), chunk, message);
         EXPECT_EQ(message.chunks(), 6);
-        ASSERT_TRUE(take_fluid_chunk(message, far, back));
+        ASSERT_TRUE(take_fluid_chunk(message, farthest_particle, back));
     }
     ASSERT_EQ(back.size(), 1000u);
     // Half of a 65535th of each edge, and what floats of 0.1 m leave of it.
@@ -54,7 +54,7 @@ TEST(FluidState, EachChunkFitsADatagramAndStandsAlone) {
         put_fluid_chunk(sample.liquid(), chunk, message);
         EXPECT_LE(WireType<msg::FluidStatePubSubType>().getSerializedSizeProvider(&message)(), 1300u);
         std::vector<Vec3f> alone;
-        ASSERT_TRUE(take_fluid_chunk(message, far, alone));
+        ASSERT_TRUE(take_fluid_chunk(message, farthest_particle, alone));
         ASSERT_EQ(alone.size(), chunk == 2 ? 500 - 2 * fluid_chunk_particles : fluid_chunk_particles);
         EXPECT_LT((alone.front() - sample.positions[chunk * fluid_chunk_particles]).norm(), 2e-6f);
     }
@@ -65,7 +65,7 @@ TEST(FluidState, NoLiquidIsOneEmptyChunk) {
     put_fluid_chunk(Sample(0).liquid(), 0, message);
     EXPECT_EQ(fluid_chunk_count(0), 1u);
     std::vector<Vec3f> back;
-    EXPECT_TRUE(take_fluid_chunk(message, far, back));
+    EXPECT_TRUE(take_fluid_chunk(message, farthest_particle, back));
     EXPECT_TRUE(back.empty());
 }
 
@@ -75,7 +75,7 @@ TEST(FluidState, WhatLiesOutsideTheBoxIsPutOntoIt) {
     msg::FluidState message;
     put_fluid_chunk(sample.liquid(), 0, message);
     std::vector<Vec3f> back;
-    ASSERT_TRUE(take_fluid_chunk(message, far, back));
+    ASSERT_TRUE(take_fluid_chunk(message, farthest_particle, back));
     EXPECT_NEAR(back[0].x(), sample.upper.x(), 1e-7f);
 }
 
@@ -87,7 +87,7 @@ TEST(FluidState, HostileChunksAreRefused) {
     const auto refused = [&](const char* what, const std::function<void(msg::FluidState&)>& spoil) {
         msg::FluidState message = good;
         spoil(message);
-        EXPECT_FALSE(take_fluid_chunk(message, far, untouched)) << what;
+        EXPECT_FALSE(take_fluid_chunk(message, farthest_particle, untouched)) << what;
         EXPECT_TRUE(untouched.empty()) << what;
     };
     constexpr float no_number = std::numeric_limits<float>::quiet_NaN();

@@ -12,7 +12,7 @@
 namespace eti::bus {
 namespace {
 
-constexpr float far = 10.0f;  // [m]
+constexpr float farthest_place = 10.0f;  // [m]
 
 std::vector<Vec3f> some(std::size_t count, const Vec3f& size) {
     Random random(7);
@@ -37,7 +37,7 @@ TEST(Places, ComeBackWithinHalfAQuantumOfTheirOwnBox) {
         std::vector<std::uint16_t> places;
         put_places(box, positions, places);
         std::vector<Vec3f> back;
-        ASSERT_TRUE(take_places(box, places, far, back)) << size.transpose();
+        ASSERT_TRUE(take_places(box, places, farthest_place, back)) << size.transpose();
         ASSERT_EQ(back.size(), positions.size());
         for (std::size_t i = 0; i < back.size(); ++i) {
             EXPECT_TRUE(((back[i] - positions[i]).cwiseAbs().array() <= bound(box).array()).all()) << i;
@@ -81,7 +81,7 @@ TEST(Places, WhatCannotBeRightIsRefused) {
     const std::vector<std::uint16_t> places(3, 1);
     std::vector<Vec3f> back;
     const auto refused = [&](const Box& b, const std::vector<std::uint16_t>& p) {
-        return !take_places(b, p, far, back) && back.empty();
+        return !take_places(b, p, farthest_place, back) && back.empty();
     };
     constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
     EXPECT_TRUE(refused({Vec3f::Ones(), Vec3f::Zero()}, places)) << "turned inside out";
@@ -90,7 +90,7 @@ TEST(Places, WhatCannotBeRightIsRefused) {
     EXPECT_TRUE(refused({Vec3f::Zero(), Vec3f::Constant(11.0f)}, places)) << "far away";
     EXPECT_TRUE(refused(box, std::vector<std::uint16_t>(4, 1))) << "a coordinate is lacking";
     EXPECT_TRUE(refused(box, std::vector<std::uint16_t>(3 * chunk_positions + 3, 1))) << "more than a chunk";
-    EXPECT_TRUE(take_places(box, places, far, back));
+    EXPECT_TRUE(take_places(box, places, farthest_place, back));
 }
 
 }  // namespace

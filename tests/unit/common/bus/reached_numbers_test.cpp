@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 const ReachedNumbers::Clock::time_point start{1h};
 
-WriterId writer(std::uint8_t n) {
+WriterId numbered_writer(std::uint8_t n) {
     return {{1, 15, 120, 253, 3, 18, 137, 50, 0, 0, 0, 0}, {0, 0, n, 2}};
 }
 
@@ -50,20 +50,20 @@ TEST(ReachedNumbers, TheHeartbeatThatHungProgramsIsRefused) {
     ReachedNumbers fresh;
     EXPECT_TRUE(refused(fresh, deadly())) << "as the first of its writer";
     ReachedNumbers reached;
-    ASSERT_TRUE(reached.plausible(writer(20), 33, start));
+    ASSERT_TRUE(reached.plausible(numbered_writer(20), 33, start));
     EXPECT_TRUE(refused(reached, deadly()));
-    EXPECT_TRUE(reached.plausible(writer(20), 34, start)) << "its writer is heard on";
+    EXPECT_TRUE(reached.plausible(numbered_writer(20), 34, start)) << "its writer is heard on";
 }
 
 TEST(ReachedNumbers, AWriterIsHeardOnAfterASilenceOfAnyLength) {
     ReachedNumbers reached;
-    EXPECT_TRUE(reached.plausible(writer(1), 20'000'000, start)) << "a server that has run for long";
-    EXPECT_TRUE(reached.plausible(writer(1), 19'999'990, start)) << "a repair";
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), 20'000'000, start)) << "a server that has run for long";
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), 19'999'990, start)) << "a repair";
     // 100 a second; heard again after two days.
-    EXPECT_TRUE(reached.plausible(writer(1), 20'000'000 + 48 * 3600 * 100, start + 48h));
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), 20'000'000 + 48 * 3600 * 100, start + 48h));
     // 900 a second, a heartbeat each.
     for (int i = 1; i < 900 * 600; ++i) {
-        ASSERT_TRUE(reached.plausible(writer(2), i, start + i * 1'000'000us / 900));
+        ASSERT_TRUE(reached.plausible(numbered_writer(2), i, start + i * 1'000'000us / 900));
     }
 }
 
@@ -72,11 +72,11 @@ TEST(ReachedNumbers, AWriterIsHeardOnAfterASilenceOfAnyLength) {
 TEST(ReachedNumbers, StepsOfAForgerAddUpToWhatAWriterMayWrite) {
     ReachedNumbers reached;
     std::int64_t number = 1;
-    ASSERT_TRUE(reached.plausible(writer(3), number, start));
+    ASSERT_TRUE(reached.plausible(numbered_writer(3), number, start));
     for (int i = 0; i < 100'000; ++i) {
         for (const std::int64_t step :
              {std::int64_t{1} << 30, longest_range, std::int64_t{1000}, std::int64_t{1}}) {
-            if (reached.plausible(writer(3), number + step, start + i * 100us)) {
+            if (reached.plausible(numbered_writer(3), number + step, start + i * 100us)) {
                 number += step;
             }
         }
@@ -87,15 +87,16 @@ TEST(ReachedNumbers, StepsOfAForgerAddUpToWhatAWriterMayWrite) {
 
 TEST(ReachedNumbers, InventedWritersDoNotGrowItNorPushOutOneThatIsHeard) {
     ReachedNumbers reached;
-    ASSERT_TRUE(reached.plausible(writer(4), 5, start));
+    ASSERT_TRUE(reached.plausible(numbered_writer(4), 5, start));
     for (std::uint32_t i = 0; i < 3 * ReachedNumbers::most_writers; ++i) {
-        WriterId invented = writer(5);
+        WriterId invented = numbered_writer(5);
         invented.participant[4] = static_cast<std::uint8_t>(i);
         invented.participant[5] = static_cast<std::uint8_t>(i >> 8);
         ASSERT_TRUE(reached.plausible(invented, 1, start + i * 1ms));
-        ASSERT_TRUE(reached.plausible(writer(4), 5, start + i * 1ms));
+        ASSERT_TRUE(reached.plausible(numbered_writer(4), 5, start + i * 1ms));
     }
-    EXPECT_FALSE(reached.plausible(writer(4), 10'000'000, start + 13s)) << "it has not been forgotten";
+    EXPECT_FALSE(reached.plausible(numbered_writer(4), 10'000'000, start + 13s))
+        << "it has not been forgotten";
 }
 
 }  // namespace

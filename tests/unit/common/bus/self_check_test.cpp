@@ -30,7 +30,7 @@ std::string failure_of(const Options& wanted) {
 
 /// A server that may not stay is refused as soon as it hears of the other; `wait` is how long one that
 /// may stay listens.
-std::string refusal_of(Node& node, std::chrono::milliseconds wait = 2s) {
+std::string refusal_of_node(Node& node, std::chrono::milliseconds wait = 2s) {
     try {
         (void)self_check(node, true, wait);
     } catch (const BusError& error) {
@@ -41,23 +41,23 @@ std::string refusal_of(Node& node, std::chrono::milliseconds wait = 2s) {
 
 TEST(SelfCheck, ASecondServerIsRefusedByName) {
     Node first(options("eti-server"));
-    ASSERT_EQ(refusal_of(first), "no BusError");
+    ASSERT_EQ(refusal_of_node(first), "no BusError");
     Publisher<msg::SessionStatus> status(first, topics::session_status);
     auto own = example<msg::SessionStatus>();
     ASSERT_TRUE(status.publish(own));
     Node second(options("eti-server"));
-    EXPECT_THAT(refusal_of(second, 20s), AllOf(HasSubstr("session 'test'"), HasSubstr(process_name()),
-                                               HasSubstr("--session"), HasSubstr("stop that one")));
+    EXPECT_THAT(refusal_of_node(second, 20s), AllOf(HasSubstr("session 'test'"), HasSubstr(process_name()),
+                                                    HasSubstr("--session"), HasSubstr("stop that one")));
     Node elsewhere(options("eti-server", "other"));
-    EXPECT_EQ(refusal_of(elsewhere), "no BusError") << "another session is free";
+    EXPECT_EQ(refusal_of_node(elsewhere), "no BusError") << "another session is free";
 }
 
 TEST(SelfCheck, OfTwoServersThatStartTogetherOneStays) {
     Node first(options("eti-server"));
     Node second(options("eti-server"));
     std::string first_says;
-    std::thread other([&] { first_says = refusal_of(first); });
-    const std::string second_says = refusal_of(second, 20s);
+    std::thread other([&] { first_says = refusal_of_node(first); });
+    const std::string second_says = refusal_of_node(second, 20s);
     other.join();
     EXPECT_EQ(first_says, "no BusError");
     EXPECT_THAT(second_says, HasSubstr(process_name()));
@@ -68,7 +68,7 @@ TEST(SelfCheck, AForgedStatusKeepsNoServerOut) {
     Publisher<msg::SessionStatus> status(stranger, topics::session_status);
     ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
     Node server(options("eti-server"));
-    EXPECT_EQ(refusal_of(server, 2s), "no BusError");
+    EXPECT_EQ(refusal_of_node(server, 2s), "no BusError");
 }
 
 TEST(SelfCheck, ASessionIsFreeAfterItsServerLeft) {
@@ -78,7 +78,7 @@ TEST(SelfCheck, ASessionIsFreeAfterItsServerLeft) {
         ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
     }
     Node second(options("eti-server"));
-    EXPECT_EQ(refusal_of(second), "no BusError");
+    EXPECT_EQ(refusal_of_node(second), "no BusError");
 }
 
 TEST(SelfCheck, SaysWhatToDoWithoutAServer) {

@@ -25,7 +25,7 @@ SessionKeys believed(const msg::SessionDescription& message) {
     return keys.value_or(SessionKeys());
 }
 
-std::string refusal_of(const msg::SessionDescription& message) {
+std::string refusal_of_description(const msg::SessionDescription& message) {
     std::string why;
     return SessionKeys::of(message, why) ? "believed" : why;
 }
@@ -130,15 +130,15 @@ TEST(SessionKeys, WhatCannotWorkIsRefusedWithBothVersions) {
     msg::SessionDescription theirs = test::session_description();
     theirs.version("9.8.7");
     theirs.landmarks().pop_back();
-    EXPECT_THAT(refusal_of(theirs), AllOf(HasSubstr("9.8.7"), HasSubstr(ETI_VERSION),
-                                          HasSubstr(std::string(landmark_names.back()))));
+    EXPECT_THAT(refusal_of_description(theirs), AllOf(HasSubstr("9.8.7"), HasSubstr(ETI_VERSION),
+                                                      HasSubstr(std::string(landmark_names.back()))));
 }
 
 TEST(SessionKeys, WhatCannotBeRightIsRefused) {
     const auto with = [](const auto& change) {
         msg::SessionDescription message = test::session_description();
         change(message);
-        return refusal_of(message);
+        return refusal_of_description(message);
     };
     EXPECT_EQ(with([](auto&) {}), "believed");
     EXPECT_NE(with([](auto& m) { m.blade_length(nan); }), "believed");

@@ -9,14 +9,14 @@
 namespace eti {
 namespace {
 
-RigidTransform at(float x, float turn) {
+RigidTransform turned_at(float x, float turn) {
     return {quaternion_from(Vec3f(0, 0, turn)), Vec3f(x, 0, 0)};
 }
 
 TEST(Coupling, IsASpringAndADamperFromDeviceToProxy) {
     const CouplingSettings s;
     Motion device, proxy;
-    proxy.pose = at(0.002f, 0.1f);
+    proxy.pose = turned_at(0.002f, 0.1f);
     proxy.velocity = Vec3f(0, 0.05f, 0);
     proxy.angular_velocity = Vec3f(1, 0, 0);
     const Wrench wrench = coupling_wrench(device, proxy, s);

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string refusal(const std::string& text) {
+std::string preset_refusal(const std::string& text) {
     try {
         (void)parse_preset(text, "hard.yaml");
         return "taken";
@@ -49,7 +49,7 @@ TEST(Preset, ReadsValuesAsTheyAreTypedAndKeepsThemInSi) {
 
 TEST(Preset, RefusesWithPlaceFindingAndExpectation) {
     const auto expect = [](const std::string& text, std::initializer_list<const char*> words) {
-        const std::string said = refusal(text);
+        const std::string said = preset_refusal(text);
         for (const char* word : words) {
             EXPECT_NE(said.find(word), std::string::npos) << said << "\nlacks " << word;
         }

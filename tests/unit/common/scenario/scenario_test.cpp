@@ -19,7 +19,7 @@ Scenario read(const std::string& text) {
     return parse_scenario(text, "baby.yaml");
 }
 
-std::string refusal(const std::string& text) {
+std::string scenario_refusal(const std::string& text) {
     try {
         (void)read(text);
     } catch (const InputError& error) {
@@ -29,7 +29,7 @@ std::string refusal(const std::string& text) {
 }
 
 testing::AssertionResult refused(const std::string& text, std::initializer_list<const char*> words) {
-    const std::string message = refusal(text);
+    const std::string message = scenario_refusal(text);
     for (const char* word : words) {
         if (message.find(word) == std::string::npos) {
             return testing::AssertionFailure() << "no '" << word << "' in: '" << message << "'";
@@ -185,13 +185,13 @@ TEST(Scenario, TabsAreCalledTabs) {
     EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n \tjaw_opening_deg: 3\n", {"baby.yaml:3", "tab"}));
     EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n\t# a remark\n", {"baby.yaml:3", "tab"}));
     // Between words a tab is as good as a space.
-    EXPECT_EQ(refusal("patient:\n  weight_kg:\t3.5\n"), "");
+    EXPECT_EQ(scenario_refusal("patient:\n  weight_kg:\t3.5\n"), "");
 }
 
 TEST(Scenario, NamesHoldNothingThatATerminalObeys) {
     for (const char* const key : {"name", "description"}) {
         for (const char* const text : {"\"\\e[31mred\"", "\"bell \\a\"", "\"a\\rb\"", "\"\\x9b31m\""}) {
-            const std::string message = refusal(std::string(key) + ": " + text + "\n");
+            const std::string message = scenario_refusal(std::string(key) + ": " + text + "\n");
             EXPECT_NE(message.find(key), std::string::npos) << text << ": " << message;
             EXPECT_EQ(message.find_first_of("\x1b\a\r"), std::string::npos) << text;
         }

@@ -13,7 +13,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 template <class Wish>
-std::string refusal(const Wish& wish) {
+std::string setting_refusal(const Wish& wish) {
     try {
         (void)wish();
         return "taken";
@@ -31,12 +31,12 @@ TEST(Setting, OfWhatLivesIsKeptInSi) {
 }
 
 TEST(Setting, RefusesWhatIsNoneAndSaysWhatIsExpected) {
-    EXPECT_THAT(refusal([] { return live_setting("jaw=1"); }),
+    EXPECT_THAT(setting_refusal([] { return live_setting("jaw=1"); }),
                 AllOf(HasSubstr("--set jaw=1"), HasSubstr("jaw_opening_deg (0 to 35)")));
-    EXPECT_THAT(refusal([] { return live_setting("tongue_scale"); }), HasSubstr("KEY=VALUE"));
+    EXPECT_THAT(setting_refusal([] { return live_setting("tongue_scale"); }), HasSubstr("KEY=VALUE"));
     for (const char* typed :
          {"tongue_scale=", "tongue_scale=1.2x", "tongue_scale=on", "tongue_scale=nan", "tongue_scale=-inf"}) {
-        EXPECT_THAT(refusal([&] { return live_setting(typed); }),
+        EXPECT_THAT(setting_refusal([&] { return live_setting(typed); }),
                     AllOf(HasSubstr(typed), HasSubstr("a plain number")));
     }
 }
@@ -55,16 +55,19 @@ TEST(Setting, OfAScenarioReplacesOrAddsOneValue) {
 }
 
 TEST(Setting, OfAScenarioIsCheckedByIt) {
-    EXPECT_THAT(
-        refusal([] { return parse_scenario(with_setting("saliva: on\n", "patient.weight=2"), "x.yaml"); }),
-        AllOf(HasSubstr("x.yaml"), HasSubstr("weight")));
+    EXPECT_THAT(setting_refusal([] {
+                    return parse_scenario(with_setting("saliva: on\n", "patient.weight=2"), "x.yaml");
+                }),
+                AllOf(HasSubstr("x.yaml"), HasSubstr("weight")));
     for (const char* typed : {"seed", "=3", ".seed=3", "patient.=3", ""}) {
-        EXPECT_THAT(refusal([&] { return with_setting("saliva: on\n", typed); }), HasSubstr("KEY=VALUE"))
+        EXPECT_THAT(setting_refusal([&] { return with_setting("saliva: on\n", typed); }),
+                    HasSubstr("KEY=VALUE"))
             << typed;
     }
-    EXPECT_THAT(refusal([] { return with_setting("saliva: on\n", "saliva.x=3"); }), HasSubstr("no section"));
-    EXPECT_THAT(refusal([] { return with_setting("", "seed=3"); }), HasSubstr("empty"));
-    EXPECT_THAT(refusal([] { return with_setting("- a\n- b\n", "seed=3"); }), HasSubstr("scenario"));
+    EXPECT_THAT(setting_refusal([] { return with_setting("saliva: on\n", "saliva.x=3"); }),
+                HasSubstr("no section"));
+    EXPECT_THAT(setting_refusal([] { return with_setting("", "seed=3"); }), HasSubstr("empty"));
+    EXPECT_THAT(setting_refusal([] { return with_setting("- a\n- b\n", "seed=3"); }), HasSubstr("scenario"));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@
 namespace eti::devices {
 namespace {
 
-constexpr float dt = 1e-3f;
-constexpr std::int64_t ms = 1'000'000;
+constexpr float renderer_dt = 1e-3f;
+constexpr std::int64_t ms_in_ns = 1'000'000;
 // Cycles by which a new force is there: a message in every cycle starts the smoothing over 5.6 ms anew, and
 // 1 - 0.18 to this power is 1e-9.
 constexpr int settled = 100;
@@ -35,18 +35,18 @@ class Engaged : public ::testing::Test {
 
     /// A millisecond passes; the server is heard unless `silent`.
     Wrench cycle(bool silent = false) {
-        now_ += ms;
+        now_ += ms_in_ns;
         if (!silent) {
             scene_.proxy_arrived = scene_.tissue_arrived = now_;
         }
-        return renderer_.cycle(device_, scene_, now_, dt);
+        return renderer_.cycle(device_, scene_, now_, renderer_dt);
     }
 
     RenderSettings settings_;
     ForceRenderer renderer_{settings_};
     SceneState scene_;
     Motion device_ = still();
-    std::int64_t now_ = 1'000 * ms;
+    std::int64_t now_ = 1'000 * ms_in_ns;
 };
 
 TEST_F(Engaged, TheCouplingsSpringIsFelt) {
@@ -83,11 +83,11 @@ TEST_F(Engaged, OnlyTheModesOwnSoftForceCounts) {
     SceneState clear = scene_;
     clear.tissue = {};
     for (int i = 0; i < 600; ++i) {
-        (void)displacement.cycle(device_, clear, now_, dt);
+        (void)displacement.cycle(device_, clear, now_, renderer_dt);
     }
     Wrench wrench;
     for (int i = 0; i < settled; ++i) {
-        wrench = displacement.cycle(device_, scene_, now_, dt);
+        wrench = displacement.cycle(device_, scene_, now_, renderer_dt);
     }
     EXPECT_LT((wrench.force - Vec3f(0, 1e-3f * tissue_stiffness()[1], 0)).norm(), 1e-6f);
 }
@@ -102,7 +102,7 @@ TEST_F(Engaged, NothingExceedsTheDevicesRangeOrRate) {
         const CouplingSettings& limits = settings_.coupling;
         ASSERT_LE(wrench.force.norm(), limits.force_limit * 1.0001f);
         ASSERT_LE(wrench.torque.norm(), limits.torque_limit * 1.0001f);
-        ASSERT_LE((wrench.force - last.force).norm(), limits.force_rate_limit * dt * 1.001f);
+        ASSERT_LE((wrench.force - last.force).norm(), limits.force_rate_limit * renderer_dt * 1.001f);
         last = wrench;
     }
 }
@@ -134,7 +134,7 @@ TEST_F(Engaged, WhatIsNotFiniteGivesNothingAtOnceAndForGood) {
 TEST_F(Engaged, ALateCycleGivesNoMoreThanOneInTime) {
     const float most = settings_.coupling.force_rate_limit * settings_.safety.longest_cycle;
     scene_.tissue.wrench.force = {5.0f, 0, 0};
-    now_ += 15 * ms;
+    now_ += 15 * ms_in_ns;
     scene_.proxy_arrived = scene_.tissue_arrived = now_;
     EXPECT_LE(renderer_.cycle(device_, scene_, now_, 15e-3f).force.norm(), 1.001f * most);
 }
@@ -145,11 +145,12 @@ TEST_F(Engaged, ALoopThatStoodStillBeginsAnewByTheRamp) {
         (void)cycle();
     }
     ASSERT_GT(cycle().force.norm(), 4.9f);
-    now_ += 500 * ms;
+    now_ += 500 * ms_in_ns;
     scene_.proxy_arrived = scene_.tissue_arrived = now_;
     EXPECT_EQ(renderer_.cycle(device_, scene_, now_, 0.5f).force.norm(), 0.0f);
     for (int i = 0; i < 100; ++i) {
-        EXPECT_LE(cycle().force.norm(), 5.01f * static_cast<float>(i + 1) * dt / settings_.safety.return_time)
+        EXPECT_LE(cycle().force.norm(),
+                  5.01f * static_cast<float>(i + 1) * renderer_dt / settings_.safety.return_time)
             << i;
     }
     for (int i = 0; i < 600; ++i) {
@@ -163,9 +164,9 @@ TEST_F(Engaged, AMessageThatComesInAfterTheCycleBeganIsNoOldOne) {
     for (int i = 0; i < settled; ++i) {
         (void)cycle();
     }
-    now_ += ms;
+    now_ += ms_in_ns;
     scene_.proxy_arrived = scene_.tissue_arrived = now_ + 1000;
-    EXPECT_GT(renderer_.cycle(device_, scene_, now_, dt).force.norm(), 1.9f);
+    EXPECT_GT(renderer_.cycle(device_, scene_, now_, renderer_dt).force.norm(), 1.9f);
     EXPECT_FALSE(renderer_.stale());
 }
 
@@ -173,9 +174,9 @@ TEST_F(Engaged, ATorqueIsNotQuietEither) {
     ForceRenderer waking(settings_);
     scene_.tissue.wrench.torque = {0, 0.1f, 0};
     for (int i = 0; i < 1000; ++i) {
-        now_ += ms;
+        now_ += ms_in_ns;
         scene_.proxy_arrived = scene_.tissue_arrived = now_;
-        ASSERT_EQ(waking.cycle(device_, scene_, now_, dt).torque.norm(), 0.0f) << i;
+        ASSERT_EQ(waking.cycle(device_, scene_, now_, renderer_dt).torque.norm(), 0.0f) << i;
     }
 }
 
@@ -201,7 +202,7 @@ TEST_F(Engaged, SilenceHoldsTheForceThenFadesItBy300ms) {
         last = wrench;
     }
     // And is back within 0.3 s, without a jolt.
-    const float steepest = all * dt / settings_.safety.return_time;
+    const float steepest = all * renderer_dt / settings_.safety.return_time;
     for (int i = 0; i < 300; ++i) {
         const Wrench wrench = cycle();
         ASSERT_LE((wrench.force - last.force).norm(), 1.01f * steepest) << i;
@@ -262,7 +263,7 @@ TEST_F(OnAFloor, AKnownFloorIsFeltThroughAGapAndNeverPulls) {
 TEST_F(OnAFloor, AProxyThatMovedInAGapComesBackByTheRamp) {
     float last = silent(0.0f, 60);
     scene_.proxy.proxy.pose.translation.y() = 6e-3f;
-    const float most = settings_.coupling.force_limit * dt / settings_.safety.return_time;
+    const float most = settings_.coupling.force_limit * renderer_dt / settings_.safety.return_time;
     int cycles = 0;
     for (; last < 4.799f && cycles < 1000; ++cycles) {
         const float now = cycle().force.y();
@@ -286,8 +287,8 @@ TEST_F(OnAFloor, AFloorThatWentAwayInAGapIsLetGoOfAtTheLimitOfTheRate) {
 TEST_F(OnAFloor, AMessageThatIsRefusedEndsWhatIsHeldAtOnce) {
     EXPECT_GT(silent(0.0f, 60), 1.59f);
     scene_.proxy_arrived = 0;  // as SceneLink leaves it
-    now_ += ms;
-    EXPECT_EQ(renderer_.cycle(device_, scene_, now_, dt).force.norm(), 0.0f);
+    now_ += ms_in_ns;
+    EXPECT_EQ(renderer_.cycle(device_, scene_, now_, renderer_dt).force.norm(), 0.0f);
 }
 
 TEST_F(OnAFloor, ADeviceThatIsNoNumberEndsWhatIsHeldAtOnce) {
@@ -305,7 +306,7 @@ TEST_F(Engaged, AContactMadeInAGapComesInByTheRamp) {
     scene_.proxy.normals[0] = Vec3f::UnitY();
     scene_.proxy.contacts = 1;
     scene_.tissue.wrench.force = {0, 1.0f, 0};
-    const float most = settings_.coupling.force_limit * dt / settings_.safety.return_time;
+    const float most = settings_.coupling.force_limit * renderer_dt / settings_.safety.return_time;
     float last = 0.0f;
     for (int i = 0; i < 300; ++i) {
         const float now = cycle().force.norm();
@@ -325,20 +326,20 @@ TEST_F(Engaged, TheForceNeverStepsAtTheServersRate) {
     Wrench last = cycle();
     float most = 0.0f;
     for (int i = 0; i < 600; ++i) {
-        now_ += ms;
+        now_ += ms_in_ns;
         scene_.proxy_arrived = now_;
         if (i % 6 == 0) {
             scene_.tissue_arrived = now_;
             scene_.tissue.wrench.force.x() = i % 12 == 0 ? 1.0f : 2.0f;
         }
-        const Wrench wrench = renderer_.cycle(device_, scene_, now_, dt);
+        const Wrench wrench = renderer_.cycle(device_, scene_, now_, renderer_dt);
         most = std::max(most, (wrench.force - last.force).norm());
         if (i % 6 == 5) {
             EXPECT_NEAR(wrench.force.x(), scene_.tissue.wrench.force.x(), 1e-5f);
         }
         last = wrench;
     }
-    EXPECT_LE(most, 1.0f * dt * 180.0f * 1.01f);
+    EXPECT_LE(most, 1.0f * renderer_dt * 180.0f * 1.01f);
     EXPECT_GE(most, 0.15f);
 }
 
@@ -370,7 +371,7 @@ TEST_F(Engaged, WhatTheRampGivesIsNotAskedBack) {
     scene_.tissue.wrench.force = {5.0f, 0, 0};
     for (int i = 0; i < 200; ++i) {
         device_.velocity = {0.01f, 0, 0};
-        device_.pose.translation.x() += 0.01f * dt;
+        device_.pose.translation.x() += 0.01f * renderer_dt;
         (void)cycle();
     }
     // Some 2 N over a cycle's 0.01 mm.
@@ -459,9 +460,9 @@ TEST_F(Engaged, TissueThatFallsSilentAloneFadesAlone) {
     scene_.proxy.contacts = 1;
     Wrench wrench;
     for (int i = 0; i < 320; ++i) {
-        now_ += ms;
+        now_ += ms_in_ns;
         scene_.proxy_arrived = now_;
-        wrench = renderer_.cycle(device_, scene_, now_, dt);
+        wrench = renderer_.cycle(device_, scene_, now_, renderer_dt);
         if (i == 90) {
             EXPECT_NEAR(wrench.force.x(), 2.0f, 1e-3f) << "held";
         }
@@ -478,7 +479,7 @@ TEST_F(Engaged, TissueThatFallsSilentAloneFadesAlone) {
 TEST(ForceRenderer, WithoutAnySceneThereIsNoForce) {
     ForceRenderer renderer({});
     for (int i = 1; i < 1000; ++i) {
-        ASSERT_EQ(renderer.cycle(still({0.1f, 0, 0}), {}, i * ms, dt).force.norm(), 0.0f);
+        ASSERT_EQ(renderer.cycle(still({0.1f, 0, 0}), {}, i * ms_in_ns, renderer_dt).force.norm(), 0.0f);
     }
 }
 
@@ -489,8 +490,8 @@ TEST(ForceRenderer, WakingUpInsideSomethingDoesNotKick) {
     scene.proxy.normals[0] = Vec3f::UnitY();
     scene.proxy.contacts = 1;
     for (int i = 1; i < 2000; ++i) {
-        scene.proxy_arrived = i * ms;
-        ASSERT_EQ(renderer.cycle(still(), scene, i * ms, dt).force.norm(), 0.0f);
+        scene.proxy_arrived = i * ms_in_ns;
+        ASSERT_EQ(renderer.cycle(still(), scene, i * ms_in_ns, renderer_dt).force.norm(), 0.0f);
     }
 }
 
@@ -532,7 +533,7 @@ class FreeHand : public ::testing::TestWithParam<int> {};
 // A hand that moves freely at 0.2 m/s feels less than 0.1 N, however late the server is within the
 // stale limit. The proxy as reported would drag it with 0.2 m/s * (latency + 5.6 ms) * 800 N/m.
 TEST_P(FreeHand, FeelsAlmostNothing) {
-    const std::int64_t latency = GetParam() * ms;
+    const std::int64_t latency = GetParam() * ms_in_ns;
     const RenderSettings settings;
     ForceRenderer renderer(settings);
     FreeServer server{.latency = latency, .on_the_way = {}};
@@ -540,14 +541,14 @@ TEST_P(FreeHand, FeelsAlmostNothing) {
     const HandSettings hand;
     float most = 0.0f, as_reported = 0.0f;
     for (int i = 0; i < 3000; ++i) {
-        const std::int64_t now = 1'000 * ms + i * ms;
-        const float t = static_cast<float>(i) * dt;
+        const std::int64_t now = 1'000 * ms_in_ns + i * ms_in_ns;
+        const float t = static_cast<float>(i) * renderer_dt;
         Motion device = still(Vec3f(0.2f * t, 0.05f, 0.0f));
         device.velocity = {0.2f, 0, 0};
         device.pose.translation =
             (device.pose.translation / hand.encoder_step).array().round() * hand.encoder_step;
         server.run(device.pose, now, scene);
-        most = std::max(most, renderer.cycle(device, scene, now, dt).force.norm());
+        most = std::max(most, renderer.cycle(device, scene, now, renderer_dt).force.norm());
         if (i > 1000) {
             ASSERT_TRUE(renderer.engaged());
             as_reported = std::max(

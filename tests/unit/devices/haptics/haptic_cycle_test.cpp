@@ -56,7 +56,7 @@ class Shaken final : public Sensor {
 };
 
 /// The blade in a corner of the shell and on tissue, turned back; a message late and after the hand.
-SceneState pressed(int cycle) {
+SceneState pressed_state(int cycle) {
     SceneState state;
     state.blade = make_laryngoscope(Blade::miller_1).capsules;
     // Forces begin while nothing is felt.
@@ -127,7 +127,7 @@ TEST(HapticCycle, AllocatesNothingInContact) {
             SensorWatch watch(device);
             auto scene = std::make_unique<TripleBuffer<SceneState>>();
             HapticCycle cycle(watch, *scene, settings);
-            EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed), 0);
+            EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed_state), 0);
             // What is not computed allocates nothing either.
             EXPECT_GT(cycle.record().force_max, 1.0f);
             EXPECT_GT(cycle.renderer().passivity().active_cycles(), 0u);
@@ -141,7 +141,7 @@ TEST(HapticCycle, AllocatesNothingWhereAForceIsLetGo) {
     auto scene = std::make_unique<TripleBuffer<SceneState>>();
     HapticCycle cycle(device, *scene, {});
     const auto not_finite = [](int i) {
-        SceneState state = pressed(i);
+        SceneState state = pressed_state(i);
         state.tissue.wrench.force.x() = i % 500 < 100 ? std::numeric_limits<float>::quiet_NaN() : 0.0f;
         return state;
     };

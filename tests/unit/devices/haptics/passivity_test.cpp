@@ -11,7 +11,7 @@
 namespace eti::devices {
 namespace {
 
-constexpr float dt = 1e-3f;
+constexpr float passivity_dt = 1e-3f;
 
 Motion at(float x, float v) {
     return {{Quatf::Identity(), {x, 0, 0}}, {v, 0, 0}, Vec3f::Zero()};
@@ -28,7 +28,8 @@ TEST(Passivity, ObservesASpringsEnergy) {
     for (int i = 0; i <= cycles; ++i) {
         const float phase = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / cycles;
         const float next = 1e-3f * (1.0f - std::cos(phase));
-        (void)controller.apply({{-k * next, 0, 0}, Vec3f::Zero()}, at(next, (next - x) / dt), dt);
+        (void)controller.apply({{-k * next, 0, 0}, Vec3f::Zero()}, at(next, (next - x) / passivity_dt),
+                               passivity_dt);
         x = next;
         deepest = std::max(deepest, controller.stored());
     }
@@ -40,10 +41,10 @@ TEST(Passivity, ObservesASpringsEnergy) {
 TEST(Passivity, WhatOnlyTakesEnergyIsLeftAlone) {
     PassivityController controller;
     for (int i = 0; i < 5000; ++i) {
-        const float t = dt * static_cast<float>(i);
+        const float t = passivity_dt * static_cast<float>(i);
         const float x = 5e-3f * std::sin(20.0f * t), v = 0.1f * std::cos(20.0f * t);
         const Wrench wanted{{-5.0f * v, 0, 0}, {0, 0, 0.01f}};
-        const Wrench given = controller.apply(wanted, at(x, v), dt);
+        const Wrench given = controller.apply(wanted, at(x, v), passivity_dt);
         // The first cycle over a turning point may give back a little of what was held.
         if (controller.stored() > 0.0) {
             ASSERT_EQ((given.force - wanted.force).norm(), 0.0f);
@@ -64,11 +65,12 @@ struct DelayedWall {
         float x = 0.0f, v = 0.05f, most = 0.0f;
         for (int i = 0; i < 10000; ++i) {
             late.push_back(-stiffness * x);
-            const Wrench given = controller.apply({{late.front(), 0, 0}, Vec3f::Zero()}, at(x, v), dt);
+            const Wrench given =
+                controller.apply({{late.front(), 0, 0}, Vec3f::Zero()}, at(x, v), passivity_dt);
             late.pop_front();
-            v += dt * (given.force.x() - 1.0f * v) / 0.15f;
+            v += passivity_dt * (given.force.x() - 1.0f * v) / 0.15f;
             v = std::clamp(v, -5.0f, 5.0f);
-            x += dt * v;
+            x += passivity_dt * v;
             most = i > 9000 ? std::max(most, std::abs(x)) : most;
         }
         return most;
@@ -89,12 +91,12 @@ TEST(Passivity, DampingIsBoundedAndAContactsEndClosesItsAccount) {
     PassivityController controller;
     for (int i = 0; i < 100; ++i) {
         const Wrench wanted{{5.0f, 0, 0}, Vec3f::Zero()};
-        const Wrench given = controller.apply(wanted, at(1e-4f * static_cast<float>(i), 0.1f), dt);
+        const Wrench given = controller.apply(wanted, at(1e-4f * static_cast<float>(i), 0.1f), passivity_dt);
         ASSERT_LE((given.force - wanted.force).norm(), PassivitySettings{}.most_damping * 0.1f * 1.001f);
     }
     EXPECT_LT(controller.stored(), -0.01);
     for (int i = 0; i < 60; ++i) {
-        (void)controller.apply({}, at(0.01f, 0.0f), dt);
+        (void)controller.apply({}, at(0.01f, 0.0f), passivity_dt);
     }
     EXPECT_EQ(controller.stored(), 0.0);
 }

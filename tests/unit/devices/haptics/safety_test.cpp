@@ -11,7 +11,7 @@
 namespace eti::devices {
 namespace {
 
-constexpr float dt = 1e-3f;
+constexpr float safety_dt = 1e-3f;
 const SafetySettings settings;
 
 TEST(Freshness, IsWholeWhileHeldThenFallsToNothingBy300ms) {
@@ -58,16 +58,17 @@ TEST(Regrowth, WhatAGapAddsIsBackWithin300msAndNeverFasterThanItsRamp) {
     for (; wanted.force.norm() - last.force.norm() > felt && cycles < 1000; ++cycles) {
         EXPECT_EQ(regrowth.growing(), cycles > 0) << cycles;
         // Messages go on to tell of the gap for a while, which holds nothing up.
-        const Wrench now = regrowth.update(wanted, last, cycles < 80 && cycles % 5 == 0, dt, coupling);
-        EXPECT_LE((now.force - last.force).norm(), 1.01f * coupling.force_limit * dt / settings.return_time);
+        const Wrench now = regrowth.update(wanted, last, cycles < 80 && cycles % 5 == 0, safety_dt, coupling);
+        EXPECT_LE((now.force - last.force).norm(),
+                  1.01f * coupling.force_limit * safety_dt / settings.return_time);
         EXPECT_LE((now.torque - last.torque).norm(),
-                  1.01f * coupling.torque_limit * dt / settings.return_time);
+                  1.01f * coupling.torque_limit * safety_dt / settings.return_time);
         last = now;
     }
-    EXPECT_NEAR(static_cast<float>(cycles) * dt, settings.return_time, 3.0f * dt);
+    EXPECT_NEAR(static_cast<float>(cycles) * safety_dt, settings.return_time, 3.0f * safety_dt);
     EXPECT_LT(settings.return_time, 0.3f);
     for (int i = 0; i < 3; ++i) {
-        last = regrowth.update(wanted, last, false, dt, coupling);
+        last = regrowth.update(wanted, last, false, safety_dt, coupling);
     }
     EXPECT_EQ(last.force, wanted.force);
     EXPECT_EQ(last.torque, wanted.torque);
@@ -78,15 +79,16 @@ TEST(Regrowth, WhatAGapTakesAwayGoesAtOnceAndTheRestStays) {
     const CouplingSettings coupling;
     Regrowth regrowth(settings);
     const Wrench had = pushing({4, 0, 0});
-    EXPECT_EQ(regrowth.update(pushing({1, 0, 0}), had, true, dt, coupling).force, Vec3f(1, 0, 0));
+    EXPECT_EQ(regrowth.update(pushing({1, 0, 0}), had, true, safety_dt, coupling).force, Vec3f(1, 0, 0));
     EXPECT_FALSE(regrowth.growing());
-    EXPECT_EQ(regrowth.update(pushing({0, 0, 0}), had, true, dt, coupling).force, Vec3f(0, 0, 0));
+    EXPECT_EQ(regrowth.update(pushing({0, 0, 0}), had, true, safety_dt, coupling).force, Vec3f(0, 0, 0));
     // A push from elsewhere is new, also where it is against the old one: of it a cycle's share of the ramp.
-    const float share = coupling.force_limit * dt / settings.return_time;
-    EXPECT_LT(
-        (regrowth.update(pushing({1, 3, 0}), had, true, dt, coupling).force - Vec3f(1, share, 0)).norm(),
-        1e-5f);
-    EXPECT_NEAR(regrowth.update(pushing({-2, 0, 0}), had, true, dt, coupling).force.x(), -share, 1e-5f);
+    const float share = coupling.force_limit * safety_dt / settings.return_time;
+    EXPECT_LT((regrowth.update(pushing({1, 3, 0}), had, true, safety_dt, coupling).force - Vec3f(1, share, 0))
+                  .norm(),
+              1e-5f);
+    EXPECT_NEAR(regrowth.update(pushing({-2, 0, 0}), had, true, safety_dt, coupling).force.x(), -share,
+                1e-5f);
 }
 
 // While 3 N of 4 are still lacking the hand feels all of the stiffness: a newton more or less of what is
@@ -105,56 +107,56 @@ TEST(Regrowth, LeavesTheStiffnessWholeAndNeverPulls) {
 TEST(Regrowth, WithoutAGapNothingIsLacking) {
     const CouplingSettings coupling;
     Regrowth regrowth(settings);
-    EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, dt, coupling).force, Vec3f(0, 5, 0));
-    (void)regrowth.update(pushing({0, 5, 0}), {}, true, dt, coupling);
+    EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, safety_dt, coupling).force, Vec3f(0, 5, 0));
+    (void)regrowth.update(pushing({0, 5, 0}), {}, true, safety_dt, coupling);
     regrowth.forget();
-    EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, dt, coupling).force, Vec3f(0, 5, 0));
+    EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, safety_dt, coupling).force, Vec3f(0, 5, 0));
 }
 
 TEST(Engagement, NeedsQuietCyclesInARowThenRampsOverItsTime) {
     Engagement engagement(settings);
     for (int i = 0; i < settings.quiet_cycles - 1; ++i) {
-        EXPECT_EQ(engagement.update(true, 0.1f, dt), 0.0f);
+        EXPECT_EQ(engagement.update(true, 0.1f, safety_dt), 0.0f);
     }
-    EXPECT_EQ(engagement.update(true, 5.0f, dt), 0.0f) << "one loud cycle starts the count anew";
+    EXPECT_EQ(engagement.update(true, 5.0f, safety_dt), 0.0f) << "one loud cycle starts the count anew";
     for (int i = 0; i < settings.quiet_cycles; ++i) {
-        EXPECT_EQ(engagement.update(true, 0.1f, dt), 0.0f);
+        EXPECT_EQ(engagement.update(true, 0.1f, safety_dt), 0.0f);
     }
     int cycles = 0;
     float last = 0.0f;
     while (engagement.share() < 1.0f && cycles < 2000) {
         // Loud cycles no longer matter, and no cycle gives more than its part of the ramp.
-        const float share = engagement.update(true, 5.0f, dt);
-        EXPECT_LE(share - last, dt / settings.ramp_time + 1e-6f);
+        const float share = engagement.update(true, 5.0f, safety_dt);
+        EXPECT_LE(share - last, safety_dt / settings.ramp_time + 1e-6f);
         last = share;
         ++cycles;
     }
-    EXPECT_NEAR(static_cast<float>(cycles) * dt, settings.ramp_time, 2.0f * dt);
+    EXPECT_NEAR(static_cast<float>(cycles) * safety_dt, settings.ramp_time, 2.0f * safety_dt);
 }
 
 TEST(Engagement, ADeviceThatWakesUpInsideSomethingGetsNoForce) {
     Engagement engagement(settings);
     for (int i = 0; i < 5000; ++i) {
-        ASSERT_EQ(engagement.update(true, 3.0f, dt), 0.0f);
+        ASSERT_EQ(engagement.update(true, 3.0f, safety_dt), 0.0f);
     }
 }
 
 TEST(Engagement, AfterAnOutageItRampsAgainWithoutAskingForQuiet) {
     Engagement engagement(settings);
     for (int i = 0; i < 1000; ++i) {
-        (void)engagement.update(true, 0.0f, dt);
+        (void)engagement.update(true, 0.0f, safety_dt);
     }
     ASSERT_EQ(engagement.share(), 1.0f);
-    EXPECT_EQ(engagement.update(false, 3.0f, dt), 0.0f);
+    EXPECT_EQ(engagement.update(false, 3.0f, safety_dt), 0.0f);
     for (int i = 0; i < settings.quiet_cycles; ++i) {
-        EXPECT_EQ(engagement.update(true, 3.0f, dt), 0.0f);
+        EXPECT_EQ(engagement.update(true, 3.0f, safety_dt), 0.0f);
     }
     // By the faster way back, so that all of it is there within 0.3 s of the outage.
-    EXPECT_NEAR(engagement.update(true, 3.0f, dt), dt / settings.return_time, 1e-6f);
-    EXPECT_LT(static_cast<float>(settings.quiet_cycles) * dt + settings.return_time, 0.3f);
+    EXPECT_NEAR(engagement.update(true, 3.0f, safety_dt), safety_dt / settings.return_time, 1e-6f);
+    EXPECT_LT(static_cast<float>(settings.quiet_cycles) * safety_dt + settings.return_time, 0.3f);
     engagement.disengage();
     for (int i = 0; i < 1000; ++i) {
-        ASSERT_EQ(engagement.update(true, 3.0f, dt), 0.0f)
+        ASSERT_EQ(engagement.update(true, 3.0f, safety_dt), 0.0f)
             << "after a force that was not finite, quiet is asked for";
     }
 }
@@ -167,16 +169,17 @@ TEST(RateLimited, MovesAtMostTheRateInAnyDirection) {
     Wrench last;
     int cycles = 0;
     while ((wanted.force - last.force).norm() > 0.0f && cycles < 1000) {
-        const Wrench next = rate_limited(wanted, last, dt, coupling);
-        EXPECT_LE((next.force - last.force).norm(), coupling.force_rate_limit * dt * 1.0001f);
-        EXPECT_LE((next.torque - last.torque).norm(),
-                  coupling.force_rate_limit * dt * coupling.torque_limit / coupling.force_limit * 1.0001f);
+        const Wrench next = rate_limited(wanted, last, safety_dt, coupling);
+        EXPECT_LE((next.force - last.force).norm(), coupling.force_rate_limit * safety_dt * 1.0001f);
+        EXPECT_LE(
+            (next.torque - last.torque).norm(),
+            coupling.force_rate_limit * safety_dt * coupling.torque_limit / coupling.force_limit * 1.0001f);
         last = next;
         ++cycles;
     }
     // 5 N at 600 N/s: 8.3 cycles.
     EXPECT_EQ(cycles, 9);
-    EXPECT_EQ(rate_limited(wanted, wanted, dt, coupling).force, wanted.force);
+    EXPECT_EQ(rate_limited(wanted, wanted, safety_dt, coupling).force, wanted.force);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(DisplacementWrench, TestsContactAnewWhereTheBladeIs) {
 }
 
 /// Two particles on top of the blade, each 2 mm pressed in, that push it down with 0.5 N each.
-TissueReport pressed() {
+TissueReport pressed_tissue() {
     TissueReport report;
     report.points[0] = {{0, 5e-3f, 0.05f}, {0, 3e-3f, 0.05f}, 1e-3f, Tissue::tongue, {0, -0.5f, 0}};
     report.points[1] = {{0, 5e-3f, 0.07f}, {0, 3e-3f, 0.07f}, 1e-3f, Tissue::tongue, {0, -0.5f, 0}};
@@ -70,7 +70,7 @@ TissueReport pressed() {
 }
 
 TEST(ConstraintWrench, WhereItWasReportedItIsWhatWasReported) {
-    const Wrench wrench = constraint_wrench(pressed(), {});
+    const Wrench wrench = constraint_wrench(pressed_tissue(), {});
     EXPECT_LT((wrench.force - Vec3f(0, -1.0f, 0)).norm(), 1e-7f);
     EXPECT_LT((wrench.torque - Vec3f(0.06f, 0, 0)).norm(), 1e-8f);
 }
@@ -79,7 +79,7 @@ TEST(ConstraintWrench, WhereItWasReportedItIsWhatWasReported) {
 // nothing pulls beyond; the force no more than doubles.
 TEST(ConstraintWrench, FollowsTheBladeByTheTissuesOwnStiffness) {
     const auto at = [](float y) {
-        return constraint_wrench(pressed(), {Quatf::Identity(), {0, y, 0}}).force.y();
+        return constraint_wrench(pressed_tissue(), {Quatf::Identity(), {0, y, 0}}).force.y();
     };
     EXPECT_NEAR(at(1e-3f), -1.5f, 1e-6f);
     EXPECT_NEAR(at(-1e-3f), -0.5f, 1e-6f);
@@ -87,12 +87,13 @@ TEST(ConstraintWrench, FollowsTheBladeByTheTissuesOwnStiffness) {
     EXPECT_NEAR(at(-9e-3f), 0.0f, 1e-6f);
     EXPECT_NEAR(at(9e-3f), -2.0f, 1e-6f);
     // Turning the tip up about the handle presses the farther particle more.
-    const Wrench turned = constraint_wrench(pressed(), {quaternion_from({-0.01f, 0, 0}), Vec3f::Zero()});
+    const Wrench turned =
+        constraint_wrench(pressed_tissue(), {quaternion_from({-0.01f, 0, 0}), Vec3f::Zero()});
     EXPECT_NEAR(turned.force.y(), -1.0f - 250.0f * 0.01f * (0.05f + 0.07f), 1e-3f);
 }
 
 TEST(ConstraintWrench, PointsThatStandForMoreCountForMore) {
-    TissueReport report = pressed();
+    TissueReport report = pressed_tissue();
     report.represents = 2.0f;
     report.wrench.force.y() = -2.0f;
     EXPECT_NEAR(constraint_wrench(report, {Quatf::Identity(), {0, 1e-3f, 0}}).force.y(), -3.0f, 1e-6f);

@@ -11,7 +11,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string refusal(std::string_view name, Use use) {
+std::string driver_refusal(std::string_view name, Use use) {
     try {
         (void)driver_named(name, use);
     } catch (const DeviceError& error) {
@@ -41,14 +41,14 @@ TEST(Drivers, SimulatedHandsNeedNothing) {
 }
 
 TEST(Drivers, AnUnknownNameIsRefusedWithThoseThereAre) {
-    EXPECT_THAT(refusal("touch", Use::tool), AllOf(HasSubstr("touch"), HasSubstr("openhaptics")));
-    EXPECT_THAT(refusal("", Use::commands), AllOf(HasSubstr("gamepad"), HasSubstr("keyboard")));
+    EXPECT_THAT(driver_refusal("touch", Use::tool), AllOf(HasSubstr("touch"), HasSubstr("openhaptics")));
+    EXPECT_THAT(driver_refusal("", Use::commands), AllOf(HasSubstr("gamepad"), HasSubstr("keyboard")));
 }
 
 TEST(Drivers, ADeviceOfAnotherUseIsNotOffered) {
-    EXPECT_THAT(refusal("gamepad", Use::tool),
+    EXPECT_THAT(driver_refusal("gamepad", Use::tool),
                 AllOf(HasSubstr("there is: simulated"), Not(HasSubstr("keyboard"))));
-    EXPECT_THAT(refusal("simulated", Use::commands), HasSubstr("there is: gamepad, keyboard"));
+    EXPECT_THAT(driver_refusal("simulated", Use::commands), HasSubstr("there is: gamepad, keyboard"));
     EXPECT_THAT(driver_list(Use::tool), AllOf(HasSubstr("trakstar: "), Not(HasSubstr("keyboard: "))));
 }
 

@@ -12,7 +12,7 @@
 namespace eti::devices {
 namespace {
 
-constexpr float dt = 1e-3f;
+constexpr float hand_dt = 1e-3f;
 constexpr float encoder_step = HandSettings{}.encoder_step;
 
 /// A blade that goes to the mouth opening, which lies 5 cm before the origin, and on to the vallecula.
@@ -48,7 +48,7 @@ Reading run(HandSensor& sensor, Observation seen, double from, double to) {
     for (double t = from; t < to; t += 1e-3) {
         seen.time = t;
         sensor.look(seen);
-        reading = sensor.exchange({}, dt);
+        reading = sensor.exchange({}, hand_dt);
     }
     return reading;
 }
@@ -58,7 +58,7 @@ TEST(HandSensor, WithoutAScriptItStaysParked) {
         HandSensor sensor({.tool = tool, .script = {}, .tool_length = 0.1f, .start = {}});
         for (int i = 0; i < 2000; ++i) {
             sensor.look({});
-            const Reading reading = sensor.exchange({}, dt);
+            const Reading reading = sensor.exchange({}, hand_dt);
             // Rounding to the encoder's step, per axis.
             ASSERT_LT((reading.motion.pose.translation - parked_pose(tool).translation).cwiseAbs().maxCoeff(),
                       0.51f * encoder_step);
@@ -76,7 +76,7 @@ TEST(HandSensor, TheHandGivesWayAsItsStiffnessSays) {
     wrench.force = {0.0f, 3.0f, 0.0f};
     Reading reading;
     for (int i = 0; i < 3000; ++i) {
-        reading = sensor.exchange(wrench, dt);
+        reading = sensor.exchange(wrench, hand_dt);
     }
     const float moved = reading.motion.pose.translation.y() - parked_pose(Tool::laryngoscope).translation.y();
     EXPECT_NEAR(moved, 3.0f / hand.hand_stiffness,
@@ -107,7 +107,7 @@ TEST(HandSensor, AFrozenSimulationFreezesTheScript) {
     Reading after;
     for (int i = 0; i < 2000; ++i) {
         sensor.look(seen);
-        after = sensor.exchange({}, dt);
+        after = sensor.exchange({}, hand_dt);
     }
     // In two seconds the script would have gone on by more than 4 cm; the hand only catches up with
     // where it was wanted (18 N s/m over 900 N/m at 6 cm/s: about a millimetre).
@@ -126,7 +126,7 @@ TEST(HandSensor, ANewSessionStartsTheScriptAnewAtAHandsSpeed) {
     for (double t = 0.0; t < 0.3; t += 1e-3) {
         seen.time = t;
         sensor.look(seen);
-        reading = sensor.exchange({}, dt);
+        reading = sensor.exchange({}, hand_dt);
         fastest = std::max(fastest, reading.motion.velocity.norm());
     }
     EXPECT_FALSE(sensor.finished());
@@ -145,7 +145,7 @@ TEST(HandSensor, ASceneThatJumpsOrIsNoneMovesTheDeviceNoFasterThanAHand) {
     const auto pass = [&](double seconds) {
         for (const double end = seen.time + seconds; seen.time < end; seen.time += 1e-3) {
             watch.look(seen);
-            reading = watch.exchange({}, dt);
+            reading = watch.exchange({}, hand_dt);
             ASSERT_TRUE(reading.present);
             ASSERT_TRUE(reading.motion.pose.translation.allFinite());
         }
@@ -179,7 +179,7 @@ TEST(HandSensor, ASceneAtTenHertzIsFollowedWithoutJumps) {
             seen.time = 1e-3 * i;
             watch.look(seen);
         }
-        ASSERT_TRUE(watch.exchange({}, dt).present);
+        ASSERT_TRUE(watch.exchange({}, hand_dt).present);
     }
     EXPECT_EQ(watch.health().jumps, 0u);
 }
@@ -191,10 +191,10 @@ TEST(HandSensor, LateCyclesAdvanceTheDeviceAsMuchAsPunctualOnes) {
     HandSensor late({.tool = Tool::laryngoscope, .script = {}, .tool_length = 0.1f, .start = {}});
     Reading a, b;
     for (int i = 0; i < 12; ++i) {
-        a = punctual.exchange(push, dt);
+        a = punctual.exchange(push, hand_dt);
     }
     for (int i = 0; i < 3; ++i) {
-        b = late.exchange(push, 4.0f * dt);
+        b = late.exchange(push, 4.0f * hand_dt);
     }
     // The same steps were taken; 4 ms is not four times 1 ms in float, which leaves a sliver of a step.
     EXPECT_LT((a.motion.pose.translation - b.motion.pose.translation).norm(), 1.1f * encoder_step);

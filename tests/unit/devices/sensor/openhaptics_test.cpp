@@ -14,7 +14,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-std::string refusal(const SensorSetup& setup) {
+std::string openhaptics_refusal(const SensorSetup& setup) {
     try {
         (void)open_openhaptics(setup);
     } catch (const DeviceError& error) {
@@ -166,22 +166,23 @@ TEST_F(OpenHapticsDriver, AbsurdPosesAreNotPassedOn) {
 TEST(OpenHapticsLibrary, AbsentTheErrorNamesWhatToInstall) {
     SensorSetup setup;
     setup.library = "/nowhere/libHD.so";
-    EXPECT_THAT(refusal(setup), AllOf(HasSubstr("/nowhere/libHD.so"), HasSubstr("Install OpenHaptics")));
+    EXPECT_THAT(openhaptics_refusal(setup),
+                AllOf(HasSubstr("/nowhere/libHD.so"), HasSubstr("Install OpenHaptics")));
     setup.library.clear();
-    EXPECT_THAT(refusal(setup), HasSubstr("Install OpenHaptics"));
+    EXPECT_THAT(openhaptics_refusal(setup), HasSubstr("Install OpenHaptics"));
 }
 
 TEST(OpenHapticsLibrary, AnotherLibraryIsRefusedByName) {
     SensorSetup setup;
     setup.library = STAND_IN_TRAKSTAR;
-    EXPECT_THAT(refusal(setup), AllOf(HasSubstr("hdInitDevice"), HasSubstr("another library")));
+    EXPECT_THAT(openhaptics_refusal(setup), AllOf(HasSubstr("hdInitDevice"), HasSubstr("another library")));
 }
 
 TEST(OpenHapticsLibrary, ADeviceThatDoesNotAnswerIsRefusedWithTheVendorsWords) {
     SensorSetup setup;
     setup.library = STAND_IN_OPENHAPTICS;
     setup.source = "nobody";
-    EXPECT_THAT(refusal(setup), AllOf(HasSubstr("'nobody'"), HasSubstr("communication error")));
+    EXPECT_THAT(openhaptics_refusal(setup), AllOf(HasSubstr("'nobody'"), HasSubstr("communication error")));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string refusal(const std::string& file) {
+std::string recording_refusal(const std::string& file) {
     SensorSetup setup;
     setup.source = file;
     try {
@@ -194,18 +194,18 @@ TEST_F(RecordedDriver, ADamagedFileIsRefusedHoweverItIsDamaged) {
         bytes.resize(trial % 4 == 0 ? bytes.size() / 2 : bytes.size());
         std::ofstream(file_, std::ios::binary)
             .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        const std::string said = refusal(file_);
+        const std::string said = recording_refusal(file_);
         EXPECT_TRUE(said == "opened" || said.find(file_) != std::string::npos) << said;
     }
 }
 
 TEST_F(RecordedDriver, FilesThatAreNoneAreRefused) {
-    EXPECT_THAT(refusal(""), HasSubstr("--source"));
-    EXPECT_THAT(refusal("/nowhere/x.eti.h5"), HasSubstr("/nowhere/x.eti.h5"));
+    EXPECT_THAT(recording_refusal(""), HasSubstr("--source"));
+    EXPECT_THAT(recording_refusal("/nowhere/x.eti.h5"), HasSubstr("/nowhere/x.eti.h5"));
     std::ofstream(file_) << "this is no session";
-    EXPECT_THAT(refusal(file_), HasSubstr(file_));
+    EXPECT_THAT(recording_refusal(file_), HasSubstr(file_));
     record(0);
-    EXPECT_THAT(refusal(file_), HasSubstr("no steps"));
+    EXPECT_THAT(recording_refusal(file_), HasSubstr("no steps"));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace eti::devices {
 namespace {
 
-constexpr float dt = 1e-3f;
+constexpr float watch_dt = 1e-3f;
 
 /// A device that says what the test wants it to say.
 class SensorDouble final : public Sensor {
@@ -32,7 +32,7 @@ class Watched : public ::testing::Test {
     Reading cycles(int count) {
         Reading out;
         for (int i = 0; i < count; ++i) {
-            out = watch_.exchange({}, dt);
+            out = watch_.exchange({}, watch_dt);
         }
         return out;
     }
@@ -120,7 +120,7 @@ TEST_F(Watched, AFrozenDeviceGetsNoForceAfterAFewCyclesAndIsLostAfterHalfASecond
 Reading pushed(SensorWatch& watch, int cycles, float force) {
     Reading out;
     for (int i = 0; i < cycles; ++i) {
-        out = watch.exchange({{force, 0, 0}, Vec3f::Zero()}, dt);
+        out = watch.exchange({{force, 0, 0}, Vec3f::Zero()}, watch_dt);
     }
     return out;
 }
@@ -179,14 +179,14 @@ TEST(SensorWatch, TenHertzIsReportedAsSlow) {
     device.advancing = false;
     for (int i = 0; i < 2100; ++i) {
         device.reading.sample = static_cast<std::uint64_t>(i / 100);
-        (void)watch.exchange({}, dt);
+        (void)watch.exchange({}, watch_dt);
     }
     EXPECT_TRUE(watch.health().slow);
     EXPECT_FALSE(watch.health().lost);
     EXPECT_NEAR(watch.health().rate, 10.0f, 1.1f);
     for (int i = 0; i < 2100; ++i) {
         device.reading.sample = 100 + static_cast<std::uint64_t>(i / 12);
-        (void)watch.exchange({}, dt);
+        (void)watch.exchange({}, watch_dt);
     }
     EXPECT_FALSE(watch.health().slow);
     EXPECT_NEAR(watch.health().rate, 83.0f, 2.0f);

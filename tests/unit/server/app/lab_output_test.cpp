@@ -18,7 +18,7 @@ using std::chrono_literals::operator""ms;
 constexpr std::size_t most_vertices = 3 * bus::chunk_positions + 5;
 
 /// Three frames, two surfaces of several chunks, particles of two tissues in turn.
-anatomy::Patient small_patient() {
+anatomy::Patient patient_of_two_surfaces() {
     Random random(3);
     const auto length = [&] { return 0.1f * random.uniform(); };
     const auto point = [&] { return Vec3f(length(), length(), length()); };
@@ -47,7 +47,7 @@ class LabOutputTest : public ::testing::Test {
     LabOutputTest()
         : server_(bus::options("eti-server")),
           client_(bus::options("client")),
-          patient_(small_patient()),
+          patient_(patient_of_two_surfaces()),
           output_(server_, patient_) {
         snapshot_.frames.resize(3);
         snapshot_.frames[0] = {Vec3f(0.01f, 0.02f, 0.03f), Quatf(0.8f, 0.6f, 0.0f, 0.0f)};

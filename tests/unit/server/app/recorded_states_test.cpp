@@ -20,7 +20,7 @@ constexpr std::size_t frame_count = 12;
 constexpr float shift_tolerance = frame_shift_quantum + 0.9f * 0x1p-20f;
 constexpr float turn_tolerance = frame_turn_quantum + 2.0f * 0x1p-15f;
 
-anatomy::Patient small_patient() {
+anatomy::Patient patient_with_landmarks() {
     anatomy::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.01f, 0.02f, 0.03f));
     for (std::size_t i = 0; i < landmark_count; ++i) {
         patient.landmarks[i] = {Vec3f::Constant(0.01f * static_cast<float>(i)),
@@ -52,8 +52,8 @@ class RecordedStatesTest : public ::testing::Test {
         info.session = "test";
         Scenario scenario;
         scenario.saliva = saliva;
-        Recorder kept(path, info, small_patient(), make_laryngoscope(Blade::miller_0), scenario, snapshot,
-                      true);
+        Recorder kept(path, info, patient_with_landmarks(), make_laryngoscope(Blade::miller_0), scenario,
+                      snapshot, true);
         snapshot.saliva.on = saliva;
         for (std::uint64_t step = 1; step <= count; ++step) {
             snapshot.step = step;

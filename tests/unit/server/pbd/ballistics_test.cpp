@@ -14,7 +14,7 @@ namespace eti::pbd {
 namespace {
 
 constexpr double flight = 0.1;  // [s]
-const Vec3f gravity(0.4f, -1.0f, -9.81f);
+const Vec3f tilted_gravity(0.4f, -1.0f, -9.81f);
 const Vec3f start(0.01f, 0.02f, 0.03f);
 const Vec3f speed(0.5f, -0.3f, 1.1f);
 
@@ -22,7 +22,7 @@ const Vec3f speed(0.5f, -0.3f, 1.1f);
 /// part `keep` of it. u_k = keep^(k-1) (v + g dt) + g dt (1 - keep^(k-1)) / (1 - keep) is the speed of
 /// substep k, and the way dt times their sum.
 Vec3d exact_way(double dt, int count, double keep) {
-    const Vec3d g = gravity.cast<double>();
+    const Vec3d g = tilted_gravity.cast<double>();
     const Vec3d v = speed.cast<double>();
     if (keep == 1.0) {
         return count * dt * v + 0.5 * count * (count + 1.0) * dt * dt * g;
@@ -34,7 +34,7 @@ Vec3d exact_way(double dt, int count, double keep) {
 /// What rounding may add [m]: in each of n substeps position and prediction round by ulp / sqrt(12) of a
 /// coordinate, and the velocity, which is their difference over dt, remembers it: sqrt(2 n^3 / 3) of it in
 /// the end. Three times that.
-double rounding(double largest_coordinate, int count) {
+double flight_rounding(double largest_coordinate, int count) {
     const double ulp = std::exp2(std::floor(std::log2(largest_coordinate)) - 23.0);
     return 3.0 * ulp / std::sqrt(12.0) * std::sqrt(2.0 / 3.0 * std::pow(count, 3.0)) + ulp;
 }
@@ -54,12 +54,13 @@ TEST_P(Ballistics, ParticlesFlyAsTheSchemeDoesExactly) {
         p.position[0] = start;
         p.velocity[0] = speed;
         for (int n = 0; n < count(); ++n) {
-            p.velocity[0] += dt() * gravity;
+            p.velocity[0] += dt() * tilted_gravity;
             test::substep(body, dt());
         }
         const double keep = std::exp(-double{damping} * double{dt()});
         const Vec3d way = exact_way(double{dt()}, count(), keep);
-        EXPECT_LT((p.position[0].cast<double>() - start.cast<double>() - way).norm(), rounding(0.13, count()))
+        EXPECT_LT((p.position[0].cast<double>() - start.cast<double>() - way).norm(),
+                  flight_rounding(0.13, count()))
             << damping;
         EXPECT_GT(way.norm(), 0.02);
     }
@@ -71,12 +72,12 @@ TEST_P(Ballistics, ADropletFliesAsTheSchemeDoesExactly) {
     Fluid fluid(settings);
     ASSERT_TRUE(fluid.add(start, speed));
     for (int n = 0; n < count(); ++n) {
-        fluid.step(dt(), gravity, {});
+        fluid.step(dt(), tilted_gravity, {});
     }
     ASSERT_EQ(fluid.count(), 1u);
     const Vec3d way = exact_way(double{dt()}, count(), 1.0);
     EXPECT_LT((fluid.positions()[0].cast<double>() - start.cast<double>() - way).norm(),
-              rounding(0.13, count()));
+              flight_rounding(0.13, count()));
 }
 
 TEST_P(Ballistics, ALooseTubeFliesAsTheSchemeDoesExactly) {
@@ -95,7 +96,7 @@ TEST_P(Ballistics, ALooseTubeFliesAsTheSchemeDoesExactly) {
         rod.solve();
         rod.finish();
         const Vec3f from = rod.tip();
-        test::run(rod, flight, dt(), gravity, {});
+        test::run(rod, flight, dt(), tilted_gravity, {});
         const Vec3d way = exact_way(double{dt()}, count(), 1.0 / (1.0 + double{damping} * double{dt()}));
         // The push is a float32 impulse: 1e-7 of the way.
         EXPECT_LT(((rod.tip() - from).cast<double>() - way).norm(), 3e-7) << damping;
@@ -139,7 +140,7 @@ TEST_P(Ballistics, ImpactAndSlideAreThoseOfTheSchemeExactly) {
     }
     EXPECT_GT(touched, count());
     // Floor and slide lie within 0.1 m; friction's cut is 0.25 of a push that is as uncertain as z.
-    EXPECT_LT(std::fabs(double{p.position[0].x()} - x), rounding(0.06, 3 * count()));
+    EXPECT_LT(std::fabs(double{p.position[0].x()} - x), flight_rounding(0.06, 3 * count()));
     // The floor's grid is a metre wide: half a metre is as fine as its distances are.
     EXPECT_LT(std::fabs(double{p.position[0].z()} - z), 3e-8);
     EXPECT_EQ(p.velocity[0].x(), 0.0f) << "0.3 s are enough to stop it";

@@ -11,20 +11,20 @@
 namespace eti::pbd {
 namespace {
 
-constexpr double gravity = 9.81;
+constexpr double standard_gravity = 9.81;
 
 // A particle on a link hangs m g / k below its length. At rest the pass undoes exactly what gravity predicts:
 // (s + g dt^2) w / (w + 1 / k dt^2) = g dt^2 gives s = m g / k, whatever the substep.
 TEST(Compliance, OfALinkDoesNotDependOnTheSubstep) {
     const float mass = 1e-4f, stiffness = 20.0f, length = 1e-2f;
-    const double expected = double{mass} * gravity / double{stiffness};
+    const double expected = double{mass} * standard_gravity / double{stiffness};
     for (const int rate : {90, 180, 720, 1440, 5760}) {
         const float dt = 1.0f / static_cast<float>(rate);
         Vec3f top = Vec3f::Zero(), end(0, 0, -length), velocity = Vec3f::Zero();
         const float keep = std::exp(-40.0f * dt);
         for (int n = 0; n < rate; ++n) {
             const Vec3f before = end;
-            end += dt * (velocity + dt * Vec3f(0, 0, static_cast<float>(-gravity)));
+            end += dt * (velocity + dt * Vec3f(0, 0, static_cast<float>(-standard_gravity)));
             project_link(top, end, 0.0f, 1.0f / mass, length, stiffness, dt);
             velocity = keep * (end - before) / dt;
         }
@@ -88,7 +88,7 @@ double sag(float dt) {
     for (int n = 0; n < static_cast<int>(1.5f / dt); ++n) {
         for (std::size_t i = 0; i < p.size(); ++i) {
             if (p.inverse_mass[i] > 0.0f) {
-                p.velocity[i].z() -= static_cast<float>(gravity) * dt;
+                p.velocity[i].z() -= static_cast<float>(standard_gravity) * dt;
             }
         }
         test::substep(body, dt);

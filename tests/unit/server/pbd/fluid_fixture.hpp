@@ -8,7 +8,7 @@
 
 #include "server/pbd/fluid.hpp"
 
-namespace eti::pbd::test {
+namespace eti::pbd::fluid_fixture {
 
 inline constexpr float spacing = 1e-3f;
 inline constexpr float dt = 1.0f / 1440.0f;
@@ -122,4 +122,4 @@ inline std::vector<Vec3f> by_id(const Fluid& fluid) {
     return positions;
 }
 
-}  // namespace eti::pbd::test
+}  // namespace eti::pbd::fluid_fixture

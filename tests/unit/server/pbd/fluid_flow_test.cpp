@@ -11,7 +11,7 @@
 namespace eti::pbd {
 namespace {
 
-using namespace test;
+using namespace fluid_fixture;
 
 std::vector<FluidEmitter> glands() {
     std::vector<FluidEmitter> emitters(2);

@@ -11,7 +11,7 @@
 namespace eti::pbd {
 namespace {
 
-using namespace test;
+using namespace fluid_fixture;
 
 /// A shallow pool in a vessel, and what comes to it.
 struct Pool {

@@ -17,9 +17,9 @@
 namespace eti::pbd {
 namespace {
 
-using namespace test;
+using namespace fluid_fixture;
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float pi_float = std::numbers::pi_v<float>;
 
 /// A column that may not sleep, and one that may.
 class FluidColumn : public ::testing::TestWithParam<bool> {};
@@ -104,7 +104,7 @@ TEST(Fluid, VolumeStaysInAClosedVesselThatIsTurned) {
     };
     const float before = settled_height();
     for (int n = 0; n < 2880; ++n) {
-        const float angle = 2.0f * pi * static_cast<float>(n) / 1440.0f;
+        const float angle = 2.0f * pi_float * static_cast<float>(n) / 1440.0f;
         fluid.step(dt, g * Vec3f(std::sin(angle), 0, -std::cos(angle)), surroundings);
     }
     const float after = settled_height();
@@ -164,8 +164,8 @@ TEST(Fluid, DropOscillatesAtItsSurfaceTension) {
         for (const Vec3f& x : by_id(round)) {
             drop.add(Vec3f(x.x() * stretch, x.y() / std::sqrt(stretch), x.z() / std::sqrt(stretch)));
         }
-        const float cubed = 0.75f / pi * static_cast<float>(drop.count()) * drop.particle_volume();
-        const float quarter = 0.5f * pi / std::sqrt(8.0f * tension / (1000.0f * cubed));
+        const float cubed = 0.75f / pi_float * static_cast<float>(drop.count()) * drop.particle_volume();
+        const float quarter = 0.5f * pi_float / std::sqrt(8.0f * tension / (1000.0f * cubed));
         const auto stretched = [&] {
             double along = 0.0, across = 0.0;
             for (const Vec3f& x : drop.positions()) {
@@ -195,7 +195,7 @@ TEST(Fluid, ShearWaveDecaysWithItsViscosity) {
     for (int n = 0; n < 700; ++n) {
         settled.step(dt, Vec3f(0, 0, -g), surroundings);
     }
-    const float k = 2.0f * pi / 12e-3f, u = 0.1f;
+    const float k = 2.0f * pi_float / 12e-3f, u = 0.1f;
     const auto amplitude = [&](float viscosity) {
         settings.viscosity = viscosity;
         Fluid fluid(settings);
@@ -302,7 +302,7 @@ TEST(Fluid, InstructionSetDoesNotChangeABit) {
 
 /// Mean distance [spacings] between particles of the pool in two runs, seen from the frame of each. (Those
 /// from the emitter are drawn in directions about an axis that does not turn with the frame.)
-double apart(const Busy& a, const Busy& b) {
+double fluids_apart(const Busy& a, const Busy& b) {
     const auto in_a = by_id(a.fluid), in_b = by_id(b.fluid);
     EXPECT_EQ(in_a.size(), in_b.size());
     double sum = 0.0;
@@ -327,8 +327,8 @@ TEST(Fluid, PlaceAndDirectionDoNotMatter) {
             shifted.step(n);
             turned.step(n);
         }
-        EXPECT_LT(apart(straight, shifted), 2e-4);
-        EXPECT_LT(apart(straight, turned), 2e-4);
+        EXPECT_LT(fluids_apart(straight, shifted), 2e-4);
+        EXPECT_LT(fluids_apart(straight, turned), 2e-4);
     }
     // In a vessel they grow faster where two walls are equally near and rounding decides between them: ten
     // steps. Turned, a vessel's grid rounds its edges by up to a node's spacing, half a particle's, for the
@@ -339,8 +339,8 @@ TEST(Fluid, PlaceAndDirectionDoNotMatter) {
         shifted.step(n);
         turned.step(n);
     }
-    EXPECT_LT(apart(straight, shifted), 2e-4);
-    EXPECT_LT(apart(straight, turned), 0.1);
+    EXPECT_LT(fluids_apart(straight, shifted), 2e-4);
+    EXPECT_LT(fluids_apart(straight, turned), 0.1);
     EXPECT_LT((turned.pose.inverse() * centre(turned.fluid) - centre(straight.fluid)).norm(),
               0.02f * spacing);
 }

@@ -10,7 +10,7 @@
 namespace eti::pbd {
 namespace {
 
-using namespace test;
+using namespace fluid_fixture;
 
 TEST(FluidWalls, NothingLeaksFromAShakenVessel) {
     const RigidTransform pose =

@@ -13,7 +13,7 @@
 namespace eti::pbd {
 namespace {
 
-constexpr float gravity = 9.81f;
+constexpr float friction_gravity = 9.81f;
 constexpr float friction = 0.3f;
 constexpr double time_watched = 0.1;  // [s]
 
@@ -73,17 +73,19 @@ TEST_P(Coulomb, HoldsBelowTheThresholdAndSlidesAboveInAnyDirection) {
         for (const float tangent : {0.5f, 0.95f, 1.05f, 2.0f}) {
             const float angle = std::atan(tangent * coefficients.stick);
             const Incline on(angle, azimuth, turn);
-            const Vec3f weight = turn * Vec3f(0, 0, -gravity);
+            const Vec3f weight = turn * Vec3f(0, 0, -friction_gravity);
             const auto [way, aside] = slide(on, weight, dt, capsule, coefficients);
             // Contact is a float32 distance to an axis 50 mm away: 4e-9 m. A push is g dt^2 = 5e-6 m at the
             // least, so the force is uncertain by a thousandth.
             if (tangent < 1.0f) {
                 EXPECT_LT(std::fabs(way), 1e-7) << tangent;
             } else {
-                const double pull = double{gravity} * (std::sin(double{angle}) -
-                                                       double{coefficients.slide} * std::cos(double{angle}));
+                const double pull =
+                    double{friction_gravity} *
+                    (std::sin(double{angle}) - double{coefficients.slide} * std::cos(double{angle}));
                 const double expected = pull * count * (count + 1.0) / 2.0 * double{dt} * double{dt};
-                EXPECT_NEAR(way, expected, 1e-3 * double{gravity} * 0.5 * time_watched * time_watched)
+                EXPECT_NEAR(way, expected,
+                            1e-3 * double{friction_gravity} * 0.5 * time_watched * time_watched)
                     << tangent;
                 EXPECT_GT(way, 0.5 * expected);
             }

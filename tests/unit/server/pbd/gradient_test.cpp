@@ -49,7 +49,7 @@ void expect_gradient(const VectorXd& claimed, const Value& value, const VectorXd
     EXPECT_GT((turned - expected).norm(), tolerance * expected.norm()) << "tells nothing";
 }
 
-Vec3d random_vector(Random& random) {
+Vec3d random_vector_3d(Random& random) {
     return {double{random.normal()}, double{random.normal()}, double{random.normal()}};
 }
 
@@ -60,8 +60,8 @@ TEST(Gradient, OfADistanceLink) {
     Random random(1);
     for (int trial = 0; trial < 50; ++trial) {
         const float length = 5e-3f, wa = 1e5f, wb = 3e5f, stiffness = 1e4f, dt = 1e-3f;
-        Vec3f a = (3e-3 * random_vector(random)).cast<float>();
-        Vec3f b = a + (length + 4e-3f) * random_vector(random).normalized().cast<float>();
+        Vec3f a = (3e-3 * random_vector_3d(random)).cast<float>();
+        Vec3f b = a + (length + 4e-3f) * random_vector_3d(random).normalized().cast<float>();
         VectorXd at(6);
         at << a.cast<double>(), b.cast<double>();
         const Value value = [&](const VectorXd& x) {
@@ -88,10 +88,10 @@ TEST(Gradient, OfAShapeMatchingGoal) {
     Random random(2);
     for (int trial = 0; trial < 5; ++trial) {
         VectorXd at(3 * static_cast<Eigen::Index>(count));
-        const Quatf turn = quaternion_from(random_vector(random).cast<float>());
+        const Quatf turn = quaternion_from(random_vector_3d(random).cast<float>());
         for (std::size_t i = 0; i < count; ++i) {
             body.particles.predicted[i] =
-                turn * body.particles.rest[i] + (4e-4 * random_vector(random)).cast<float>();
+                turn * body.particles.rest[i] + (4e-4 * random_vector_3d(random)).cast<float>();
             at.segment<3>(3 * static_cast<Eigen::Index>(i)) = body.particles.predicted[i].cast<double>();
         }
         const auto rest = [&](std::size_t i) { return body.particles.rest[i].cast<double>(); };
@@ -140,10 +140,11 @@ TEST(Gradient, OfNeoHookeanConstraints) {
         Eigen::Matrix3d inverse;
         do {
             Eigen::Matrix3d edges;
-            edges << 1e-3 * random_vector(random), 1e-3 * random_vector(random), 1e-3 * random_vector(random);
+            edges << 1e-3 * random_vector_3d(random), 1e-3 * random_vector_3d(random),
+                1e-3 * random_vector_3d(random);
             inverse = edges.inverse();
-            at << 1e-3 * random_vector(random), 1e-3 * random_vector(random), 1e-3 * random_vector(random),
-                1e-3 * random_vector(random);
+            at << 1e-3 * random_vector_3d(random), 1e-3 * random_vector_3d(random),
+                1e-3 * random_vector_3d(random), 1e-3 * random_vector_3d(random);
         } while (inverse.norm() > 1e4);
         const auto deformation = [&](const VectorXd& x) {
             Eigen::Matrix3d d;
@@ -183,9 +184,9 @@ TEST(Gradient, OfARodJoint) {
     for (int trial = 0; trial < 50; ++trial) {
         RodSegment a, b;
         a.behind = a.ahead = b.behind = b.ahead = 2.5e-3;
-        a.rotation = exp_rotation(random_vector(random));
-        b.rotation = a.rotation * exp_rotation(0.4 * random_vector(random));
-        b.position = a.position + a.to_front() - b.to_rear() + 1e-4 * random_vector(random);
+        a.rotation = exp_rotation(random_vector_3d(random));
+        b.rotation = a.rotation * exp_rotation(0.4 * random_vector_3d(random));
+        b.position = a.position + a.to_front() - b.to_rear() + 1e-4 * random_vector_3d(random);
         RodJoint joint;
         joint.rest = Vec3d(-0.03, 0.0, 0.0);
         Eigen::Matrix<double, 6, 1> compliance;

@@ -16,7 +16,7 @@
 namespace eti::pbd {
 namespace {
 
-constexpr float dt = 1.0f / 180.0f;
+constexpr float implicit_dt = 1.0f / 180.0f;
 
 /// A block of tissue, 8 kPa, advanced by one solve per step.
 struct Block {
@@ -41,12 +41,12 @@ struct Block {
         Particles& p = body.particles;
         for (std::size_t i = 0; i < p.size(); ++i) {
             if (p.inverse_mass[i] > 0.0f) {
-                p.velocity[i] += dt * gravity;
+                p.velocity[i] += implicit_dt * gravity;
             }
             p.predicted[i] = p.position[i];
         }
-        mesh.solve(p, dt);
-        const float keep = std::exp(-damping * dt) / dt;
+        mesh.solve(p, implicit_dt);
+        const float keep = std::exp(-damping * implicit_dt) / implicit_dt;
         for (std::size_t i = 0; i < p.size(); ++i) {
             p.velocity[i] = keep * (p.predicted[i] - p.position[i]);
             p.position[i] = p.predicted[i];
@@ -94,7 +94,8 @@ TEST(ImplicitTetrahedra, AFreeFallIsThatOfImplicitEuler) {
     for (int k = 0; k < steps; ++k) {
         block.step(gravity, 0.0f);
     }
-    const double expected = -0.5 * steps * (steps + 1) * 9.81 * static_cast<double>(dt * dt);
+    const double expected =
+        -0.5 * steps * (steps + 1) * 9.81 * static_cast<double>(implicit_dt * implicit_dt);
     for (std::size_t i = 0; i < block.particles().size(); ++i) {
         EXPECT_NEAR(block.particles().position[i].z() - block.particles().rest[i].z(), expected, 1e-4);
     }
@@ -156,7 +157,7 @@ TEST(ImplicitTetrahedra, AnEdgeIsPushedAtTheShareThatTouches) {
     for (std::size_t i = 0; i < p.size(); ++i) {
         momentum += p.velocity[i].cast<double>() / static_cast<double>(p.inverse_mass[i]);
     }
-    const double given = static_cast<double>(block.mesh.contacts.front().force.x() * dt);
+    const double given = static_cast<double>(block.mesh.contacts.front().force.x() * implicit_dt);
     EXPECT_GT(given, 0.0);
     EXPECT_NEAR(momentum.x(), given, 1e-3 * given);
     const float near = p.position[corners[0]].x() - p.rest[corners[0]].x();
@@ -194,7 +195,7 @@ TEST(ImplicitTetrahedra, ASolveDoesNotAllocate) {
     p.predicted = p.position;
     test::with_threads(1, [&] {
         const long before = test::allocations_here();
-        block.mesh.solve(p, dt);
+        block.mesh.solve(p, implicit_dt);
         EXPECT_EQ(test::allocations_here(), before);
     });
 }

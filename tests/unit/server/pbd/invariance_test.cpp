@@ -13,8 +13,8 @@
 namespace eti::pbd {
 namespace {
 
-constexpr float dt = 1.0f / 1440.0f;
-constexpr int count = 20;
+constexpr float invariance_dt = 1.0f / 1440.0f;
+constexpr int substep_count = 20;
 
 /// A block of clusters or tetrahedra, thrown and shaken the same way in every frame.
 template <class Body>
@@ -39,8 +39,8 @@ Thrown<SoftBody> clusters(const RigidTransform& frame) {
     // The rest shape has moved with it.
     thrown.body.shapes.set_rest(thrown.body.particles);
     thrown.body.shapes.reset();
-    for (int n = 0; n < count; ++n) {
-        test::substep(thrown.body, dt);
+    for (int n = 0; n < substep_count; ++n) {
+        test::substep(thrown.body, invariance_dt);
     }
     return thrown;
 }
@@ -48,14 +48,14 @@ Thrown<SoftBody> clusters(const RigidTransform& frame) {
 Thrown<test::TetrahedralBody> tetrahedra(const RigidTransform& frame) {
     Thrown<test::TetrahedralBody> thrown({test::tetrahedral_lattice(4, 4, 4, 2e-3), 8e3f, 0.45f}, frame);
     thrown.body.tetrahedra.set_rest(thrown.body.particles);
-    for (int n = 0; n < count; ++n) {
-        thrown.body.substep(dt);
+    for (int n = 0; n < substep_count; ++n) {
+        thrown.body.substep(invariance_dt);
     }
     return thrown;
 }
 
 /// Root mean square distance [m] of two runs, seen from the frame of each.
-double apart(const Particles& a, const RigidTransform& frame, const Particles& b) {
+double bodies_apart(const Particles& a, const RigidTransform& frame, const Particles& b) {
     const auto rotation = frame.rotation.cast<double>();
     const Vec3d translation = frame.translation.cast<double>();
     double squared = 0.0;
@@ -71,7 +71,7 @@ double apart(const Particles& a, const RigidTransform& frame, const Particles& b
 /// velocity is the positions' difference, and keeps it: after n steps they have walked u sqrt(2 n^3 / 3) in
 /// each of three directions. The start and the rest shape, which draws particles to where it was rounded to,
 /// add a few u.
-double rounding(double distance, int steps) {
+double stepping_rounding(double distance, int steps) {
     const double ulp = std::exp2(std::floor(std::log2(distance)) - 23.0);
     const double u = ulp / std::sqrt(12.0);
     return std::sqrt(3.0) * u * (std::sqrt(2.0 / 3.0 * std::pow(steps, 3.0)) + 10.0);
@@ -83,10 +83,11 @@ class Invariance : public testing::TestWithParam<float> {};
 TEST_P(Invariance, ToTranslationButForTheRoundingOfCoordinates) {
     const float far = GetParam();
     const RigidTransform shift{Quatf::Identity(), far * Vec3f(0.6f, -0.64f, 0.48f)};
-    const double model = rounding(0.64 * double{far}, count);
-    const double of_clusters = apart(clusters(shift).body.particles, shift, clusters({}).body.particles);
+    const double model = stepping_rounding(0.64 * double{far}, substep_count);
+    const double of_clusters =
+        bodies_apart(clusters(shift).body.particles, shift, clusters({}).body.particles);
     const double of_tetrahedra =
-        apart(tetrahedra(shift).body.particles, shift, tetrahedra({}).body.particles);
+        bodies_apart(tetrahedra(shift).body.particles, shift, tetrahedra({}).body.particles);
     EXPECT_LT(of_clusters, 3.0 * model);
     EXPECT_LT(of_tetrahedra, 3.0 * model);
     EXPECT_GT(of_clusters, 0.01 * model);
@@ -101,12 +102,13 @@ TEST(Invariance, ToRotation) {
     // Coordinates stay within 16 mm of the origin; clusters' rotations are found to a microradian, 5e-9 m
     // over a cluster, in every substep.
     const RigidTransform turn{Quatf(Eigen::AngleAxisf(2.1f, Vec3f(0.48f, 0.6f, 0.64f))), Vec3f::Zero()};
-    const double model = rounding(16e-3, count);
-    EXPECT_LT(apart(clusters(turn).body.particles, turn, clusters({}).body.particles),
-              3.0 * model + count * 5e-9);
-    EXPECT_LT(apart(tetrahedra(turn).body.particles, turn, tetrahedra({}).body.particles), 3.0 * model);
+    const double model = stepping_rounding(16e-3, substep_count);
+    EXPECT_LT(bodies_apart(clusters(turn).body.particles, turn, clusters({}).body.particles),
+              3.0 * model + substep_count * 5e-9);
+    EXPECT_LT(bodies_apart(tetrahedra(turn).body.particles, turn, tetrahedra({}).body.particles),
+              3.0 * model);
     // A body that is not turned along differs by millimetres.
-    EXPECT_GT(apart(clusters(turn).body.particles, {}, clusters({}).body.particles), 1e-3);
+    EXPECT_GT(bodies_apart(clusters(turn).body.particles, {}, clusters({}).body.particles), 1e-3);
 }
 
 // Of tetrahedra see Tetrahedra.DoNotDependOnTheOrderOfParticlesOrTetrahedra.
@@ -151,9 +153,9 @@ TEST(Invariance, OfClustersToTheOrderOfParticlesMembersAndClusters) {
         b.particles.velocity[place[i]] = a.particles.velocity[i];
     }
     b.shapes.configure(description, b.particles);
-    for (int n = 0; n < count; ++n) {
-        test::substep(a, dt);
-        test::substep(b, dt);
+    for (int n = 0; n < substep_count; ++n) {
+        test::substep(a, invariance_dt);
+        test::substep(b, invariance_dt);
     }
     // A Jacobi pass knows no order: only sums are taken in another one.
     double worst = 0.0;
@@ -161,7 +163,7 @@ TEST(Invariance, OfClustersToTheOrderOfParticlesMembersAndClusters) {
         worst = std::max(
             worst, static_cast<double>((a.particles.position[i] - b.particles.position[place[i]]).norm()));
     }
-    EXPECT_LT(worst, 3.0 * rounding(16e-3, count) + count * 5e-9);
+    EXPECT_LT(worst, 3.0 * stepping_rounding(16e-3, substep_count) + substep_count * 5e-9);
     EXPECT_GT(worst, 0.0) << "the order is another";
 }
 

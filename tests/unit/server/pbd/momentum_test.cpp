@@ -12,8 +12,8 @@
 namespace eti::pbd {
 namespace {
 
-constexpr float dt = 1.0f / 1440.0f;
-constexpr int substeps = 100'000;
+constexpr float momentum_dt = 1.0f / 1440.0f;
+constexpr int momentum_substeps = 100'000;
 constexpr double turning = 10.0;  // [rad/s]
 
 /// The centre of mass to the origin.
@@ -45,11 +45,11 @@ void set_going(Particles& p) {
 /// prediction, by the chord again, then turns it by tan(t') = sin t / (2 - cos t). To first order w' = w (1 -
 /// (w dt)^2).
 double turning_left(double rate, int count) {
-    double angle = std::atan(rate * double{dt});
+    double angle = std::atan(rate * double{momentum_dt});
     for (int n = 1; n < count; ++n) {
         angle = std::atan2(std::sin(angle), 2.0 - std::cos(angle));
     }
-    return std::sin(angle) / double{dt};
+    return std::sin(angle) / double{momentum_dt};
 }
 
 /// Runs on, and tells what part of its angular momentum is left. The body is taken back to the origin now and
@@ -64,7 +64,7 @@ double turning_after(Body& body, const Substep& substep) {
     for (const float w : p.inverse_mass) {
         mass += 1.0 / double{w};
     }
-    for (int n = 1; n <= substeps; ++n) {
+    for (int n = 1; n <= momentum_substeps; ++n) {
         substep();
         if (n % 500 == 0) {
             const Vec3f centre = test::centre_of_mass(p).cast<float>();
@@ -76,8 +76,9 @@ double turning_after(Body& body, const Substep& substep) {
     // Coordinates up to 8 mm are rounded by 2.3e-10 m, at most twice in a substep, and at worst always the
     // same way: what that displaces acts as 5e-4 m/s^2 each time. (Measured: clusters 3e-4 m/s^2, their
     // roundings being common to a cluster; tetrahedra 1e-6 m/s^2.)
-    const double most = 2.0 * 2.33e-10 / (double{dt} * double{dt});
-    EXPECT_LT((test::linear_momentum(p) - linear).norm(), mass * most * substeps * double{dt});
+    const double most = 2.0 * 2.33e-10 / (double{momentum_dt} * double{momentum_dt});
+    EXPECT_LT((test::linear_momentum(p) - linear).norm(),
+              mass * most * momentum_substeps * double{momentum_dt});
     EXPECT_LT(most, 1.1e-4 * 9.81) << "a ten thousandth of the weight";
     return test::angular_momentum(p).dot(angular) / angular.squaredNorm();
 }
@@ -90,8 +91,8 @@ TEST(Momentum, OfAnIsolatedBodyOfClusters) {
     // A cluster's rotation is found to a microradian; goals that are off by that in every substep, and always
     // the same way, would turn the body up at 1e-6 / dt^2 = 2 rad/s^2. Measured: a three hundredth, 0.07 of
     // 10 rad/s in the 69 s; a tenth is allowed.
-    EXPECT_NEAR(turning_after(body, [&] { test::substep(body, dt); }),
-                turning_left(turning, substeps) / turning, 0.1);
+    EXPECT_NEAR(turning_after(body, [&] { test::substep(body, momentum_dt); }),
+                turning_left(turning, momentum_substeps) / turning, 0.1);
 }
 
 TEST(Momentum, OfAnIsolatedBodyOfTetrahedra) {
@@ -101,8 +102,8 @@ TEST(Momentum, OfAnIsolatedBodyOfTetrahedra) {
     // What a rounding displaces by 2.3e-10 m at 3 mm from the axis turns by 8e-8 rad; 64 particles and 1e5
     // substeps at random add up to 8e-8 sqrt(1e5 / 64) / dt = 5e-3 rad/s of 10 (measured: 2e-2, or 0.002 of
     // it; the rest is the body's elasticity); 0.01 is allowed.
-    EXPECT_NEAR(turning_after(body, [&] { body.substep(dt); }), turning_left(turning, substeps) / turning,
-                0.01);
+    EXPECT_NEAR(turning_after(body, [&] { body.substep(momentum_dt); }),
+                turning_left(turning, momentum_substeps) / turning, 0.01);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace eti::pbd {
 namespace {
 
-constexpr float step = 1.0f / 1440.0f;
+constexpr float restore_dt = 1.0f / 1440.0f;
 
 template <class T>
 void append(std::vector<std::byte>& bytes, std::span<const T> values) {
@@ -33,7 +33,7 @@ std::vector<std::byte> bits(const Particles& p) {
 /// Runs `body` on, saves it, runs it on, and does that from the copy: on as many threads as given. Returns
 /// the final state.
 template <class Body, class Advance, class State>
-std::vector<std::byte> run(Body body, const Advance& advance, const State& state, std::size_t threads) {
+std::vector<std::byte> run_from(Body body, const Advance& advance, const State& state, std::size_t threads) {
     return eti::test::with_threads(threads, [&] {
         advance(body, 30);
         Body saved = body;
@@ -49,9 +49,9 @@ std::vector<std::byte> run(Body body, const Advance& advance, const State& state
 
 template <class Body, class Advance, class State>
 void expect_same_for_all_threads(const Body& body, const Advance& advance, const State& state) {
-    const std::vector<std::byte> one = run(body, advance, state, 1);
-    EXPECT_EQ(run(body, advance, state, 2), one);
-    EXPECT_EQ(run(body, advance, state, 8), one);
+    const std::vector<std::byte> one = run_from(body, advance, state, 1);
+    EXPECT_EQ(run_from(body, advance, state, 2), one);
+    EXPECT_EQ(run_from(body, advance, state, 8), one);
 }
 
 void throw_about(Particles& p) {
@@ -66,7 +66,7 @@ void expect_same_for_all_threads(const SoftBody& body) {
         body,
         [](SoftBody& b, int count) {
             for (int n = 0; n < count; ++n) {
-                eti::test::substep(b, step);
+                eti::test::substep(b, restore_dt);
             }
         },
         [](const SoftBody& b) { return bits(b.particles); });
@@ -106,7 +106,7 @@ TEST(Restore, TetrahedraAtEitherInstructionSet) {
             body,
             [](eti::test::TetrahedralBody& b, int count) {
                 for (int n = 0; n < count; ++n) {
-                    b.substep(step);
+                    b.substep(restore_dt);
                 }
             },
             [](const eti::test::TetrahedralBody& b) { return bits(b.particles); });
@@ -117,7 +117,8 @@ TEST(Restore, Rod) {
     expect_same_for_all_threads(
         Rod(Tube{}, {}, {}),
         [](Rod& rod, int count) {
-            eti::test::run(rod, double{step} * count, step, Vec3f(0, -9.81f, 0), {}, {0.02f, 0.0f, 0.01f}, 2);
+            eti::test::run(rod, double{restore_dt} * count, restore_dt, Vec3f(0, -9.81f, 0), {},
+                           {0.02f, 0.0f, 0.01f}, 2);
         },
         [](const Rod& rod) {
             std::vector<std::byte> bytes;
@@ -133,20 +134,20 @@ TEST(Restore, Rod) {
 
 TEST(Restore, FluidWithItsGlands) {
     Fluid fluid(FluidSettings{}, 9);
-    test::fill(fluid, 10, 10, 8);
+    fluid_fixture::fill(fluid, 10, 10, 8);
     FluidEmitter gland;
     gland.position = Vec3f(5e-3f, 5e-3f, 12e-3f);
     gland.direction = Vec3f(0, 0, -1);
     gland.flow = 1e-6f;
     fluid.set_emitters({&gland, 1});
-    const DistanceGrid solid = test::vessel(Vec3f::Zero(), 1e-3f * test::at(12, 12, 20));
+    const DistanceGrid solid = fluid_fixture::vessel(Vec3f::Zero(), 1e-3f * fluid_fixture::at(12, 12, 20));
     expect_same_for_all_threads(
         fluid,
         [&](Fluid& f, int count) {
             FluidSurroundings surroundings;
             surroundings.solid = &solid;
             for (int n = 0; n < count; ++n) {
-                f.step(step, Vec3f(1.0f, 0, -9.81f), surroundings);
+                f.step(restore_dt, Vec3f(1.0f, 0, -9.81f), surroundings);
             }
         },
         [](const Fluid& f) {

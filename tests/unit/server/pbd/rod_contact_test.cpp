@@ -11,7 +11,7 @@
 namespace eti {
 namespace {
 
-constexpr float dt = 1.0f / 1440.0f;
+constexpr float rod_contact_dt = 1.0f / 1440.0f;
 
 /// Contacts of a rod's segment ends with a plane.
 struct Plane {
@@ -44,10 +44,10 @@ struct Plane {
     }
 };
 
-void run(pbd::Rod& rod, const Plane& plane, std::vector<pbd::RodContact>& contacts, double seconds,
-         const Vec3f& gravity, const RigidTransform& grip, int passes = 2) {
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / double{dt})); ++i) {
-        rod.predict(dt, gravity, grip);
+void run_rod(pbd::Rod& rod, const Plane& plane, std::vector<pbd::RodContact>& contacts, double seconds,
+             const Vec3f& gravity, const RigidTransform& grip, int passes = 2) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds / double{rod_contact_dt})); ++i) {
+        rod.predict(rod_contact_dt, gravity, grip);
         for (int pass = 0; pass < passes; ++pass) {
             plane.find(rod, contacts);
             rod.solve(contacts);
@@ -56,10 +56,10 @@ void run(pbd::Rod& rod, const Plane& plane, std::vector<pbd::RodContact>& contac
     }
 }
 
-Vec3f run(pbd::Rod& rod, const Plane& plane, std::size_t first, double seconds, const Vec3f& gravity,
-          const RigidTransform& grip) {
+Vec3f run_rod(pbd::Rod& rod, const Plane& plane, std::size_t first, double seconds, const Vec3f& gravity,
+              const RigidTransform& grip) {
     std::vector<pbd::RodContact> contacts = plane.contacts(rod, first);
-    run(rod, plane, contacts, seconds, gravity, grip);
+    run_rod(rod, plane, contacts, seconds, gravity, grip);
     Vec3f force = Vec3f::Zero();
     for (const pbd::RodContact& contact : contacts) {
         force += contact.force;
@@ -75,7 +75,7 @@ TEST(RodContact, TipOnAPlaneFeelsTheElasticasForce) {
     for (const float lowered : {0.005f, 0.03f}) {
         pbd::Rod rod(tube, test::damped(32), {});
         const Plane plane{.point = Vec3f(0.0f, lowered, 0.0f)};
-        const Vec3f force = run(rod, plane, 31, test::settled, Vec3f::Zero(), {});
+        const Vec3f force = run_rod(rod, plane, 31, test::settled, Vec3f::Zero(), {});
         double low = 0.0;
         double high = 0.02;  // where F L^2 / EI = 3: the deflection still grows with the force
         for (int i = 0; i < 50; ++i) {
@@ -103,7 +103,7 @@ TEST(RodContact, HeadOnPushIsTheSpringsInSeries) {
     pbd::RodSettings settings = test::damped(8);
     pbd::Rod rod(tube, settings, {});
     const Plane wall{.point = Vec3f(0.0f, 0.0f, 0.019f), .normal = -Vec3f::UnitZ(), .stiffness = 2000.0f};
-    const Vec3f force = run(rod, wall, 7, 0.5, Vec3f::Zero(), {});
+    const Vec3f force = run_rod(rod, wall, 7, 0.5, Vec3f::Zero(), {});
     const double area = test::line_density(tube, settings) / double{settings.density};
     // Stretch is lumped in the joints between the segments' middles: 7.5 of 8 lengths (h / 2 at the clamp is
     // the held segment's own).
@@ -126,11 +126,11 @@ TEST(RodContact, AHoldYieldsAtItsForce) {
     const Plane wall{.point = Vec3f(0.0f, 0.0f, 0.02f), .normal = -Vec3f::UnitZ(), .stiffness = 2000.0f};
     RigidTransform grip;
     grip.translation.z() = 0.01f;
-    const Vec3f force = run(rod, wall, 7, 0.5, Vec3f::Zero(), grip);
+    const Vec3f force = run_rod(rod, wall, 7, 0.5, Vec3f::Zero(), grip);
     EXPECT_NEAR(-force.z(), 1.5f, 0.005f * 1.5f);
     EXPECT_NEAR(rod.grip_wrench().force.z(), -1.5f, 1e-4f);
     EXPECT_LT(rod.pose(rod.held()).translation.z(), 0.5f * grip.translation.z());
-    run(rod, wall, 7, 0.5, Vec3f::Zero(), {});
+    run_rod(rod, wall, 7, 0.5, Vec3f::Zero(), {});
     EXPECT_LT(rod.pose(rod.held()).translation.norm(), 1e-6f);
 }
 
@@ -142,14 +142,14 @@ TEST(RodContact, GoesNoFurtherThanThereIsRoom) {
     settings.connector_mass = 0.0f;
     pbd::Rod rod(tube, settings, {});
     const std::vector<float> room(rod.size(), 1e-3f);
-    rod.predict(dt, Vec3f::Zero(), {});
+    rod.predict(rod_contact_dt, Vec3f::Zero(), {});
     for (std::size_t i = 0; i < rod.size(); ++i) {
-        rod.displace(i, 0.5f, Vec3f::Zero(), Vec3f(0.0f, 5.0f * dt, 0.0f));
+        rod.displace(i, 0.5f, Vec3f::Zero(), Vec3f(0.0f, 5.0f * rod_contact_dt, 0.0f));
     }
     rod.finish();
     for (int substep = 0; substep < 5; ++substep) {
         const Vec3f before = rod.tip();
-        rod.predict(dt, Vec3f::Zero(), {});
+        rod.predict(rod_contact_dt, Vec3f::Zero(), {});
         rod.hold_back(room);
         EXPECT_LE((rod.tip() - before).norm(), 1.001e-3f);
         const Vec3f guess = rod.tip();
@@ -175,11 +175,11 @@ TEST(RodContact, FrictionHoldsBelowItsAngleAndSlidesAbove) {
         const Plane plane{.friction = friction};
         const Vec3f gravity = 9.81f * (std::sin(angle) * across - std::cos(angle) * Vec3f::UnitY());
         std::vector<pbd::RodContact> contacts = plane.contacts(rod, 0);
-        run(rod, plane, contacts, 0.05, gravity, {});
+        run_rod(rod, plane, contacts, 0.05, gravity, {});
         const Vec3f from = rod.tip();
         const Vec3f start = rod.segments().back().velocity.cast<float>();
         const double time = 0.1;
-        run(rod, plane, contacts, time, gravity, {});
+        run_rod(rod, plane, contacts, time, gravity, {});
         const double way = double{(rod.tip() - from).dot(across)} - double{start.dot(across)} * time;
         const double pull = 9.81 * (std::sin(double{angle}) - double{friction} * std::cos(double{angle}));
         if (pull > 0.0) {
@@ -203,18 +203,19 @@ TEST(RodContact, FrictionOnlyTakesEnergy) {
     const Plane plane{.friction = 0.4f};
     const Vec3f gravity(0.0f, -9.81f, 0.0f);
     std::vector<pbd::RodContact> contacts = plane.contacts(rod, 0);
-    run(rod, plane, contacts, 0.1, gravity, {});
-    rod.predict(dt, gravity, {});
+    run_rod(rod, plane, contacts, 0.1, gravity, {});
+    rod.predict(rod_contact_dt, gravity, {});
     for (std::uint32_t s = 0; s < rod.size(); ++s) {
         const float mass = 1.0f / static_cast<float>(rod.segments()[s].inverse_mass);
-        rod.push(s, 0.5f, Vec3f::Zero(), Vec3f(0.3f * dt * mass, 0.0f, 0.0f));  // 0.3 m/s sideways
+        rod.push(s, 0.5f, Vec3f::Zero(),
+                 Vec3f(0.3f * rod_contact_dt * mass, 0.0f, 0.0f));  // 0.3 m/s sideways
     }
     rod.solve();
     rod.finish();
     double before = rod.energy();
     const double start = before;
     for (int i = 0; i < 300; ++i) {
-        run(rod, plane, contacts, double{dt}, gravity, {});
+        run_rod(rod, plane, contacts, double{rod_contact_dt}, gravity, {});
         const double now = rod.energy();
         // The contact springs keep m g overlap / 2 = 1e-8 J that may come back.
         ASSERT_LT(now, before + 2e-8);
@@ -233,7 +234,7 @@ TEST(RodContact, SolvesWithoutAllocating) {
     const long before = test::allocations();
     float most = 0.0f;
     for (int i = 0; i < 20; ++i) {
-        run(rod, plane, contacts, double{dt}, Vec3f::Zero(), {});
+        run_rod(rod, plane, contacts, double{rod_contact_dt}, Vec3f::Zero(), {});
         most = std::max(most, contacts.back().force.y());
     }
     EXPECT_GT(most, 0.0f);

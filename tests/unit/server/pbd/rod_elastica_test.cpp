@@ -10,7 +10,7 @@
 namespace eti {
 namespace {
 
-constexpr float dt = 1.0f / 720.0f;
+constexpr float elastica_dt = 1.0f / 720.0f;
 
 // A cantilever under a small tip force bends by F L^3 / 3 EI: the reference solver against the closed
 // form. Next order: the tip's slope F L^2 / 2 EI squared.
@@ -41,7 +41,7 @@ Eigen::Vector2d settled_tip(const Load& load, int segments) {
     }
     pbd::Rod rod(tube, test::damped(segments), {});
     const Vec3f gravity = load.weight ? Vec3f(0.0f, -9.81f, 0.0f) : Vec3f(Vec3f::Zero());
-    test::run(rod, test::settled, dt, gravity, {}, {0.0f, -load.tip_force, 0.0f});
+    test::run(rod, test::settled, elastica_dt, gravity, {}, {0.0f, -load.tip_force, 0.0f});
     return {double{rod.tip().z()}, double{rod.tip().y()}};
 }
 
@@ -111,7 +111,7 @@ TEST_P(RodGrip, WrenchIsTheWeightAtRest) {
                               Vec3f(0.1f, 0.2f, 0.3f)};
     pbd::Rod rod(tube, settings, grip);
     const Vec3f gravity(0.0f, -9.81f, 0.0f);
-    test::run(rod, test::settled, dt, gravity, grip);
+    test::run(rod, test::settled, elastica_dt, gravity, grip);
     const pbd::GripWrench wrench = rod.grip_wrench();
     const double mass =
         test::line_density(tube, settings) * double{tube.length} + double{settings.connector_mass};

@@ -13,8 +13,8 @@
 namespace eti {
 namespace {
 
-constexpr float dt = 1.0f / 720.0f;
-const Vec3f gravity(0.0f, -9.81f, 0.0f);
+constexpr float rod_dt = 1.0f / 720.0f;
+const Vec3f rod_gravity(0.0f, -9.81f, 0.0f);
 
 std::vector<Vec3f> nodes_of(const pbd::Rod& rod) {
     std::vector<Vec3f> nodes(rod.size() + 1);
@@ -53,7 +53,7 @@ TEST(Rod, KeepsItsRestCurve) {
     }
     EXPECT_GT(start.back().y(), 0.02f);
     EXPECT_GT(start.back().z(), 0.03f);
-    test::run(rod, 1.0, dt, Vec3f::Zero(), grip);
+    test::run(rod, 1.0, rod_dt, Vec3f::Zero(), grip);
     EXPECT_LT(largest_distance(nodes_of(rod), start), 1e-7f);  // float32 of decimetres
 }
 
@@ -87,9 +87,9 @@ TEST(Rod, FreeRodKeepsItsMomentum) {
         test::run(rod, 0.1, step, Vec3f::Zero(), {});
         return (momentum() - before).norm() / before.norm();
     };
-    EXPECT_LT(drift(dt, false), 1e-10);
-    EXPECT_LT(drift(0.1f * dt, true), 0.2 * drift(dt, true));
-    EXPECT_LT(drift(dt, true), 0.05);
+    EXPECT_LT(drift(rod_dt, false), 1e-10);
+    EXPECT_LT(drift(0.1f * rod_dt, true), 0.2 * drift(rod_dt, true));
+    EXPECT_LT(drift(rod_dt, true), 0.05);
 }
 
 // The same scene turned and moved gives the same motion. Both compute in double from float32 inputs:
@@ -101,8 +101,8 @@ TEST(Rod, DoesNotDependOnTheFrame) {
                               Vec3f(0.0f, 0.0f, 0.02f)};
     pbd::Rod rod(Tube{}, {}, grip);
     pbd::Rod turned(Tube{}, {}, turn * grip);
-    test::run(rod, 0.5, dt, gravity, grip, {0.01f, 0.0f, 0.0f});
-    test::run(turned, 0.5, dt, turn.rotation * gravity, turn * grip,
+    test::run(rod, 0.5, rod_dt, rod_gravity, grip, {0.01f, 0.0f, 0.0f});
+    test::run(turned, 0.5, rod_dt, turn.rotation * rod_gravity, turn * grip,
               turn.rotation * Vec3f(0.01f, 0.0f, 0.0f));
     const std::vector<Vec3f> a = nodes_of(rod);
     const std::vector<Vec3f> b = nodes_of(turned);
@@ -115,7 +115,7 @@ TEST(Rod, SameInputsGiveTheSameBits) {
     pbd::Rod one(Tube{}, {}, {});
     pbd::Rod two(Tube{}, {}, {});
     for (pbd::Rod* rod : {&one, &two}) {
-        test::run(*rod, 0.3, dt, gravity, {}, {0.02f, 0.01f, -0.05f}, 2);
+        test::run(*rod, 0.3, rod_dt, rod_gravity, {}, {0.02f, 0.01f, -0.05f}, 2);
     }
     EXPECT_EQ(std::memcmp(one.segments().data(), two.segments().data(), one.segments().size_bytes()), 0);
 }
@@ -124,7 +124,7 @@ TEST(Rod, StepsWithoutAllocating) {
     pbd::Rod rod(Tube{}, {}, {});
     std::vector<Vec3f> nodes(rod.size() + 1);
     const long before = test::allocations();
-    test::run(rod, 0.1, dt, gravity, {}, {0.0f, 0.1f, 0.0f}, 3);
+    test::run(rod, 0.1, rod_dt, rod_gravity, {}, {0.0f, 0.1f, 0.0f}, 3);
     rod.displace(rod.size() - 1, 1.0f, {0.0f, 0.002f, 0.0f}, {0.001f, 0.0f, 0.0f});
     rod.nodes(nodes);
     EXPECT_GT(rod.grip_wrench().force.norm(), 0.0f);
@@ -165,7 +165,7 @@ TEST_P(RodRobustness, TangledStartComesToRestWhereTheQuietOneDoes) {
     tube.youngs_modulus = GetParam();
     const pbd::RodSettings settings = test::damped(32);
     pbd::Rod quiet(tube, settings, {});
-    test::run(quiet, test::settled, dt, gravity, {});
+    test::run(quiet, test::settled, rod_dt, rod_gravity, {});
     Random random(3);
     for (int trial = 0; trial < 3; ++trial) {
         pbd::Rod rod(tube, settings, {});
@@ -174,7 +174,7 @@ TEST_P(RodRobustness, TangledStartComesToRestWhereTheQuietOneDoes) {
             rod.place(i,
                       {turn.normalized(), 0.05f * Vec3f(random.normal(), random.normal(), random.normal())});
         }
-        test::run(rod, 1.5 * test::settled, dt, gravity, {});
+        test::run(rod, 1.5 * test::settled, rod_dt, rod_gravity, {});
         EXPECT_LT(largest_distance(nodes_of(rod), nodes_of(quiet)), 1e-4f);
     }
 }
@@ -186,12 +186,12 @@ TEST_P(RodRobustness, ElasticEnergyOnlyLeaves) {
     settings.velocity_damping = 0.0f;
     pbd::Rod rod(tube, settings, {});
     // Pulled to a side, let go.
-    test::run(rod, 0.3, dt, Vec3f::Zero(), {}, {0.05f, 0.02f, 0.0f});
+    test::run(rod, 0.3, rod_dt, Vec3f::Zero(), {}, {0.05f, 0.02f, 0.0f});
     const double start = rod.energy();
     double before = start;
     EXPECT_GT(start, 1e-5);
     for (int i = 0; i < 1000; ++i) {
-        test::run(rod, double{dt}, dt, Vec3f::Zero(), {});
+        test::run(rod, double{rod_dt}, rod_dt, Vec3f::Zero(), {});
         const double now = rod.energy();
         ASSERT_LE(now, before + 1e-9);
         before = now;
@@ -204,22 +204,22 @@ TEST_P(RodRobustness, SurvivesAStretchAndAGripJump) {
     tube.youngs_modulus = GetParam();
     const pbd::RodSettings settings = test::damped(32);
     pbd::Rod quiet(tube, settings, {});
-    test::run(quiet, test::settled, dt, gravity, {});
+    test::run(quiet, test::settled, rod_dt, rod_gravity, {});
     pbd::Rod stretched(tube, settings, {});
     for (std::size_t i = 0; i < stretched.size(); ++i) {
         RigidTransform pose = stretched.pose(i);
         pose.translation *= 10.0f;
         stretched.place(i, pose);
     }
-    test::run(stretched, 1.5 * test::settled, dt, gravity, {});
+    test::run(stretched, 1.5 * test::settled, rod_dt, rod_gravity, {});
     EXPECT_LT(largest_distance(nodes_of(stretched), nodes_of(quiet)), 1e-4f);
 
     pbd::Rod jumped(tube, settings, {});
     const RigidTransform there{Quatf::Identity(), Vec3f(0.03f, 0.0f, -0.04f)};  // 50 mm away
     // A pass turns segments by half a radian at most; fifty of them leave no gap to speak of.
-    test::run(jumped, 50.0 * double{dt}, dt, gravity, there);
+    test::run(jumped, 50.0 * double{rod_dt}, rod_dt, rod_gravity, there);
     EXPECT_LT(largest_gap(jumped), 0.01f * 0.005f);
-    test::run(jumped, 1.5 * test::settled, dt, gravity, there);
+    test::run(jumped, 1.5 * test::settled, rod_dt, rod_gravity, there);
     std::vector<Vec3f> expected = nodes_of(quiet);
     for (Vec3f& node : expected) {
         node += there.translation;
@@ -236,13 +236,13 @@ TEST_P(RodRobustness, FollowsAHandAtOneMetrePerSecond) {
     const float rate = 2.0f * 3.14159265f * 4.0f;
     std::vector<Vec3f> before = nodes_of(rod);
     for (int i = 1; i <= 1440; ++i) {
-        const float t = static_cast<float>(i) * dt;
+        const float t = static_cast<float>(i) * rod_dt;
         const RigidTransform grip{Quatf(Eigen::AngleAxisf(0.3f * std::sin(rate * t), Vec3f::UnitX())),
                                   Vec3f(0.0f, std::sin(rate * t) / rate, 0.0f)};
-        test::run(rod, double{dt}, dt, gravity, grip);
+        test::run(rod, double{rod_dt}, rod_dt, rod_gravity, grip);
         ASSERT_LT(largest_gap(rod), 0.01f * rod.length(0));
         const std::vector<Vec3f> now = nodes_of(rod);
-        ASSERT_LT(largest_distance(now, before), 10.0f * dt);
+        ASSERT_LT(largest_distance(now, before), 10.0f * rod_dt);
         ASSERT_LT((rod.pose(rod.held()).translation - grip.translation).norm(), 1e-7f);
         before = now;
     }
@@ -265,7 +265,7 @@ TEST(Rod, HoldsAnywhereAlongItsLength) {
                 length += double{rod.length(i)};
             }
             EXPECT_NEAR(length, 0.16, 1e-6) << from_tip << " " << segments;
-            test::run(rod, 0.2, dt, gravity, {});
+            test::run(rod, 0.2, rod_dt, rod_gravity, {});
             EXPECT_TRUE(rod.tip().allFinite()) << from_tip << " " << segments;
             EXPECT_LT(largest_gap(rod), 1e-4f) << from_tip << " " << segments;
         }

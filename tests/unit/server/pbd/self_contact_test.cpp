@@ -12,7 +12,7 @@ namespace eti::pbd {
 namespace {
 
 constexpr float radius = 1e-3f;
-constexpr float dt = 1.0f / 1440.0f;  // [s], on which pushes do not depend
+constexpr float self_contact_dt = 1.0f / 1440.0f;  // [s], on which pushes do not depend
 
 Particles particles_at(const std::vector<Vec3f>& at) {
     Particles p;
@@ -36,7 +36,7 @@ TEST(SelfContact, PartsWhatOverlapsByItsMassesAndKeepsTheCentreOfMass) {
     contact.configure(all(p), {}, {}, p);
     p.position[1] = p.predicted[1] = Vec3f(1.2e-3f, 0, 0);
     contact.find(p);
-    contact.project(p, dt);
+    contact.project(p, self_contact_dt);
     // An overlap of 0.8 mm, a quarter of it to the one that is three times as heavy.
     EXPECT_NEAR(p.predicted[0].x(), -0.2e-3f, 1e-8f);
     EXPECT_NEAR(p.predicted[1].x(), 1.8e-3f, 1e-8f);
@@ -53,13 +53,13 @@ TEST(SelfContact, LeavesAloneWhatIsJoinedApartOrAtRest) {
     // At rest, nearer to each other than their radii: that is how the patient is made.
     loose.find(p);
     const std::vector<Vec3f> before = p.predicted;
-    loose.project(p, dt);
+    loose.project(p, self_contact_dt);
     EXPECT_EQ(p.predicted, before);
     p.position[1] = p.predicted[1] = Vec3f(1e-3f, 0, 0);
     joined.find(p);
     EXPECT_TRUE(joined.pairs().empty());
     loose.find(p);
-    loose.project(p, dt);
+    loose.project(p, self_contact_dt);
     EXPECT_NEAR((p.predicted[1] - p.predicted[0]).norm(), 1.5e-3f, 1e-8f);
     EXPECT_EQ(p.predicted[2], before[2]);
 }

@@ -9,14 +9,11 @@
 #include "common/math/random.hpp"
 #include "server/pbd/rotation.hpp"
 #include "tests/support/cluster_block.hpp"
+#include "tests/support/random_vector.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::pbd {
 namespace {
-
-Vec3f random_vector(Random& random) {
-    return {random.normal(), random.normal(), random.normal()};
-}
 
 Quatf random_rotation(Random& random) {
     return Quatf(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
@@ -26,6 +23,7 @@ SoftBody block(int n, float youngs_modulus, const Vec3f& at = Vec3f::Zero()) {
     return test::cluster_block(n, youngs_modulus, at);
 }
 
+using test::random_vector;
 using test::substep;
 
 /// The rotation that turn_towards() ends at.

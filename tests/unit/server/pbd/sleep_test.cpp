@@ -16,9 +16,9 @@
 namespace eti::pbd {
 namespace {
 
-constexpr int substeps = 8;
-constexpr float dt = 1.0f / (180.0f * substeps);  // [s]
-constexpr Sleep::Settings settings;
+constexpr int sleep_substeps = 8;
+constexpr float sleep_dt = 1.0f / (180.0f * sleep_substeps);  // [s]
+constexpr Sleep::Settings sleep_settings;
 
 using Tool = std::function<void(Particles&)>;  ///< takes hold of predicted positions
 
@@ -31,26 +31,26 @@ class SleepTest : public ::testing::Test {
         SoftBody body = test::cluster_block(n, 8e3f, Vec3f::Zero(), 2);
         body.settings.damping = 60.0f;
         if (sleeps) {
-            body.let_sleep({}, settings);
+            body.let_sleep({}, sleep_settings);
         }
         return body;
     }
 
     static void step(SoftBody& body, const Tool& tool = {}) {
         body.begin_step();
-        for (int s = 0; s < substeps; ++s) {
-            body.predict(dt, 1.0f / static_cast<float>(substeps - s));
-            body.project(dt);
+        for (int s = 0; s < sleep_substeps; ++s) {
+            body.predict(sleep_dt, 1.0f / static_cast<float>(sleep_substeps - s));
+            body.project(sleep_dt);
             if (tool) {
                 tool(body.particles);
             }
-            body.finish(dt);
+            body.finish(sleep_dt);
         }
         body.end_step();
     }
 
     static void rest(SoftBody& body) {
-        for (int k = 0; k <= settings.steps; ++k) {
+        for (int k = 0; k <= sleep_settings.steps; ++k) {
             step(body);
         }
     }
@@ -84,7 +84,7 @@ class SleepTest : public ::testing::Test {
 
 TEST_F(SleepTest, WhatRestsFallsAsleepAfterItsStepsAndIsNotSolved) {
     SoftBody body = cube(true);
-    for (int k = 0; k < settings.steps; ++k) {
+    for (int k = 0; k < sleep_settings.steps; ++k) {
         step(body);
         EXPECT_TRUE(body.sleep.whole_awake()) << k;
     }
@@ -103,7 +103,7 @@ TEST_F(SleepTest, WhatRestsFallsAsleepAfterItsStepsAndIsNotSolved) {
 
 TEST_F(SleepTest, WithoutSleepNothingFallsAsleep) {
     SoftBody body = cube(false);
-    for (int k = 0; k < 3 * settings.steps; ++k) {
+    for (int k = 0; k < 3 * sleep_settings.steps; ++k) {
         step(body);
     }
     EXPECT_EQ(body.particles.awake.size(), 1u);
@@ -172,13 +172,13 @@ TEST_F(SleepTest, WhatWokeComesBackToWhereItWouldBeHadItNeverSlept) {
         step(awake, pull(3e-3f));
     }
     EXPECT_GT(2 * body.sleep.awake_groups(), body.sleep.groups()) << "it has gone through the body";
-    EXPECT_LT(apart(body, awake), settings.shift + settings.still);
+    EXPECT_LT(apart(body, awake), sleep_settings.shift + sleep_settings.still);
     for (int k = 0; k < 400; ++k) {
         step(body);
         step(awake);
     }
     EXPECT_EQ(body.sleep.awake_groups(), 0u);
-    EXPECT_LT(apart(body, awake), settings.shift + settings.still);
+    EXPECT_LT(apart(body, awake), sleep_settings.shift + sleep_settings.still);
 }
 
 TEST_F(SleepTest, ThreadsDoNotChangeABit) {
@@ -205,7 +205,7 @@ TEST_F(SleepTest, ALinkWakesWhatItTies) {
     SoftBody body = cube(false);
     const auto far = static_cast<std::uint32_t>(n - 1);  // the next corner
     body.links.configure({{0u, far}}, {100.0f}, body.particles);
-    body.let_sleep({}, settings);
+    body.let_sleep({}, sleep_settings);
     rest(body);
     ASSERT_EQ(body.sleep.awake_groups(), 0u);
     for (int k = 0; k < 3; ++k) {

@@ -12,8 +12,8 @@
 namespace eti::pbd {
 namespace {
 
-constexpr float dt = 1.0f / 1440.0f;
-constexpr Sleep::Settings settings;
+constexpr float soft_body_dt = 1.0f / 1440.0f;
+constexpr Sleep::Settings soft_body_sleep;
 
 /// Notes what it is asked for, and pulls its second particle to its first, as far apart as they rest.
 class Noted final : public Constraint {
@@ -71,7 +71,7 @@ class SoftBodyTest : public ::testing::Test {
 
     void step() {
         body_.begin_step();
-        test::substep(body_, dt);
+        test::substep(body_, soft_body_dt);
         body_.end_step();
     }
     [[nodiscard]] std::string notes() { return std::exchange(notes_, {}); }
@@ -81,7 +81,7 @@ class SoftBodyTest : public ::testing::Test {
 };
 
 TEST_F(SoftBodyTest, WalksFurtherConstraintsInTheirOrder) {
-    body_.let_sleep({}, settings);
+    body_.let_sleep({}, soft_body_sleep);
     step();
     EXPECT_EQ(notes(), "abegin bbegin aselect bselect aproject bproject ");
     step();
@@ -97,7 +97,7 @@ TEST(SoftBody, WithNothingInItTakesSubsteps) {
     SoftBody body;
     body.particles.resize(0);
     body.begin_step();
-    test::substep(body, dt);
+    test::substep(body, soft_body_dt);
     body.end_step();
     body.set_rest();
     body.reset();
@@ -106,15 +106,15 @@ TEST(SoftBody, WithNothingInItTakesSubsteps) {
 
 TEST_F(SoftBodyTest, ProjectsConstraintsAfterClusters) {
     body_.particles.position[corner].y() -= 1e-3f;
-    test::substep(body_, dt);
+    test::substep(body_, soft_body_dt);
     const Particles& p = body_.particles;
     EXPECT_LT((p.position[far] - p.position[corner] - (p.rest[far] - p.rest[corner])).norm(), 1e-8f);
     EXPECT_LT(p.position[far].y(), -1e-5f);
 }
 
 TEST_F(SoftBodyTest, ProjectsNoConstraintWhileAllSleep) {
-    body_.let_sleep({}, settings);
-    for (int k = 0; k <= settings.steps; ++k) {
+    body_.let_sleep({}, soft_body_sleep);
+    for (int k = 0; k <= soft_body_sleep.steps; ++k) {
         step();
     }
     ASSERT_FALSE(body_.sleep.any_awake());
@@ -127,18 +127,18 @@ TEST_F(SoftBodyTest, ProjectsNoConstraintWhileAllSleep) {
 TEST_F(SoftBodyTest, ACopysConstraintsShareNothingWithItsOrigins) {
     int last = 0;
     body_.further.assign(1, Counted(last));
-    test::substep(body_, dt);
+    test::substep(body_, soft_body_dt);
     SoftBody copy = body_;
-    test::substep(copy, dt);
+    test::substep(copy, soft_body_dt);
     EXPECT_EQ(last, 2) << "the copy goes on from where its origin was";
-    test::substep(copy, dt);
-    test::substep(body_, dt);
+    test::substep(copy, soft_body_dt);
+    test::substep(body_, soft_body_dt);
     EXPECT_EQ(last, 2) << "the origin did not go on with the copy";
 }
 
 TEST_F(SoftBodyTest, WhatAConstraintTiesWakesWithIt) {
-    body_.let_sleep({}, settings);
-    for (int k = 0; k <= settings.steps; ++k) {
+    body_.let_sleep({}, soft_body_sleep);
+    for (int k = 0; k <= soft_body_sleep.steps; ++k) {
         step();
     }
     ASSERT_FALSE(body_.sleep.any_awake());

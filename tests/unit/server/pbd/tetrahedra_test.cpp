@@ -12,6 +12,7 @@
 #include "common/math/random.hpp"
 #include "server/pbd/neo_hookean.hpp"
 #include "tests/support/allocations.hpp"
+#include "tests/support/random_vector.hpp"
 #include "tests/support/tetrahedral_body.hpp"
 #include "tests/support/threads.hpp"
 #include "tests/support/uniaxial_stretch.hpp"
@@ -20,15 +21,12 @@ namespace eti::pbd {
 namespace {
 
 using Eigen::Matrix3d;
+using test::random_vector;
 using test::tetrahedral_lattice;
 using test::TetrahedralBody;
 using Corners = Eigen::Matrix<double, 3, 4>;
 
-constexpr float dt = 1.0f / 1440.0f;
-
-Vec3f random_vector(Random& random) {
-    return {random.normal(), random.normal(), random.normal()};
-}
+constexpr float tetrahedra_dt = 1.0f / 1440.0f;
 
 Matrix3d edges(const Corners& x) {
     return x.rightCols<3>().colwise() - x.col(0);
@@ -236,7 +234,7 @@ TEST(Tetrahedra, LeaveRigidMotionAlone) {
         p.predicted[i] = move * p.rest[i];
     }
     const std::vector<Vec3f> before = p.predicted;
-    body.tetrahedra.project(p, dt);
+    body.tetrahedra.project(p, tetrahedra_dt);
     for (std::size_t i = 0; i < p.size(); ++i) {
         EXPECT_LT((p.predicted[i] - before[i]).norm(), 3 * 7e-9f);
     }
@@ -247,7 +245,7 @@ TEST(Tetrahedra, StayAtRest) {
     // so that it does not add up over 1000 substeps; measured 5e-10 m.
     TetrahedralBody body(tetrahedral_lattice(6, 5, 4, 2e-3), 8e3f, 0.45f);
     for (int n = 0; n < 1000; ++n) {
-        body.substep(dt);
+        body.substep(tetrahedra_dt);
     }
     for (std::size_t i = 0; i < body.particles.size(); ++i) {
         EXPECT_LT((body.particles.position[i] - body.particles.rest[i]).norm(), 3e-9f);
@@ -265,7 +263,7 @@ TEST(Tetrahedra, ConserveMomentumOfAFreeBody) {
     const Vec3d linear = momentum(p);
     constexpr int steps = 200;
     for (int n = 0; n < steps; ++n) {
-        body.substep(dt);
+        body.substep(tetrahedra_dt);
     }
     // Positions of a few centimetres round by 2e-9 m, about 24 times a substep, velocities by that over
     // dt. Over 150 particles of 4 mg on average and 200 steps, at random: 4e-6 * sqrt(150 * 24 * 200) *
@@ -283,7 +281,7 @@ TEST(Tetrahedra, LeaveStaticParticlesWhereTheyAre) {
         p.inverse_mass[i] = i % 3 == 0 ? 0.0f : p.inverse_mass[i];
     }
     const std::vector<Vec3f> before = p.predicted;
-    body.tetrahedra.project(p, dt);
+    body.tetrahedra.project(p, tetrahedra_dt);
     for (std::size_t i = 0; i < p.size(); ++i) {
         EXPECT_EQ(p.predicted[i] == before[i], i % 3 == 0);
     }
@@ -295,7 +293,7 @@ class Recovery : public testing::TestWithParam<float> {
     static double strain_after_a_second(TetrahedralBody& body) {
         body.damping = 20.0f;
         for (int n = 0; n < 1440; ++n) {
-            body.substep(dt);
+            body.substep(tetrahedra_dt);
         }
         return worst_strain(body);
     }
@@ -332,7 +330,7 @@ TEST_P(Recovery, IsNotAskedOfAPointButNumbersAre) {
     for (Vec3f& x : body.particles.position) {
         x = Vec3f(3e-3f, 2e-3f, 1e-3f);
     }
-    body.substep(dt);
+    body.substep(tetrahedra_dt);
     for (const Vec3f& x : body.particles.position) {
         EXPECT_LT((x - Vec3f(3e-3f, 2e-3f, 1e-3f)).norm(), 1e-6f);
     }
@@ -350,7 +348,7 @@ std::vector<Vec3f> after_a_throw(bool avx2) {
         v = 0.3f * random_vector(random);
     }
     for (int n = 0; n < 50; ++n) {
-        body.substep(dt);
+        body.substep(tetrahedra_dt);
     }
     return body.particles.position;
 }
@@ -399,8 +397,8 @@ TEST(Tetrahedra, DoNotDependOnTheOrderOfParticlesOrTetrahedra) {
     b.tetrahedra.configure(
         {b.lattice.tetrahedra, std::vector<float>(b.lattice.tetrahedra.size(), 8e3f), 0.45f}, b.particles);
     for (int n = 0; n < 50; ++n) {
-        a.substep(dt);
-        b.substep(dt);
+        a.substep(tetrahedra_dt);
+        b.substep(tetrahedra_dt);
     }
     // The order of solution is the same; only the corners within a tetrahedron have changed places, so
     // that sums round differently: 24 roundings of 1e-9 m in each of 50 substeps make 3.5e-8 m at random
@@ -420,21 +418,21 @@ TEST(Tetrahedra, LeaveOutFlatOnesUntilTheyHaveVolume) {
     Tetrahedra tetrahedra;
     tetrahedra.configure({{{0, 1, 2, 3}}, {8e3f}, 0.45f}, p);
     EXPECT_EQ(tetrahedra.flat(), 1u);
-    tetrahedra.project(p, dt);
+    tetrahedra.project(p, tetrahedra_dt);
     EXPECT_EQ(p.predicted, before);
     p.rest[3] = {0, 0, 1e-3f};
     tetrahedra.set_rest(p);
     EXPECT_EQ(tetrahedra.flat(), 0u);
-    tetrahedra.project(p, dt);
+    tetrahedra.project(p, tetrahedra_dt);
     EXPECT_LT(p.predicted[3].z() - p.predicted[0].z(), 1.99e-3f);
 }
 
 TEST(Tetrahedra, ProjectWithoutAllocating) {
     TetrahedralBody body(tetrahedral_lattice(12, 10, 8, 2e-3), 8e3f, 0.45f);
-    body.tetrahedra.project(body.particles, dt);  // starts the threads
+    body.tetrahedra.project(body.particles, tetrahedra_dt);  // starts the threads
     const long before = test::allocations();
     for (int n = 0; n < 10; ++n) {
-        body.tetrahedra.project(body.particles, dt);
+        body.tetrahedra.project(body.particles, tetrahedra_dt);
     }
     EXPECT_EQ(test::allocations(), before);
 }

@@ -10,8 +10,8 @@
 namespace eti::scene {
 namespace {
 
-constexpr int substeps = 8;
-constexpr float dt = step_duration / substeps;
+constexpr int blade_substeps = 8;
+constexpr float blade_dt = step_duration / blade_substeps;
 
 /// Free particles that nothing but the blade acts on.
 pbd::Particles cloud(std::size_t count) {
@@ -40,16 +40,16 @@ Wrench felt(pbd::Particles& p, BladeContact& contact, const RigidTransform& from
             Snapshot& reported) {
     Wrench sum;
     contact.begin_step(p, from, to);
-    for (int s = 0; s < substeps; ++s) {
-        const float begin = static_cast<float>(s) / substeps;
-        const float end = static_cast<float>(s + 1) / substeps;
+    for (int s = 0; s < blade_substeps; ++s) {
+        const float begin = static_cast<float>(s) / blade_substeps;
+        const float end = static_cast<float>(s + 1) / blade_substeps;
         for (std::size_t i = 0; i < p.size(); ++i) {
-            p.predicted[i] = p.position[i] + dt * p.velocity[i];
+            p.predicted[i] = p.position[i] + blade_dt * p.velocity[i];
         }
-        contact.project(p, begin, end, dt);
+        contact.project(p, begin, end, blade_dt);
         const Vec3d origin = (from.translation + end * (to.translation - from.translation)).cast<double>();
         for (std::size_t i = 0; i < p.size(); ++i) {
-            const Vec3f velocity = (p.predicted[i] - p.position[i]) / dt;
+            const Vec3f velocity = (p.predicted[i] - p.position[i]) / blade_dt;
             const Vec3d gained =
                 (velocity - p.velocity[i]).cast<double>() / static_cast<double>(p.inverse_mass[i]);
             sum.force -= gained / static_cast<double>(step_duration);

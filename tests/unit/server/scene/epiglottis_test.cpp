@@ -11,8 +11,8 @@
 namespace eti::scene {
 namespace {
 
-constexpr int substeps = 8;
-constexpr float dt = step_duration / substeps;
+constexpr int epiglottis_substeps = 8;
+constexpr float epiglottis_dt = step_duration / epiglottis_substeps;
 
 /// How the tissue of a newborn follows one particle of the epiglottis that is drawn aside (Xiao et al. 2020,
 /// Fig. 5).
@@ -36,14 +36,14 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
     std::vector<float> drag(const Vec3f& by) {
         anatomy::Patient held = patient_;
         held.particles.mass[dragged_] = 0.0f;
-        SoftTissue tissue(held, GetParam(), dt);
+        SoftTissue tissue(held, GetParam(), epiglottis_dt);
         pbd::SoftBody& body = tissue.body();
         body.particles.rest[dragged_] += by;  // where what has no mass goes
         for (int step = 0; step < steps_per_second; ++step) {
-            for (int s = 0; s < substeps; ++s) {
-                body.predict(dt, 1.0f / static_cast<float>(substeps - s));
-                body.project(dt);
-                body.finish(dt);
+            for (int s = 0; s < epiglottis_substeps; ++s) {
+                body.predict(epiglottis_dt, 1.0f / static_cast<float>(epiglottis_substeps - s));
+                body.project(epiglottis_dt);
+                body.finish(epiglottis_dt);
             }
         }
         std::vector<float> moved;

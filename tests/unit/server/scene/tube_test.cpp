@@ -18,8 +18,8 @@
 namespace eti::scene {
 namespace {
 
-constexpr int substeps = 8;
-constexpr float dt = step_duration / substeps;
+constexpr int tube_substeps = 8;
+constexpr float tube_dt = step_duration / tube_substeps;
 const Vec3f far_away(0.0f, 0.5f, 0.5f);  // [m], for a blade that shall not matter
 
 /// Solid below z = 0, on a grid of 1 mm.
@@ -63,7 +63,7 @@ class TubeContactTest : public ::testing::Test {
     void step(TubeContact& contact, const RigidTransform& to, const RigidTransform& blade_from,
               const RigidTransform& blade_to) {
         step(contact, to, blade_from, blade_to, [this](std::size_t i) {
-            particles_.predicted[i] = particles_.position[i] + dt * particles_.velocity[i];
+            particles_.predicted[i] = particles_.position[i] + tube_dt * particles_.velocity[i];
         });
     }
     void step(TubeContact& contact, const RigidTransform& to,
@@ -74,17 +74,17 @@ class TubeContactTest : public ::testing::Test {
     void step(TubeContact& contact, const RigidTransform& to, const RigidTransform& blade_from,
               const RigidTransform& blade_to, const std::function<void(std::size_t)>& predict) {
         contact.begin_step(particles_, grip_, to, blade_from, blade_to);
-        for (int s = 0; s < substeps; ++s) {
-            const float begin = static_cast<float>(s) / substeps;
-            const float end = static_cast<float>(s + 1) / substeps;
+        for (int s = 0; s < tube_substeps; ++s) {
+            const float begin = static_cast<float>(s) / tube_substeps;
+            const float end = static_cast<float>(s + 1) / tube_substeps;
             for (std::size_t i = 0; i < particles_.size(); ++i) {
                 predict(i);
             }
-            contact.predict(dt, end, anatomy::gravity(0.0f));
+            contact.predict(tube_dt, end, anatomy::gravity(0.0f));
             contact.project(particles_, shell_, begin, end);
             contact.finish();
             for (std::size_t i = 0; i < particles_.size(); ++i) {
-                particles_.velocity[i] = (particles_.predicted[i] - particles_.position[i]) / dt;
+                particles_.velocity[i] = (particles_.predicted[i] - particles_.position[i]) / tube_dt;
                 particles_.position[i] = particles_.predicted[i];
             }
         }
@@ -187,7 +187,7 @@ TEST_F(TubeContactTest, IsHeldBackByTheTissueItSlidesAlong) {
             to.translation.z() -= speed * step_duration;
             step(contact, to, [&](std::size_t i) {
                 // Overdamped, as tissue is.
-                const float share = spring * particles_.inverse_mass[i] * dt * dt;
+                const float share = spring * particles_.inverse_mass[i] * tube_dt * tube_dt;
                 particles_.predicted[i] = particles_.position[i] + share * (home[i] - particles_.position[i]);
             });
         }

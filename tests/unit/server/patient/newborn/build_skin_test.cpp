@@ -23,7 +23,7 @@ namespace {
 constexpr float most_stretch = 3.0f;
 // The finest surfaces are cut to 0.3 mm. Slivers among their triangles have edges down to 0.05 mm, which
 // three times as long are still shorter than the others.
-constexpr float shortest = 2e-4f;  // [m]
+constexpr float shortest_built_edge = 2e-4f;  // [m]
 
 // Folds that hang on the epiglottis go with it at one end and with larynx or throat at the other, and weights
 // of nine frames and more are cut to eight there.
@@ -71,9 +71,9 @@ Stretch stretch(const Patient& patient, const Surface& surface, const Posture& p
             const std::uint32_t b = t[(k + 1) % 3];
             const float length = (surface.mesh.vertices[a] - surface.mesh.vertices[b]).norm();
             const bool fold = hung[a] || hung[b] || larynx[a] || larynx[b];
-            const float ratio =
-                length < shortest ? 0.0f
-                                  : (now[a] - now[b]).norm() / length / (fold ? most_at_folds : most_stretch);
+            const float ratio = length < shortest_built_edge ? 0.0f
+                                                             : (now[a] - now[b]).norm() / length /
+                                                                   (fold ? most_at_folds : most_stretch);
             if (ratio > found.most) {
                 found = {ratio, surface.mesh.vertices[a]};
             }

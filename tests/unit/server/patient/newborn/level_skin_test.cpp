@@ -11,7 +11,7 @@
 namespace eti::anatomy {
 namespace {
 
-constexpr float shortest = 2e-4f;  // [m], as in build_skin_test.cpp
+constexpr float shortest_levelled_edge = 2e-4f;  // [m], as in build_skin_test.cpp
 
 // The plate goes 10 mm to the front, as in the expert's best view of a term newborn; the tissue about it 4
 // mm, less with the distance from the valleculae; what bones hold stays.
@@ -53,7 +53,8 @@ TEST(LevelSkin, ALiftTearsNothing) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = t[k], b = t[(k + 1) % 3];
                 const float length = (surface.mesh.vertices[a] - surface.mesh.vertices[b]).norm();
-                const float ratio = length < shortest ? 0.0f : (now[a] - now[b]).norm() / length;
+                const float ratio =
+                    length < shortest_levelled_edge ? 0.0f : (now[a] - now[b]).norm() / length;
                 torn += ratio > 3.0f ? 1 : 0;
                 if (ratio > most) {
                     most = ratio;

@@ -17,10 +17,10 @@ namespace {
 
 using test::coarse_phantom;
 
-constexpr double degree = M_PI / 180.0;
+constexpr double radians_per_degree = M_PI / 180.0;
 
 Eigen::Matrix3d turn_about(const Vec3d& axis, double degrees) {
-    return Eigen::AngleAxisd(degrees * degree, axis.normalized()).toRotationMatrix();
+    return Eigen::AngleAxisd(degrees * radians_per_degree, axis.normalized()).toRotationMatrix();
 }
 
 /// The same voxels of a patient who lies turned.
@@ -31,7 +31,7 @@ imaging::Volume turned(imaging::Volume volume, const Eigen::Matrix3d& turn) {
 }
 
 double off(const HeadFrame& found, const Eigen::Matrix3d& truth) {
-    return Eigen::AngleAxisd(Eigen::Matrix3d(truth.transpose() * found.axes)).angle() / degree;
+    return Eigen::AngleAxisd(Eigen::Matrix3d(truth.transpose() * found.axes)).angle() / radians_per_degree;
 }
 
 const Vec3d left = Vec3d::UnitX();
