@@ -8,6 +8,7 @@
 #include "client/review/form.hpp"
 #include "client/review/prompt.hpp"
 #include "client/review/ratings.hpp"
+#include "client/review/study.hpp"
 #include "client/review/study_commands.hpp"
 #include "client/review/summary.hpp"
 #include "common/scenario/scenario.hpp"

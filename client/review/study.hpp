@@ -84,6 +84,9 @@ struct Verdict {
 /// A heading and a table for to_html(Comparison); empty for no verdicts.
 [[nodiscard]] std::string to_html(const std::vector<Verdict>& verdicts);
 
+/// Exit status after Ctrl+C, as a shell gives it.
+inline constexpr int interrupted = 130;
+
 /// How sessions of a study are run.
 struct StudyRun {
     std::filesystem::path folder;

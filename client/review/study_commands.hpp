@@ -8,9 +8,6 @@
 
 namespace eti::review {
 
-/// Exit status after Ctrl+C, as a shell gives it.
-inline constexpr int interrupted = 130;
-
 /// A subcommand of eti-review; `run` gives the exit status.
 struct Command {
     CLI::App* parsed_by = nullptr;

@@ -24,7 +24,6 @@ namespace eti::review {
 
 namespace {
 
-constexpr int interrupted = 130;
 constexpr int no_server = 127;
 
 enum class State : std::uint8_t { open, done, cut_off, recorded_now };
