@@ -97,7 +97,8 @@ run() {
     (cd "$ETI_ROOT" && eti_watched eti_read_ctest "Tests" "$ETI_ROOT/build/logs/test-$preset.log" \
         ctest --preset "$preset" --parallel "${ETI_TEST_JOBS:-$(($(eti_jobs) + 1))}" --no-tests=error \
         --test-output-size-passed 100000 --output-junit "$results" "$@")
-    # Whole programs meet on the clock of a machine that others may have stopped for a while: docs/decisions/0219.
+    # Whole programs meet on the clock of a machine that other work may have stopped for a while:
+    # docs/decisions/build-and-tests.md.
     pattern=
     [ -f "$results" ] && pattern=$(few_that_failed "$results")
     if [ -n "$pattern" ]; then

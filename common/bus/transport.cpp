@@ -119,7 +119,7 @@ dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
 
 /// UDP, where `reaches_network` over every interface, else over loopback. No shared memory: a process that is
 /// killed or starved while it holds one of the library's locks there ends or stalls the others
-/// (docs/decisions/0091).
+/// (docs/decisions/bus-transport.md).
 void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality) {
     auto udp = std::make_shared<UDPv4TransportDescriptor>();
     udp->sendBufferSize = socket_buffer;

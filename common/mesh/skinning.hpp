@@ -47,7 +47,7 @@ struct FrameMap {
 }
 
 /// How many frames carry a point at most. Of fewer, another falls out at each of two neighbours, and that
-/// tears (docs/decisions/0095-eight-frames-carry-a-point.md).
+/// tears (docs/decisions/skinning.md).
 inline constexpr std::size_t frames_per_point = 8;
 
 /// The frames that carry a point, with weights that sum to one; unused entries weigh zero.

@@ -31,8 +31,7 @@ struct BladePlate {
 
 /// How what is drawn of the tissue gives way to the blade. Particles that the blade keeps off are as far
 /// apart as they are large, and what is skinned to them crosses the plate here and there by a millimetre or
-/// two; lips follow bones and are not kept off at all (docs/decisions/0096-drawn-tissue-gives-way.md,
-/// 0153-the-whole-blade-is-given-way-to.md). In this order:
+/// two; lips follow bones and are not kept off at all (docs/decisions/blade-clearance.md). In this order:
 /// - Where the blade passes the corner of the mouth, that goes aside as a whole.
 /// - What stands across the tip, too deep to come out over the face, goes on past it if the tip is in it
 ///   by up to `tip`: the capsule that keeps particles off is rounder there.

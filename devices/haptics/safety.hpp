@@ -25,7 +25,8 @@ struct SafetySettings {
     float silence_limit = 0.300f;
     /// Of that limit, through which the force is held whole; over the rest it fades. After 100 ms, holding
     /// does more harm than letting go, where the patient moves off at 20 mm/s, as fast as the server lets the
-    /// gums go: from gaps of 110 ms on, of a wall in a light grip (docs/decisions/0060, haptics-gaps.csv).
+    /// gums go: from gaps of 110 ms on, of a wall in a light grip (docs/decisions/haptic-forces.md,
+    /// haptics-gaps.csv).
     float held_share = 1.0f / 3.0f;
     [[nodiscard]] float stale_after() const { return held_share * silence_limit; }
     /// [s], from no force to all of it, of what came to the force in a gap or had faded in it; slower than a

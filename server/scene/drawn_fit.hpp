@@ -15,7 +15,7 @@ namespace eti::scene {
 
 /// Shifts frames so that what they draw lies where its tetrahedra have it. A frame turns and goes along with
 /// its cluster, but does not stretch: beside a blade the surface would be drawn up to millimetres from the
-/// mesh that the blade has met (docs/decisions/0236-the-drawn-tongue-lies-on-its-mesh.md).
+/// mesh that the blade has met (docs/decisions/skinning.md).
 class DrawnFit {
   public:
     /// `tetrahedra`: the patient's numbers of those in the tongue.

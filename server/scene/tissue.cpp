@@ -37,7 +37,7 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
 }
 
 // Spacings from a cluster's middle. A cluster reaches farther, and what is drawn by the mean of all its
-// members does not follow a blade's dent (docs/decisions/0237-the-drawn-tongue-follows-dents.md).
+// members does not follow a blade's dent (docs/decisions/skinning.md).
 constexpr float fitted_reach = 1.75f;
 // Fewer say too little of a turn: a cluster has at least as many.
 constexpr std::size_t fewest_members = 4;

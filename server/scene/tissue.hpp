@@ -30,7 +30,7 @@ class SoftTissue {
     void set_swelling(std::vector<Vec3f> displacement);
     [[nodiscard]] bool knows_swelling() const { return !swelling_.empty(); }
     /// Length of the tongue over that of the built one; takes effect with the next pose(). Masses stay: they
-    /// are none of the tissue's own (docs/decisions/0020-quasi-static-mass.md).
+    /// are none of the tissue's own (docs/decisions/soft-tissue.md).
     void set_tongue_growth(float growth);
     /// Young's modulus of tongue and mucosa [Pa]; in shape and state nothing changes.
     void set_stiffness(float soft);

@@ -287,7 +287,7 @@ class Charts(unittest.TestCase):
         for case in (("stiffness", "shape matching, PBD"), ("stiffness", "tetrahedra, XPBD"),
                      ("tube on flap", "1/180 s"), ("tube on cords", "1/180 s")):
             self.assertIn(case, failing)
-        # Which no speed and no substep lets it through: docs/decisions/0222-walls-that-no-hand-passes.md.
+        # Which no speed and no substep lets it through: docs/decisions/tube-rod.md.
         shell = [row for row in rows if row["map"] == "tube on wall of the shell"]
         self.assertGreater(len(shell), 80)
         self.assertEqual({row["fate"] for row in shell}, {"survives"})

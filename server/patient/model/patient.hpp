@@ -50,13 +50,13 @@ using BoneWeights = std::array<float, bone_count>;
 
 /// [kg/m^3], of particles that go in substeps. Four times that of tissue: a hand moves it so slowly that
 /// inertia does not matter, while a contact force comes out right only where the substep resolves
-/// sqrt(mass / stiffness) (docs/decisions/0020-quasi-static-mass.md).
+/// sqrt(mass / stiffness) (docs/decisions/soft-tissue.md).
 inline constexpr float tissue_density = 4000.0f;
 /// [kg/m^3], tissue's own: what gravity pulls at, and all of the mass of an implicit tongue.
 inline constexpr float tissue_own_density = 1000.0f;
 /// [1/s], rate at which the particles' velocity decays: the slowest wave of a term newborn's tongue then dies
 /// with 36 ms, about as in models of speech (Stavness et al. 2011, Int J Numer Meth Biomed Eng 27:367; see
-/// docs/decisions/0027-tissue-is-overdamped.md).
+/// docs/decisions/soft-tissue.md).
 inline constexpr float tissue_damping = 200.0f;
 
 /// Particles of the soft tissue, structure of arrays; all arrays have the same length.

@@ -17,7 +17,7 @@ struct BuildSettings {
     float region = 7.0e-3f;        ///< [m], tissue farther from the airway moves with the bones
     /// [Pa], Young's modulus of tongue and mucosa. Measured tissue has 8.0 +- 0.9 kPa (Cheng 2011, J Biomech
     /// 44:450), but here the mouth's floor cannot give way as a whole
-    /// (docs/decisions/0024-tissue-stiffness.md).
+    /// (docs/decisions/airway-shell.md).
     float tissue_stiffness = 8e3f;
     /// [m], edges of what is drawn in mouth and throat; finer at larynx and lips, coarser at trunk and scalp,
     /// in proportion. Bones are sampled 1.5 times as wide.

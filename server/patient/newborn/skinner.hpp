@@ -32,7 +32,7 @@ void add_share(Shares& shares, std::size_t frame, float weight);
 
 /// Says which frames carry a point of the patient, and how much each: those of the particles around it, and
 /// bones where there are few. All of it changes smoothly from place to place, so that what is skinned does
-/// not tear between particles (docs/decisions/0095-eight-frames-carry-a-point.md).
+/// not tear between particles (docs/decisions/skinning.md).
 class Skinner {
   public:
     Skinner(const Anatomy& anatomy, const BuildSettings& settings, const Patient& patient);

@@ -52,7 +52,7 @@ Hold shipped() {
     return {static_cast<double>(settings.stale_after()), static_cast<double>(settings.silence_limit)};
 }
 
-constexpr Hold let_go{0.017, 0.020};  // as it was: decision 0053
+constexpr Hold let_go{0.017, 0.020};  // rejected: docs/decisions/haptic-forces.md
 constexpr Hold held_on{10.0, 11.0};
 
 enum class Pattern : std::uint8_t { once, regular, random, bursts };

@@ -59,14 +59,14 @@ class Pages(unittest.TestCase):
                      f"A formula:\n\n    {WORDS}more\n"):
             with self.subTest(text=text):
                 self.assertEqual(violations({"docs/a.md": text}), [])
-        self.assertEqual(violations({"docs/decisions/0001-a.md": f"{WORDS}more.\n" * 200}), [])
+        self.assertEqual(violations({"docs/decisions/a.md": f"{WORDS}more.\n" * 200}), [])
 
     def test_links_that_lead_nowhere_are_found(self):
         pages = {"docs/b/c.md": "# What fails, then?\n", "README.md": "See [c](docs/b/c.md#what-fails-then).\n"}
         self.assertEqual(violations(pages), [])
         self.only({**pages, "docs/a.md": "See [c](c.md).\n"}, "docs/a.md:1: links to c.md")
         self.only({**pages, "docs/a.md": "\nSee [c](b/c.md#what-holds).\n"}, "docs/a.md:2: links to b/c.md#what-holds")
-        self.only({**pages, "docs/decisions/0001-a.md": "See [c](../c.md).\n"}, "docs/decisions/0001-a.md:1: links to")
+        self.only({**pages, "docs/decisions/a.md": "See [c](../c.md).\n"}, "docs/decisions/a.md:1: links to")
 
     def test_pages_that_a_source_names_and_nobody_wrote_are_found(self):
         self.assertEqual(violations({"docs/a.md": "A.\n", "server/a.cpp": "// See docs/a.md.\n"}), [])

@@ -236,7 +236,8 @@ TEST_F(IdentityTest, TopicOutsideTheRoleIsRefusedWithTheRole) {
 }
 
 /// The largest message arrives, though ciphers add to every datagram, and readers that leave in its midst
-/// harm nobody: where whole datagrams are encrypted, the library aborts or stalls (decision 0087).
+/// harm nobody: where whole datagrams are encrypted, the library aborts or stalls
+/// (docs/decisions/security.md).
 TEST_F(IdentityTest, SceneOfTwoMegabytesArrives) {
     Options as_server = test::bus_options("eti-server"), as_observer = test::bus_options("test");
     as_server.identity = labs_ / "lab/server";

@@ -229,7 +229,7 @@ TEST_F(Profile, WrongName) {
     EXPECT_THAT(failure_of(with(text)), AllOf(HasSubstr("profile.xml"), HasSubstr("profile_name=\"eti\"")));
 }
 
-// Programs crashed over it in one meeting of seven (docs/decisions/0230).
+// Programs crashed over it in one meeting of seven (docs/decisions/bus-transport.md).
 TEST_F(Profile, TcpIsRefused) {
     const std::string text = changed_profile("UDPv4", "TCPv4", "tcp");
     EXPECT_THAT(

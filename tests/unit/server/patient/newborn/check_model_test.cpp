@@ -154,7 +154,7 @@ TEST(CheckModel, FindsSkinThatGoesWithTheEpiglottisFromAfar) {
     });
 }
 
-// Folds of the body's surface reach the plate and go with it there (docs/decisions/0109).
+// Folds of the body's surface reach the plate and go with it there (docs/decisions/epiglottis.md).
 TEST(BuildPatient, FoldsHangOnTheEpiglottis) {
     const Patient& patient = newborn();
     int wholly = 0, partly = 0;
