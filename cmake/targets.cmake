@@ -83,6 +83,9 @@ function(eti_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE eti_options GTest::gtest GTest::gtest_main ${ARG_LINK})
+  # Replaces operator new, which the compiler must not see beside its uses.
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/tests/support/allocations.cpp
+                              PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   eti_unity(${name} 12)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   eti_test_label(label)
