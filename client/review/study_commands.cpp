@@ -91,7 +91,10 @@ Command add_compare(CLI::App& app) {
                 std::cout << out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                           << '\n';
             } else {
-                std::cout << to_table(comparison) << (verdicts.empty() ? "" : "\n" + to_table(verdicts));
+                std::cout << to_table(comparison);
+                if (!verdicts.empty()) {
+                    std::cout << '\n' << to_table(verdicts);
+                }
             }
             return 0;
         }};

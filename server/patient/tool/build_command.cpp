@@ -159,7 +159,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
         std::string& names = provenance["input"];
         std::string& hashes = provenance["input_fnv1a"];
         const char* comma = names.empty() ? "" : " ";
-        names += comma + file.filename().string();
+        names += fmt::format("{}{}", comma, file.filename().string());
         Hash hash;
         const imaging::Bytes bytes = imaging::read_bytes(file);
         hash.add(std::span(bytes));
