@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #include "client/app/options.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include <charconv>
 #include <cmath>
 #include <iostream>
@@ -78,7 +76,7 @@ std::optional<render::Section> read_section(const std::string& text) {
 }  // namespace
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
-    CLI::App app(
+    CommandLine app(
         "Shows a running session: to its trainee, to an --instructor, or to whoever wants to --observe it.",
         "eti-client");
     std::vector<std::string> names;
@@ -116,22 +114,21 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     }
     app.footer(keys + "\nWith --observe no commands are given; w, z and marks are of an --instructor.");
     app.set_version_flag("--version", ETI_VERSION);
-    auto* const view_option =
-        app.add_option("--view", view, of_views)->capture_default_str()->check(CLI::IsMember(names));
-    auto* const observe =
+    const auto view_option = app.add_option("--view", view, of_views).capture_default_str().one_of(names);
+    const auto observe =
         app.add_flag("--observe", options.observe,
                      "Watch only: publishes nothing and gives no commands; without it the trainee's "
                      "line of sight is published");
     app.add_flag("--instructor", options.instructor,
                  "Watch and give commands, with the panel: from four sides unless --view says otherwise; the "
                  "line of sight stays the trainee's")
-        ->excludes(observe);
+        .excludes(observe);
     app.add_flag("--panel", options.panel, "Show the instructor's panel from the start (key p or F1)");
     app.add_option("--eye-offset-mm", eye_offset,
                    "The trainee's eye stands so far from where the glottis is best seen: to the patient's "
                    "left, to its back and towards its head")
-        ->capture_default_str()
-        ->check(
+        .capture_default_str()
+        .check(
             [](const std::string& text) {
                 return read_eye(text)
                            ? std::string()
@@ -145,8 +142,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
            "--patient-at-mm", gum_at,
            "In a headset: the upper gum lies so far to the right, up and ahead of where the eyes were "
            "when the headset was centred")
-        ->capture_default_str()
-        ->check(
+        .capture_default_str()
+        .check(
             [](const std::string& text) {
                 return read_place(text)
                            ? std::string()
@@ -158,13 +155,13 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
             "RIGHT,UP,AHEAD");
     app.add_option("--dominant-eye", dominant_eye,
                    "In a headset: the eye that the line of sight begins at, by which the view is measured")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"right", "left"}));
+        .capture_default_str()
+        .one_of({"right", "left"});
     app.add_option("--section-plane", section,
                    "Where the section cuts: so far from the middle, towards the patient's left [mm]; turned "
                    "about the patient's back-to-front axis and tilted about its long axis [deg]")
-        ->capture_default_str()
-        ->check(
+        .capture_default_str()
+        .check(
             [](const std::string& text) {
                 return read_section(text)
                            ? std::string()
@@ -174,35 +171,35 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                  text, 1e3f * render::Section::farthest, 1e3f * render::Section::farthest);
             },
             "OFFSET,TURN,TILT");
-    add_number(app, "--fogging", options.vantage.fogging,
-               "Breath on the blade's lens as the session begins; it clears as the lamp warms it",
-               {0.0f, 1.0f})
-        ->capture_default_str();
-    auto* const offscreen = app.add_option("--offscreen", options.offscreen,
-                                           "Draw without a display; pictures go into this folder");
-    auto* const video =
+    app.add_number("--fogging", options.vantage.fogging,
+                   "Breath on the blade's lens as the session begins; it clears as the lamp warms it",
+                   {0.0f, 1.0f})
+        .capture_default_str();
+    const auto offscreen = app.add_option("--offscreen", options.offscreen,
+                                          "Draw without a display; pictures go into this folder");
+    const auto video =
         app.add_option("--video", options.video,
                        "Video file (.mp4), paced on simulation time [default, for an offscreen "
                        "trainee: session.mp4 in the folder]")
-            ->needs(offscreen);
-    app.add_flag("--no-video", no_video, "Make no video")->excludes(video);
-    add_number(app, "--fps", options.frames_per_second, "Of the video",
-               {1.0, 90.0, "frames a second of simulation time"})
-        ->capture_default_str();
-    add_number(app, "--every", options.every_s,
-               "Simulation time between pictures; 0: only the best view and the last", {0.0, 3600.0, "s"})
-        ->capture_default_str();
-    add_number(app, "--frames", options.frames,
-               "End after this many frames of a patient; 0: with the session", {0})
-        ->capture_default_str();
-    add_number(app, "--wait", options.wait_s,
-               fmt::format("Give up when no server is there for so long; without it pictures wait for "
-                           "{:.0f} s and a window until it is closed",
-                           Options::pictures_wait_s),
-               {0.0, 3600.0, "s"});
+            .needs(offscreen);
+    app.add_flag("--no-video", no_video, "Make no video").excludes(video);
+    app.add_number("--fps", options.frames_per_second, "Of the video",
+                   {1.0, 90.0, "frames a second of simulation time"})
+        .capture_default_str();
+    app.add_number("--every", options.every_s,
+                   "Simulation time between pictures; 0: only the best view and the last", {0.0, 3600.0, "s"})
+        .capture_default_str();
+    app.add_number("--frames", options.frames, "End after this many frames of a patient; 0: with the session",
+                   {0})
+        .capture_default_str();
+    app.add_number("--wait", options.wait_s,
+                   fmt::format("Give up when no server is there for so long; without it pictures wait for "
+                               "{:.0f} s and a window until it is closed",
+                               Options::pictures_wait_s),
+                   {0.0, 3600.0, "s"});
     app.add_option("--size", size, "Pixels, WIDTHxHEIGHT, both even")
-        ->capture_default_str()
-        ->check(
+        .capture_default_str()
+        .check(
             [](const std::string& text) {
                 int width = 0, height = 0;
                 return read_size(text, width, height) ? std::string()
@@ -211,27 +208,26 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                                             "numbers from 64 to 7680, e.g. 1280x720";
             },
             "WxH");
-    app.add_option("--quality", quality, of_qualities)
-        ->capture_default_str()
-        ->check(CLI::IsMember(quality_names));
-    app.add_flag("--hands", options.hands, "Hold blade and tube with mouse and keys, unless a device does");
+    app.add_option("--quality", quality, of_qualities).capture_default_str().one_of(quality_names);
+    const auto hands = app.add_flag("--hands", options.hands,
+                                    "Hold blade and tube with mouse and keys, unless a device does");
     app.add_option("--tutorial", tutorial,
                    "With --hands, lead through a first intubation; auto: until it has been shown once")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"auto", "on", "off"}));
+        .capture_default_str()
+        .one_of({"auto", "on", "off"});
     app.add_option("--play", options.play,
                    "Move them by a list of what mouse and keys do, instead of by a person's")
-        ->needs("--hands")
-        ->check(CLI::ExistingFile);
+        .needs(hands)
+        .existing_file();
     app.add_option("--sound", sound,
                    "The monitor's beep, a click where the gum is pressed too hard, suction; auto: where the "
                    "machine has a device to play on")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"auto", "on", "off"}));
-    add_number(app, "--volume", options.volume, "Of the sound", {0.0f, 1.0f})->capture_default_str();
+        .capture_default_str()
+        .one_of({"auto", "on", "off"});
+    app.add_number("--volume", options.volume, "Of the sound", {0.0f, 1.0f}).capture_default_str();
     bus::add_options(app, options.bus);
     app.add_flag("--json", options.json, "Print what was made as one JSON object");
-    if (const auto status = parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     options.headset = view == headset_name;
@@ -256,9 +252,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                                options.offscreen.empty() && !tutorial_was_shown()));
     options.sound = sound == "auto" ? std::nullopt : std::optional(sound == "on");
     options.panel = options.panel || options.instructor;
-    options.selection = options.headset                              ? &default_selection()
-                        : options.instructor && view_option->empty() ? &instructors_selection()
-                                                                     : selection_named(view);
+    options.selection = options.headset                             ? &default_selection()
+                        : options.instructor && view_option.empty() ? &instructors_selection()
+                                                                    : selection_named(view);
     options.left_eye_leads = dominant_eye == "left";
     options.gum_in_room = *read_place(gum_at);
     options.quality = render::quality_named(quality);

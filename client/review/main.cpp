@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <iterator>
@@ -159,7 +158,7 @@ int report(const std::vector<std::filesystem::path>& files, const std::filesyste
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Looks at recorded sessions (*.eti.h5).", "eti-review");
+    CommandLine app("Looks at recorded sessions (*.eti.h5).", "eti-review");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     app.fallthrough();
@@ -167,89 +166,90 @@ int main(int argc, char** argv) {
     app.add_flag("--json", json, "Print the result as one JSON object");
 
     std::filesystem::path file;
-    CLI::App* const summary_command =
+    CommandLine summary_command =
         app.add_subcommand("summary", "Print the performance parameters of the run and of each attempt");
-    summary_command->add_option("FILE", file, "Session file")->required();
+    summary_command.add_option("FILE", file, "Session file").required();
 
-    CLI::App* const check_command =
+    CommandLine check_command =
         app.add_subcommand("check", "Read everything and say whether the file is sound");
-    check_command->add_option("FILE", file, "Session file")->required();
+    check_command.add_option("FILE", file, "Session file").required();
     bool repair = false;
-    check_command->add_flag(
+    check_command.add_flag(
         "--repair", repair,
         "Make a file that any HDF5 program opens: clear the mark that a killed recording leaves, keep what "
         "each "
         "series still holds, name what is lost. A file that changes so is kept as FILE.before-repair");
 
-    CLI::App* const export_command = app.add_subcommand("export", "Write every series as CSV");
-    export_command->add_option("FILE", file, "Session file")->required();
+    CommandLine export_command = app.add_subcommand("export", "Write every series as CSV");
+    export_command.add_option("FILE", file, "Session file").required();
     std::filesystem::path folder;
-    export_command->add_option("--out", folder, "Folder to write into; made if missing")->required();
+    export_command.add_option("--out", folder, "Folder to write into; made if missing").required();
 
-    CLI::App* const replay_command = app.add_subcommand(
+    CommandLine replay_command = app.add_subcommand(
         "replay", "Publish a session on the bus as if it went on now, for clients to show");
-    replay_command->add_option("FILE", file, "Session file; comes first")->required();
+    replay_command.add_option("FILE", file, "Session file; comes first").required();
     Replay how;
-    add_number(*replay_command, "--speed", how.speed, "How fast", {1.0 / 16, 16.0, "times real time"});
-    add_number(*replay_command, "--from", how.from, "Where it begins", {0.0, 1e7, "s"});
-    add_number(*replay_command, "--to", how.to, "Where it ends", {0.0, 1e7, "s"});
-    replay_command->add_flag("--loop", how.loop, "Begin again at the end");
-    replay_command->add_flag("--pause", how.pause, "Begin paused");
-    replay_command->footer(
+    replay_command.add_number("--speed", how.speed, "How fast", {1.0 / 16, 16.0, "times real time"});
+    replay_command.add_number("--from", how.from, "Where it begins", {0.0, 1e7, "s"});
+    replay_command.add_number("--to", how.to, "Where it ends", {0.0, 1e7, "s"});
+    replay_command.add_flag("--loop", how.loop, "Begin again at the end");
+    replay_command.add_flag("--pause", how.pause, "Begin paused");
+    replay_command.footer(
         "On a terminal: space pauses, arrows go 1 s, < and > a state, [ and ] change the speed, 0 begins "
         "again, "
         "q ends. What else is given (--session, --domain, --peer, ...) goes to eti-server.");
-    replay_command->allow_extras()->fallthrough(false);
+    replay_command.allow_extras();
+    replay_command.fallthrough(false);
 
-    CLI::App* const report_command = app.add_subcommand(
+    CommandLine report_command = app.add_subcommand(
         "report",
         "Write one page that opens offline: outcome, parameters, time line, tools over the anatomy");
     std::vector<std::filesystem::path> files;
     report_command
-        ->add_option("FILE", files, "Session files; the first is compared with the others, at most four")
-        ->required()
-        ->expected(1, 4);
-    report_command->add_option("--out", folder, "Folder to write report.html into; made if missing")
-        ->required();
+        .add_option("FILE", files, "Session files; the first is compared with the others, at most four")
+        .required()
+        .expected(1, 4);
+    report_command.add_option("--out", folder, "Folder to write report.html into; made if missing")
+        .required();
 
     std::string score = "scripted";
     report_command
-        ->add_option("--score", score,
-                     fmt::format("What scores the sessions, by name or path; {}: nothing does", no_score))
-        ->capture_default_str();
+        .add_option("--score", score,
+                    fmt::format("What scores the sessions, by name or path; {}: nothing does", no_score))
+        .capture_default_str();
 
-    CLI::App* const study_command = app.add_subcommand(
+    CommandLine study_command = app.add_subcommand(
         "study", "Run the sessions of a study one after another, and go on where it was ended");
     std::string study_file;
-    study_command->add_option("STUDY", study_file, "Study by name or path")->required();
+    study_command.add_option("STUDY", study_file, "Study by name or path").required();
     review::StudyRun study_run;
-    study_command->add_option("--out", study_run.folder, "Folder of the study; made if missing")->required();
-    study_command->add_option("--participant", study_run.participant,
-                              "Run this participant's sessions alone");
-    study_command->add_flag("--status", study_run.status_only, "Say where the study is, and run nothing");
-    study_command->footer(
+    study_command.add_option("--out", study_run.folder, "Folder of the study; made if missing").required();
+    study_command.add_option("--participant", study_run.participant, "Run this participant's sessions alone");
+    study_command.add_flag("--status", study_run.status_only, "Say where the study is, and run nothing");
+    study_command.footer(
         "What else is given goes to eti-server. Ctrl-C ends it until it is started again; a session cut off "
         "is done "
         "anew.");
-    study_command->allow_extras()->fallthrough(false);
-    study_command->add_flag("--json", json, "Print the result as one JSON object");
+    study_command.allow_extras();
+    study_command.fallthrough(false);
+    study_command.add_flag("--json", json, "Print the result as one JSON object");
 
     std::vector<review::Command> study_commands = review::add_study_commands(app);
     std::ranges::move(review::add_opinion_commands(app), std::back_inserter(study_commands));
     std::ranges::move(review::add_score_commands(app), std::back_inserter(study_commands));
 
-    if (const auto status = parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
-    if (replay_command->parsed()) {
-        return replay(file, how, replay_command->remaining());
+    if (replay_command.parsed()) {
+        return replay(file, how, replay_command.remaining());
     }
     // The task below decides when to end; it inherits the handler.
     catch_stop_signals();
 
-    if (study_command->parsed()) {  // starts programs that need more than the task below may take
+    if (study_command.parsed()) {  // starts programs that need more than the task below may take
         try {
-            study_run.further = study_command->remaining();
+            study_run.further = study_command.remaining();
             return run_study(review::load_study(find_data_file(study_file, "studies")), study_run, json);
         } catch (const std::exception& error) {
             std::cerr << "eti-review: " << escaped_lines(error.what()) << '\n';
@@ -260,17 +260,17 @@ int main(int argc, char** argv) {
     // Session files come from other people too, and the HDF5 library can crash on a damaged one.
     const Guarded ended = run_guarded([&] {
         try {
-            if (summary_command->parsed()) {
+            if (summary_command.parsed()) {
                 return summary(file, json);
             }
-            if (check_command->parsed()) {
+            if (check_command.parsed()) {
                 return check(file, repair, json);
             }
-            if (report_command->parsed()) {
+            if (report_command.parsed()) {
                 return report(files, folder, score, json);
             }
             for (const review::Command& command : study_commands) {
-                if (command.parsed_by->parsed()) {
+                if (command.parsed_by.parsed()) {
                     return command.run(json);
                 }
             }

@@ -44,23 +44,23 @@ void print_form(const Form& form) {
     }
 }
 
-Command add_rate(CLI::App& app) {
+Command add_rate(CommandLine& app) {
     struct Options {
         std::string file, rater;
         std::vector<std::string> scores;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* const command = app.add_subcommand(
+    CommandLine command = app.add_subcommand(
         "rate", "Put an instructor's ratings into a session file, or print those that it holds");
-    command->add_option("FILE", options->file, "Session file")->required();
-    CLI::Option* const rater =
-        command->add_option("--rater", options->rater, "Who rates; a pseudonym, the same for each session");
+    command.add_option("FILE", options->file, "Session file").required();
+    const Option rater =
+        command.add_option("--rater", options->rater, "Who rates; a pseudonym, the same for each session");
     command
-        ->add_option(
+        .add_option(
             "--score", options->scores,
             "ITEM=SCORE, 1 (worst) to 5 (best), several times; replaces what this rater gave the item before")
-        ->needs(rater)
-        ->type_name("ITEM=1..5");
+        .needs(rater)
+        .type_name("ITEM=1..5");
     return {
         command, [options](bool json) {
             if (!options->rater.empty() || !options->scores.empty()) {
@@ -86,11 +86,11 @@ Command add_rate(CLI::App& app) {
         }};
 }
 
-Command add_agreement(CLI::App& app) {
+Command add_agreement(CommandLine& app) {
     const auto files = std::make_shared<std::vector<std::filesystem::path>>();
-    CLI::App* const command = app.add_subcommand(
+    CommandLine command = app.add_subcommand(
         "agreement", "How far instructors agree who rated the same sessions: intraclass correlations");
-    command->add_option("FILE", *files, "Session files with ratings")->required();
+    command.add_option("FILE", *files, "Session files with ratings").required();
     return {command, [files](bool json) {
                 constexpr double level = 0.95;
                 const auto items = rater_agreement(*files, level);
@@ -103,20 +103,20 @@ Command add_agreement(CLI::App& app) {
             }};
 }
 
-Command add_questionnaire(CLI::App& app) {
+Command add_questionnaire(CommandLine& app) {
     struct Options {
         std::string file, form = "realism", answers;
         bool show = false;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* const command = app.add_subcommand(
+    CommandLine command = app.add_subcommand(
         "questionnaire",
         "Ask the participant, on the terminal or by a file, and put the answers into the session file");
-    command->add_option("FILE", options->file, "Session file");
-    command->add_option("--form", options->form, "Form by name or path")->capture_default_str();
-    command->add_option("--answers", options->answers,
-                        "YAML file with an answer in each line, NAME: ANSWER, instead of asking");
-    command->add_flag("--show", options->show, "Print the form and end");
+    command.add_option("FILE", options->file, "Session file");
+    command.add_option("--form", options->form, "Form by name or path").capture_default_str();
+    command.add_option("--answers", options->answers,
+                       "YAML file with an answer in each line, NAME: ANSWER, instead of asking");
+    command.add_flag("--show", options->show, "Print the form and end");
     return {command, [options](bool json) {
                 const Form form = load_form(find_data_file(options->form, "forms"));
                 if (options->show) {
@@ -160,7 +160,7 @@ Command add_questionnaire(CLI::App& app) {
 
 }  // namespace
 
-std::vector<Command> add_opinion_commands(CLI::App& app) {
+std::vector<Command> add_opinion_commands(CommandLine& app) {
     return {add_rate(app), add_agreement(app), add_questionnaire(app)};
 }
 

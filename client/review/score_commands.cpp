@@ -28,29 +28,30 @@ nlohmann::ordered_json to_json(const GradeError& error) {
             {"rank", error.rank}};
 }
 
-Command add_train(CLI::App& app) {
+Command add_train(CommandLine& app) {
     struct Options {
         std::vector<std::filesystem::path> files;
         std::string label = "skill", out, html, name = "lab";
         double penalty = 1.0;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* const command =
+    CommandLine command =
         app.add_subcommand("train",
                            "Learn a score from graded sessions, and judge it on patients and operators "
                            "that it has not seen");
-    command->add_option("FILE", options->files, "Session files")->required();
+    command.add_option("FILE", options->files, "Session files").required();
     command
-        ->add_option("--label", options->label,
-                     "What grades them: skill (of scripted operators, and whether they intubated), or an "
-                     "item that instructors rated")
-        ->capture_default_str();
-    command->add_option("--out", options->out, "File for the score")->required();
-    command->add_option("--name", options->name, "What the score is called")->capture_default_str();
-    command->add_option("--html", options->html, "Also write how it was judged as a page to this file");
-    add_number(*command, "--penalty", options->penalty, "On the weights' squares; more makes them smaller",
-               {1e-3, 1e3})
-        ->capture_default_str();
+        .add_option("--label", options->label,
+                    "What grades them: skill (of scripted operators, and whether they intubated), or an "
+                    "item that instructors rated")
+        .capture_default_str();
+    command.add_option("--out", options->out, "File for the score").required();
+    command.add_option("--name", options->name, "What the score is called").capture_default_str();
+    command.add_option("--html", options->html, "Also write how it was judged as a page to this file");
+    command
+        .add_number("--penalty", options->penalty, "On the weights' squares; more makes them smaller",
+                    {1e-3, 1e3})
+        .capture_default_str();
     return {command, [options](bool json) {
                 require_name("--name", options->name);
                 (void)parse_rating(options->label + "=1", "");  // an item's name
@@ -113,16 +114,15 @@ Command add_train(CLI::App& app) {
             }};
 }
 
-Command add_apply(CLI::App& app) {
+Command add_apply(CommandLine& app) {
     struct Options {
         std::vector<std::filesystem::path> files;
         std::string model = "scripted";
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* const command =
-        app.add_subcommand("apply", "Score sessions, with what each parameter contributes");
-    command->add_option("FILE", options->files, "Session files")->required();
-    command->add_option("--model", options->model, "Score by name or path")->capture_default_str();
+    CommandLine command = app.add_subcommand("apply", "Score sessions, with what each parameter contributes");
+    command.add_option("FILE", options->files, "Session files").required();
+    command.add_option("--model", options->model, "Score by name or path").capture_default_str();
     return {command, [options](bool json) {
                 const ScoreModel model = load_score(find_data_file(options->model, "scores"));
                 auto out = nlohmann::ordered_json::array();
@@ -156,10 +156,10 @@ Command add_apply(CLI::App& app) {
 
 }  // namespace
 
-std::vector<Command> add_score_commands(CLI::App& app) {
-    CLI::App* const group = app.add_subcommand("score", "Score sessions automatically, and learn to");
-    group->require_subcommand(1);
-    return {add_train(*group), add_apply(*group)};
+std::vector<Command> add_score_commands(CommandLine& app) {
+    CommandLine group = app.add_subcommand("score", "Score sessions automatically, and learn to");
+    group.require_subcommand(1);
+    return {add_train(group), add_apply(group)};
 }
 
 }  // namespace eti::review

@@ -22,7 +22,7 @@ namespace {
 
 constexpr int fewest_resamples = 1000, most_resamples = 1'000'000;
 
-Command add_compare(CLI::App& app) {
+Command add_compare(CommandLine& app) {
     struct Options {
         std::vector<std::vector<std::string>> groups;
         bool paired = false;
@@ -30,23 +30,24 @@ Command add_compare(CLI::App& app) {
         std::string csv, html, expect;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* const command = app.add_subcommand(
+    CommandLine command = app.add_subcommand(
         "compare", "Compare groups of sessions: means, differences with intervals, effect sizes");
     command
-        ->add_option("--group", options->groups,
-                     "A group's name, then its session files; given for each of the groups, at least two")
-        ->required()
-        ->type_name("NAME FILE");
-    command->add_flag("--paired", options->paired,
-                      "Every participant has a session in each group: compare within participants");
-    add_number(*command, "--resamples", options->how.resamples, "Draws of the bootstrap",
-               {fewest_resamples, most_resamples})
-        ->capture_default_str();
-    add_number(*command, "--seed", options->how.seed, "Of the bootstrap", {0})->capture_default_str();
-    command->add_option("--csv", options->csv, "Also write a row for each session to this file");
-    command->add_option("--html", options->html, "Also write the comparison as a page to this file");
-    command->add_option("--expect", options->expect,
-                        "Hold the comparison to what this study, by name or path, expects of its conditions");
+        .add_option("--group", options->groups,
+                    "A group's name, then its session files; given for each of the groups, at least two")
+        .required()
+        .type_name("NAME FILE");
+    command.add_flag("--paired", options->paired,
+                     "Every participant has a session in each group: compare within participants");
+    command
+        .add_number("--resamples", options->how.resamples, "Draws of the bootstrap",
+                    {fewest_resamples, most_resamples})
+        .capture_default_str();
+    command.add_number("--seed", options->how.seed, "Of the bootstrap", {0}).capture_default_str();
+    command.add_option("--csv", options->csv, "Also write a row for each session to this file");
+    command.add_option("--html", options->html, "Also write the comparison as a page to this file");
+    command.add_option("--expect", options->expect,
+                       "Hold the comparison to what this study, by name or path, expects of its conditions");
     return {
         command, [options](bool json) {
             const auto expectations =
@@ -100,17 +101,17 @@ Command add_compare(CLI::App& app) {
         }};
 }
 
-Command add_anonymise(CLI::App& app) {
+Command add_anonymise(CommandLine& app) {
     struct Options {
         std::string file, out, participant;
     };
     const auto options = std::make_shared<Options>();
-    CLI::App* const command = app.add_subcommand(
+    CommandLine command = app.add_subcommand(
         "anonymise", "Write a copy of a session that does not say who took part, where and when");
-    command->add_option("FILE", options->file, "Session file; stays as it is")->required();
-    command->add_option("--out", options->out, "The new file")->required();
-    command->add_option("--participant", options->participant, "A new pseudonym; without it there is none");
-    command->footer(
+    command.add_option("FILE", options->file, "Session file; stays as it is").required();
+    command.add_option("--out", options->out, "The new file").required();
+    command.add_option("--participant", options->participant, "A new pseudonym; without it there is none");
+    command.footer(
         "Measured series stay as they are, to the bit. Texts of scenario and operator stay as they were "
         "written, as the "
         "session is simulated again from them: look whether their comments name anybody.");
@@ -136,7 +137,7 @@ Command add_anonymise(CLI::App& app) {
 
 }  // namespace
 
-std::vector<Command> add_study_commands(CLI::App& app) {
+std::vector<Command> add_study_commands(CommandLine& app) {
     return {add_compare(app), add_anonymise(app)};
 }
 

@@ -6,41 +6,41 @@
 
 namespace eti::bus {
 
-CLI::Option* add_domain(CLI::App& app, Options& options) {
+Option add_domain(CommandLine& app, Options& options) {
     // The last one whose ports, by the DDS interoperability protocol, are ports.
-    return add_number(app, "--domain", options.domain, "DDS domain", {0, 232})->capture_default_str();
+    return app.add_number("--domain", options.domain, "DDS domain", {0, 232}).capture_default_str();
 }
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(CommandLine& app, Options& options) {
     constexpr const char* group = "Session";
     app.add_option("--session", options.session, "Session name; several sessions share a domain")
-        ->capture_default_str()
-        ->group(group);
-    add_domain(app, options)->group(group);
+        .capture_default_str()
+        .group(group);
+    add_domain(app, options).group(group);
     app.add_flag("--network", options.network,
                  "Meet programs of other machines by multicast; without it and --peer, --discovery-server or "
                  "--profile, those of this machine alone")
-        ->group(group);
+        .group(group);
     app.add_option(
            "--peer", options.peers,
            "Another machine of the session by name or address, where multicast does not reach it; may be "
            "given several times")
-        ->allow_extra_args(false)
-        ->group(group);
+        .allow_extra_args(false)
+        .group(group);
     app.add_option(
            "--discovery-server", options.discovery_servers,
            "HOST or HOST:PORT of a discovery server, which tells who is there; a second one is its backup")
-        ->allow_extra_args(false)
-        ->group(group);
+        .allow_extra_args(false)
+        .group(group);
     app.add_option("--profile", options.profile, "Fast DDS XML profile file, for all else (see deploy/dds)")
-        ->check(CLI::ExistingFile)
-        ->group(group);
+        .existing_file()
+        .group(group);
     app.add_option(
            "--identity", options.identity,
            "Folder with this program's certificate and permissions: encrypt, and admit only those with one "
            "of the same lab (see deploy/security)")
-        ->check(CLI::ExistingDirectory)
-        ->group(group);
+        .existing_folder()
+        .group(group);
 }
 
 }  // namespace eti::bus

@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <thread>
 
 #include "common/bus/command_line.hpp"
@@ -19,16 +18,17 @@ int main(int argc, char** argv) {
     int number = 0;
     std::string address;
     std::uint16_t port = bus::discovery_port;
-    CLI::App app("A discovery server: tells programs that name it with --discovery-server who else is there.",
-                 "eti-discovery");
+    CommandLine app(
+        "A discovery server: tells programs that name it with --discovery-server who else is there.",
+        "eti-discovery");
     app.set_version_flag("--version", ETI_VERSION);
-    add_number(app, "--number", number,
-               "Its place among the --discovery-server that programs are given; 1 is a backup", {0, 255})
-        ->capture_default_str();
+    app.add_number("--number", number,
+                   "Its place among the --discovery-server that programs are given; 1 is a backup", {0, 255})
+        .capture_default_str();
     app.add_option("--address", address, "Address of this machine to listen on; without it, all");
-    add_number(app, "--port", port, "UDP port", {1})->capture_default_str();
+    app.add_number("--port", port, "UDP port", {1}).capture_default_str();
     bus::add_domain(app, options);
-    if (const auto status = parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     try {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <CLI/CLI.hpp>
-
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -130,15 +128,16 @@ int main(int argc, char** argv) {
     catch_stop_signals();
     doctor::Options options;
     options.bus.name = "eti-doctor";
-    CLI::App app("Looks at this machine and at a session: what keeps it from running well, and what to do.",
-                 "eti-doctor");
+    CommandLine app(
+        "Looks at this machine and at a session: what keeps it from running well, and what to do.",
+        "eti-doctor");
     app.set_version_flag("--version", ETI_VERSION);
-    add_number(app, "--duration", options.duration, "How long the session is listened to", {0.5, 3600.0, "s"})
-        ->capture_default_str();
+    app.add_number("--duration", options.duration, "How long the session is listened to", {0.5, 3600.0, "s"})
+        .capture_default_str();
     app.add_flag("--json", options.json, "Print everything as one JSON object");
     app.footer("Exit status: 0 all is well, 1 something needs mending, 2 wrong usage.");
     bus::add_options(app, options.bus);
-    if (const auto status = parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     try {

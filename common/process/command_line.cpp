@@ -3,17 +3,22 @@
 #include "common/process/command_line.hpp"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <iostream>
 #include <sstream>
+#include <type_traits>
 
 #include "common/process/escaped.hpp"
 
 namespace eti {
 
+namespace {
+
+/// "0 to 30 mm"; "0 or more" of a real number without an end.
 template <class Number>
 std::string range_text(const NumberLimits<Number>& limits) {
     const std::string unit = limits.unit.empty() ? "" : " " + limits.unit;
@@ -22,6 +27,9 @@ std::string range_text(const NumberLimits<Number>& limits) {
                : fmt::format("{} or more{}", limits.low, unit);
 }
 
+/// Why `text` is no such number: what was found and what was expected. Empty where it is one; then `text` is
+/// written anew, so that CLI11, which reads it next, reads the same number: its own conversion takes "010"
+/// for eight, its Range NaN for a number in any range, and -1 for 2^64 - 1 where counts are unsigned.
 template <class Number>
 std::string why_no_number(std::string& text, const NumberLimits<Number>& limits) {
     // A sign in front is usual, and unknown to from_chars.
@@ -70,21 +78,183 @@ std::string why_no_number(std::string& text, const NumberLimits<Number>& limits)
     return {};
 }
 
-std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
+}  // namespace
+
+Option Option::required(bool value) {
+    return Option(option_->required(value));
+}
+
+Option Option::capture_default_str() {
+    return Option(option_->capture_default_str());
+}
+
+Option Option::group(const std::string& heading) {
+    return Option(option_->group(heading));
+}
+
+Option Option::type_name(const std::string& name) {
+    return Option(option_->type_name(name));
+}
+
+Option Option::expected(int least, int most) {
+    return Option(option_->expected(least, most));
+}
+
+Option Option::repeatable() {
+    return Option(option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll));
+}
+
+Option Option::allow_extra_args(bool value) {
+    return Option(option_->allow_extra_args(value));
+}
+
+Option Option::needs(const Option& other) {
+    return Option(option_->needs(other.option_));
+}
+
+Option Option::excludes(const Option& other) {
+    return Option(option_->excludes(other.option_));
+}
+
+Option Option::excludes(std::initializer_list<const char*> others) {
+    for (const char* const other : others) {
+        option_->excludes(std::string(other));
+    }
+    return *this;
+}
+
+Option Option::check(std::function<std::string(const std::string&)> why_refused,
+                     const std::string& description) {
+    return Option(option_->check(std::move(why_refused), description));
+}
+
+Option Option::one_of(const std::vector<std::string>& words) {
+    return Option(option_->check(CLI::IsMember(words)));
+}
+
+Option Option::existing_file() {
+    return Option(option_->check(CLI::ExistingFile));
+}
+
+Option Option::existing_folder() {
+    return Option(option_->check(CLI::ExistingDirectory));
+}
+
+bool Option::empty() const {
+    return option_->empty();
+}
+
+CommandLine::CommandLine(const std::string& description, const std::string& name)
+    : app_(std::make_shared<CLI::App>(description, name)) {}
+
+Option CommandLine::add_option(const std::string& name, std::string& value, const std::string& description) {
+    return Option(app_->add_option(name, value, description));
+}
+
+Option CommandLine::add_option(const std::string& name, std::filesystem::path& value,
+                               const std::string& description) {
+    return Option(app_->add_option(name, value, description));
+}
+
+Option CommandLine::add_option(const std::string& name, std::vector<std::string>& values,
+                               const std::string& description) {
+    return Option(app_->add_option(name, values, description));
+}
+
+Option CommandLine::add_option(const std::string& name, std::vector<std::filesystem::path>& values,
+                               const std::string& description) {
+    return Option(app_->add_option(name, values, description));
+}
+
+Option CommandLine::add_option(const std::string& name, std::vector<std::vector<std::string>>& lists,
+                               const std::string& description) {
+    return Option(app_->add_option(name, lists, description));
+}
+
+template <class Value>
+Option CommandLine::add_number(const std::string& name, Value& value, const std::string& description,
+                               const NumberLimits<typename NumberOf<Value>::type>& limits) {
+    // A transformation, not a check: the text is written anew.
+    return Option(
+        app_->add_option(name, value, description)
+            ->transform(CLI::Validator([limits](std::string& text) { return why_no_number(text, limits); },
+                                       std::string()))
+            ->type_name((std::is_integral_v<typename NumberOf<Value>::type> ? "COUNT [" : "NUMBER [") +
+                        range_text(limits) + "]"));
+}
+
+Option CommandLine::add_flag(const std::string& name, bool& value, const std::string& description) {
+    return Option(app_->add_flag(name, value, description));
+}
+
+void CommandLine::set_version_flag(const std::string& name, const std::string& version) {
+    app_->set_version_flag(name, version);
+}
+
+CommandLine CommandLine::add_subcommand(const std::string& name, const std::string& description) {
+    // Keeps the whole program's alive, which owns it.
+    return CommandLine(std::shared_ptr<CLI::App>(app_, app_->add_subcommand(name, description)));
+}
+
+void CommandLine::require_subcommand(int count) {
+    app_->require_subcommand(count);
+}
+
+void CommandLine::fallthrough(bool value) {
+    app_->fallthrough(value);
+}
+
+void CommandLine::allow_extras() {
+    app_->allow_extras();
+}
+
+void CommandLine::footer(const std::string& text) {
+    app_->footer(text);
+}
+
+void CommandLine::callback(std::function<void()> done) {
+    app_->callback([done = std::move(done)] {
+        try {
+            done();
+        } catch (const UsageError& error) {
+            throw CLI::ValidationError(error.what());
+        }
+    });
+}
+
+std::optional<int> CommandLine::parse(int argc, const char* const* argv) {
     try {
-        app.parse(argc, argv);
+        app_->parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         std::ostringstream said;
-        const int status = app.exit(error, std::cout, said);
+        const int status = app_->exit(error, std::cout, said);
         std::cerr << escaped_lines(said.str()) << std::flush;
         return status == 0 ? 0 : status_of_misuse;
     }
     return std::nullopt;
 }
 
-#define ETI_NUMBER(Number)                                        \
-    template std::string range_text(const NumberLimits<Number>&); \
-    template std::string why_no_number(std::string&, const NumberLimits<Number>&);
+std::string CommandLine::name() const {
+    return app_->get_name();
+}
+
+Option CommandLine::option(const std::string& name) const {
+    return Option(app_->get_option(name));
+}
+
+bool CommandLine::parsed() const {
+    return app_->parsed();
+}
+
+std::vector<std::string> CommandLine::remaining() const {
+    return app_->remaining();
+}
+
+#define ETI_NUMBER(Number)                                                                                  \
+    template Option CommandLine::add_number(const std::string&, Number&, const std::string&,                \
+                                            const NumberLimits<Number>&);                                   \
+    template Option CommandLine::add_number(const std::string&, std::optional<Number>&, const std::string&, \
+                                            const NumberLimits<Number>&);
 ETI_NUMBER(int)
 ETI_NUMBER(float)
 ETI_NUMBER(double)

@@ -8,7 +8,6 @@
 #include <poll.h>
 #include <sys/prctl.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -141,7 +140,7 @@ nlohmann::json report(const std::vector<Host>& hosts, const Medium& medium) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app(
+    eti::CommandLine app(
         "Joins network namespaces by a medium with delay and loss, until SIGTERM; then prints what passed, "
         "as JSON.\n"
         "Between two hosts counts the worse value of the two. Says 'up' when every interface is there.");
@@ -150,18 +149,17 @@ int main(int argc, char** argv) {
     bool no_multicast = false;
     std::uint64_t seed = 1;
     std::vector<std::string> texts;
-    eti::add_number(app, "--delay", common.delay_ms, "One way", {0.0, 10e3, "ms"});
-    eti::add_number(app, "--jitter", common.jitter_ms, "Added, evenly from 0", {0.0, 10e3, "ms"});
-    eti::add_number(app, "--loss", common.loss_percent, "Of frames", {0.0, 100.0, "%"});
-    eti::add_number(app, "--rate", common.rate_mbit, "Of each host each way; 0: no limit",
-                    {0.0, 1e6, "Mbit/s"});
+    app.add_number("--delay", common.delay_ms, "One way", {0.0, 10e3, "ms"});
+    app.add_number("--jitter", common.jitter_ms, "Added, evenly from 0", {0.0, 10e3, "ms"});
+    app.add_number("--loss", common.loss_percent, "Of frames", {0.0, 100.0, "%"});
+    app.add_number("--rate", common.rate_mbit, "Of each host each way; 0: no limit", {0.0, 1e6, "Mbit/s"});
     app.add_flag("--no-multicast", no_multicast, "Multicast does not pass");
-    eti::add_number(app, "--seed", seed, "Of what gets lost", {0})->capture_default_str();
+    app.add_number("--seed", seed, "Of what gets lost", {0}).capture_default_str();
     app.add_option("host", texts,
                    "NAME=NAMESPACE[,interface=eth0][,delay=MS][,jitter=MS][,loss=PCT][,rate=MBIT]; "
                    "NAMESPACE: /proc/PID/ns/net or /run/netns/NAME")
-        ->required();
-    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+        .required();
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     eti::catch_stop_signals();

@@ -316,49 +316,49 @@ int simulate(const CalibrateOptions& options) {
 int main(int argc, char** argv) {
     using namespace eti::devices;
     CalibrateOptions options;
-    CLI::App app("Finds where a device stands to the patient, and where a tool's tip is on it.",
-                 "eti-calibrate");
+    eti::CommandLine app("Finds where a device stands to the patient, and where a tool's tip is on it.",
+                         "eti-calibrate");
     app.require_subcommand(1);
-    const auto common = [&](CLI::App* command) {
-        add_device_options(*command, options.device, Use::tool);
-        command->add_option("--tool", options.tool, "What the device holds")
-            ->capture_default_str()
-            ->check(CLI::IsMember({"laryngoscope", "tube"}));
-        command->add_option("--blade", options.blade, "Of the laryngoscope")
-            ->capture_default_str()
-            ->check(CLI::IsMember({"miller_0", "miller_1"}));
-        command->add_option("--out", options.out, "File for the result")->capture_default_str();
-        command->add_flag("--json", options.json, "Print one JSON object");
+    const auto common = [&](eti::CommandLine command) {
+        add_device_options(command, options.device, Use::tool);
+        command.add_option("--tool", options.tool, "What the device holds")
+            .capture_default_str()
+            .one_of({"laryngoscope", "tube"});
+        command.add_option("--blade", options.blade, "Of the laryngoscope")
+            .capture_default_str()
+            .one_of({"miller_0", "miller_1"});
+        command.add_option("--out", options.out, "File for the result").capture_default_str();
+        command.add_flag("--json", options.json, "Print one JSON object");
     };
-    CLI::App* points = app.add_subcommand("register", "Touch points whose places are known");
+    eti::CommandLine points = app.add_subcommand("register", "Touch points whose places are known");
     common(points);
-    points->add_option("--points", options.points, "Their places, by name or path (board: the printed board)")
-        ->capture_default_str();
-    points->add_option("--pairs", options.pairs, "Points measured before, instead of touching them now");
-    points->add_option("--pivot", options.pivot,
-                       "Result of 'pivot': touch with the tool's tip, not the device's");
-    CLI::App* turn = app.add_subcommand("pivot", "Swing the tool about its resting tip");
+    points.add_option("--points", options.points, "Their places, by name or path (board: the printed board)")
+        .capture_default_str();
+    points.add_option("--pairs", options.pairs, "Points measured before, instead of touching them now");
+    points.add_option("--pivot", options.pivot,
+                      "Result of 'pivot': touch with the tool's tip, not the device's");
+    eti::CommandLine turn = app.add_subcommand("pivot", "Swing the tool about its resting tip");
     common(turn);
-    turn->add_option("--poses", options.poses,
-                     "Poses measured before: x y z [mm] and quaternion w x y z a line");
-    eti::add_number(*turn, "--seconds", options.seconds, "How long to swing", {1.0, 600.0, "s"})
-        ->capture_default_str();
-    CLI::App* trial = app.add_subcommand("simulate", "What error to expect of each device, by seeded trials");
-    trial->add_option("--points", options.points, "Places to touch, by name or path");
-    eti::add_number(*trial, "--trials", options.trials, "Of each device", {1, 1000000})
-        ->capture_default_str();
-    eti::add_number(*trial, "--seed", options.seed, "Of what is random", {0})->capture_default_str();
+    turn.add_option("--poses", options.poses,
+                    "Poses measured before: x y z [mm] and quaternion w x y z a line");
+    turn.add_number("--seconds", options.seconds, "How long to swing", {1.0, 600.0, "s"})
+        .capture_default_str();
+    eti::CommandLine trial =
+        app.add_subcommand("simulate", "What error to expect of each device, by seeded trials");
+    trial.add_option("--points", options.points, "Places to touch, by name or path");
+    trial.add_number("--trials", options.trials, "Of each device", {1, 1000000}).capture_default_str();
+    trial.add_number("--seed", options.seed, "Of what is random", {0}).capture_default_str();
     trial
-        ->add_option("--device", options.device.device,
-                     "Instead of a table: the calibration that one such trial gives this simulated device")
-        ->check(CLI::IsMember({"simulated", "scripted"}));
-    trial->add_option("--out", options.out, "File for that calibration")->capture_default_str();
-    trial->add_flag("--json", options.json, "Print the result as JSON");
+        .add_option("--device", options.device.device,
+                    "Instead of a table: the calibration that one such trial gives this simulated device")
+        .one_of({"simulated", "scripted"});
+    trial.add_option("--out", options.out, "File for that calibration").capture_default_str();
+    trial.add_flag("--json", options.json, "Print the result as JSON");
     return run_program(app, argc, argv, [&] {
         options.points =
             eti::find_data_file(options.points.empty() ? "board" : options.points, "calibration").string();
-        return points->parsed() ? register_device(options)
-               : turn->parsed() ? pivot(options)
-                                : simulate(options);
+        return points.parsed() ? register_device(options)
+               : turn.parsed() ? pivot(options)
+                               : simulate(options);
     });
 }

@@ -232,8 +232,9 @@ int main(int argc, char** argv) {
     using namespace eti::devices;
     ProgramOptions options;
     options.bus.name = "eti-controller";
-    CLI::App app("Commands to a session: from a pad or the keyboard while it runs, or those of --set once.",
-                 "eti-controller");
+    eti::CommandLine app(
+        "Commands to a session: from a pad or the keyboard while it runs, or those of --set once.",
+        "eti-controller");
     app.footer(
         "Pad: trigger or first button suction, left stick up and down head elevation, left and right jaw "
         "opening, right stick up and down table (up: head-up).\n"
@@ -242,43 +243,43 @@ int main(int argc, char** argv) {
         eti::live_keys() + ". Exit status 0 only if the server accepted all.");
     add_device_options(app, options, Use::commands);
     Once once;
-    auto* const device = app.get_option("--device")->required(false);
-    auto* const set =
+    const auto device = app.option("--device").required(false);
+    const auto set =
         app.add_option("--set", once.typed,
                        "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
-            ->excludes(device);
-    auto* const choice =
+            .excludes(device);
+    const auto choice =
         app.add_option("--preset", once.preset,
                        "The values of this preset, by name or path; what --set says beside it counts more")
-            ->excludes(device);
-    auto* const plain =
+            .excludes(device);
+    const auto plain =
         app.add_option(
                "--command", once.command,
                "start; stop: the session ends; reset: tissue and tube back to rest; next: the session "
                "that follows, where the server was given several scenarios; pause: of a replay")
-            ->check(CLI::IsMember(std::vector<std::string>(plain_commands.begin(), plain_commands.end())))
-            ->excludes(device);
-    auto* const place = eti::add_number(app, "--seek", once.seek, "Where a replay goes on", {0.0f, 1e7f, "s"})
-                            ->excludes(device);
+            .one_of(std::vector<std::string>(plain_commands.begin(), plain_commands.end()))
+            .excludes(device);
+    const auto place =
+        app.add_number("--seek", once.seek, "Where a replay goes on", {0.0f, 1e7f, "s"}).excludes(device);
     bool list = false;
-    auto* const listing =
+    const auto listing =
         app.add_flag("--list", list,
                      "Print what the session says of itself, with every value that lives, and end")
-            ->excludes(device)
-            ->excludes(set)
-            ->excludes(choice)
-            ->excludes(plain)
-            ->excludes(place);
+            .excludes(device)
+            .excludes(set)
+            .excludes(choice)
+            .excludes(plain)
+            .excludes(place);
     std::string remark;
     app.add_option("--note", remark,
                    "Leave this remark, of at most 200 letters, in the session's record, and end")
-        ->excludes(device)
-        ->excludes(set)
-        ->excludes(choice)
-        ->excludes(plain)
-        ->excludes(place)
-        ->excludes(listing)
-        ->check([](const std::string& text) {
+        .excludes(device)
+        .excludes(set)
+        .excludes(choice)
+        .excludes(plain)
+        .excludes(place)
+        .excludes(listing)
+        .check([](const std::string& text) {
             return !text.empty() && text.size() <= msg::bound::Annotation_text
                        ? std::string()
                        : "a remark has 1 to 200 letters";

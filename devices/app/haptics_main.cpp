@@ -196,31 +196,31 @@ int main(int argc, char** argv) {
     options.bus.name = "eti-haptics";
     RenderSettings settings;
     float silence_ms = 1e3f * settings.safety.silence_limit;
-    CLI::App app(
+    eti::CommandLine app(
         "The haptic device: a 1 kHz loop that lets the hand feel the scene and tells the server where it is.",
         "eti-haptics");
     options.haptic = true;
     add_options(app, options);
     std::string tool = "laryngoscope";
     app.add_option("--tool", tool, "What the device holds")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"laryngoscope", "tube"}));
+        .capture_default_str()
+        .one_of({"laryngoscope", "tube"});
     app.add_flag("!--no-passivity-control", settings.passivity.on,
                  "Observe the energy without taking any back; for measurements without a hand");
     std::string soft_force = "constraint";
     app.add_option("--soft-force", soft_force,
                    "Force of soft tissue: 'constraint' (the simulation's contact forces) or 'displacement' "
                    "(mean displacement times stiffness, Xiao et al. 2020)")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"constraint", "displacement"}));
+        .capture_default_str()
+        .one_of({"constraint", "displacement"});
     // From the gap that nothing is held for, to a second.
-    eti::add_number(
-        app, "--silence-ms", silence_ms,
-        "Forces are gone after this time without a message; they are held whole for the first third of it "
-        "and fade over the rest. More bridges longer gaps of a late server, at the cost of feeling an old "
-        "scene for as long",
-        {20.0f, 1000.0f, "ms"})
-        ->capture_default_str();
+    app.add_number(
+           "--silence-ms", silence_ms,
+           "Forces are gone after this time without a message; they are held whole for the first third of it "
+           "and fade over the rest. More bridges longer gaps of a late server, at the cost of feeling an old "
+           "scene for as long",
+           {20.0f, 1000.0f, "ms"})
+        .capture_default_str();
     return run_program(app, argc, argv, [&] {
         settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
         settings.safety.silence_limit = 1e-3f * silence_ms;

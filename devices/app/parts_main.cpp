@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
 #include <list>
@@ -24,15 +23,15 @@ int main(int argc, char** argv) {
     std::filesystem::path out = "parts";
     float tube_inner_mm = 3.0f;
     bool json = false;
-    CLI::App app(
+    CommandLine app(
         "Parts to print, by the tools' models: laryngoscopes for a stylus, a connector for a magnetic "
         "sensor, the board for eti-calibrate. Binary STL, millimetres.",
         "eti-parts");
-    app.add_option("--out", out, "Folder for the files")->capture_default_str();
+    app.add_option("--out", out, "Folder for the files").capture_default_str();
     std::list<std::pair<float*, float>> typed;  // a setting [m] and what was given for it [mm]
     const auto millimetres = [&](const char* name, float& value, const char* text, float low, float high) {
         typed.push_back({&value, 1e3f * value});
-        add_number(app, name, typed.back().second, text, {low, high, "mm"})->capture_default_str();
+        app.add_number(name, typed.back().second, text, {low, high, "mm"}).capture_default_str();
     };
     millimetres("--stylus-diameter-mm", settings.stylus_diameter, "What the handle is pushed onto", 2.0f,
                 20.0f);
@@ -40,8 +39,8 @@ int main(int argc, char** argv) {
     millimetres("--sensor-diameter-mm", settings.sensor_diameter, "Of the magnetic sensor", 0.5f, 10.0f);
     millimetres("--sensor-length-mm", settings.sensor_length, "How far it goes in", 5.0f, 40.0f);
     millimetres("--clearance-mm", settings.clearance, "About every bore; printers differ", 0.0f, 1.0f);
-    add_number(app, "--tube-inner-diameter-mm", tube_inner_mm, "Of the tube", {2.0f, 6.0f, "mm"})
-        ->capture_default_str();
+    app.add_number("--tube-inner-diameter-mm", tube_inner_mm, "Of the tube", {2.0f, 6.0f, "mm"})
+        .capture_default_str();
     app.add_flag("--json", json, "Print one JSON array");
     return run_program(app, argc, argv, [&] {
         for (const auto& [setting, mm] : typed) {

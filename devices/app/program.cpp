@@ -43,15 +43,15 @@ SceneLink::Feel feel_of(const ProgramOptions& options, Tool tool) {
 
 }  // namespace
 
-void add_device_options(CLI::App& app, ProgramOptions& options, Use use) {
-    app.add_option("--device", options.device, driver_list(use))->required();
+void add_device_options(CommandLine& app, ProgramOptions& options, Use use) {
+    app.add_option("--device", options.device, driver_list(use)).required();
     app.add_option("--source", options.source, "The device's file, name or number; see --device");
     if (use == Use::tool) {
         app.add_option("--library", options.library, "The vendor's library by path, if not found by itself");
     }
 }
 
-void add_options(CLI::App& app, ProgramOptions& options) {
+void add_options(CommandLine& app, ProgramOptions& options) {
     add_device_options(app, options, Use::tool);
     app.add_option("--calibration", options.calibration,
                    "Where the device stands: a file that eti-calibrate wrote");
@@ -60,10 +60,10 @@ void add_options(CLI::App& app, ProgramOptions& options) {
     add_bus_options(app, options);
 }
 
-void add_bus_options(CLI::App& app, ProgramOptions& options) {
+void add_bus_options(CommandLine& app, ProgramOptions& options) {
     bus::add_options(app, options.bus);
-    add_number(app, "--duration", options.duration, "End after this time; else when the session ends",
-               {0.001, 1e7, "s"});
+    app.add_number("--duration", options.duration, "End after this time; else when the session ends",
+                   {0.001, 1e7, "s"});
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");
 }
 
@@ -72,10 +72,10 @@ void set_up_process(const std::string& name) {
     catch_stop_signals({.holds_device = true});
 }
 
-int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
-    set_up_process(app.get_name());
+int run_program(CommandLine& app, int argc, char** argv, const std::function<int()>& work) {
+    set_up_process(app.name());
     app.set_version_flag("--version", ETI_VERSION);
-    if (const auto code = parse_command_line(app, argc, argv)) {
+    if (const auto code = app.parse(argc, argv)) {
         return *code;
     }
     try {

@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -12,6 +10,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
+#include "common/process/command_line.hpp"
 #include "devices/calibration/calibration_file.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/drivers.hpp"
@@ -33,20 +32,20 @@ struct ProgramOptions {
 };
 
 /// Adds these options to the program's own.
-void add_options(CLI::App& app, ProgramOptions& options);
+void add_options(CommandLine& app, ProgramOptions& options);
 
 /// Of a device alone: which, where, by what library.
-void add_device_options(CLI::App& app, ProgramOptions& options, Use use);
+void add_device_options(CommandLine& app, ProgramOptions& options, Use use);
 
 /// Of the bus and of the program's end.
-void add_bus_options(CLI::App& app, ProgramOptions& options);
+void add_bus_options(CommandLine& app, ProgramOptions& options);
 
 /// Logs go to standard error; Ctrl-C, SIGTERM, SIGQUIT and a closed terminal end the program in order.
 void set_up_process(const std::string& name);
 
 /// What a program's main does once its options are declared: parses, runs `work`, and turns an exception into
 /// its text in the log. Returns the exit status.
-[[nodiscard]] int run_program(CLI::App& app, int argc, char** argv, const std::function<int()>& work);
+[[nodiscard]] int run_program(CommandLine& app, int argc, char** argv, const std::function<int()>& work);
 
 /// A device program's life: its place on the bus, its device, and why it ended.
 class Program {

@@ -139,7 +139,8 @@ int main(int argc, char** argv) {
     using namespace eti::devices;
     ProgramOptions options;
     options.bus.name = "eti-tracker";
-    CLI::App app("The tube's tracker: tells the server at 240 Hz where the tube is held.", "eti-tracker");
+    eti::CommandLine app("The tube's tracker: tells the server at 240 Hz where the tube is held.",
+                         "eti-tracker");
     add_options(app, options);
     return run_program(app, argc, argv, [&] { return run(options); });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "common/math/hash.hpp"
 #include "common/math/units.hpp"
@@ -176,37 +175,37 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
 
 }  // namespace
 
-void add_build(CLI::App& app, Run& run) {
-    CLI::App* const build = app.add_subcommand("build", "Build a model that eti-server runs");
+void add_build(CommandLine& app, Run& run) {
+    CommandLine build = app.add_subcommand("build", "Build a model that eti-server runs");
     const auto request = std::make_shared<BuildRequest>();
-    build->add_option("IN", request->in,
-                      "Labels numbered as eti-anatomy's (.nrrd, .nii, .nii.gz), or closed surfaces (.stl, "
-                      ".obj, .ply) whose "
-                      "names tell what they bound; without either the parametric newborn");
-    build->add_option(
+    build.add_option("IN", request->in,
+                     "Labels numbered as eti-anatomy's (.nrrd, .nii, .nii.gz), or closed surfaces (.stl, "
+                     ".obj, .ply) whose "
+                     "names tell what they bound; without either the parametric newborn");
+    build.add_option(
         "--landmarks", request->landmarks,
         "Landmarks that count more than those found (3D Slicer, *.mrk.json), in the labels' frame");
-    build->add_option(
+    build.add_option(
         "--volume", request->volume,
         "The CT that was segmented: surfaces then follow its grey values where no model can be built");
-    build->add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
-    const ShapeOptions shape(*build);
-    build->add_option("--out", request->out, "Model to write (*.h5)")->required();
-    add_number(*build, "--spacing-mm", request->spacing_mm,
-               "Distance of particles in the bulk [2]; time grows with its inverse cube",
-               {0.75f, 4.0f, "mm"});
-    add_number(*build, "--fine-spacing-mm", request->fine_spacing_mm,
-               "Distance of particles at epiglottis and larynx [1]", {0.5f, 2.0f, "mm"});
-    add_number(
-        *build, "--surface-mm", request->surface_mm,
+    build.add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
+    const ShapeOptions shape(build);
+    build.add_option("--out", request->out, "Model to write (*.h5)").required();
+    build.add_number("--spacing-mm", request->spacing_mm,
+                     "Distance of particles in the bulk [2]; time grows with its inverse cube",
+                     {0.75f, 4.0f, "mm"});
+    build.add_number("--fine-spacing-mm", request->fine_spacing_mm,
+                     "Distance of particles at epiglottis and larynx [1]", {0.5f, 2.0f, "mm"});
+    build.add_number(
+        "--surface-mm", request->surface_mm,
         "Edges of the visible surfaces in the mouth [1]; finer at larynx and lips, coarser at the trunk",
         {0.7f, 1.5f, "mm"});
-    add_number(*build, "--region-mm", request->region_mm,
-               "Tissue farther than this from the airway only moves with the bones [10]",
-               {4.0f, 40.0f, "mm"});
-    add_number(*build, "--tissue-stiffness-kpa", request->stiffness_kpa,
-               "Young's modulus of tongue and mucosa [8]", {1.0f, 100.0f, "kPa"});
-    build->callback([request, shape, &run] {
+    build.add_number("--region-mm", request->region_mm,
+                     "Tissue farther than this from the airway only moves with the bones [10]",
+                     {4.0f, 40.0f, "mm"});
+    build.add_number("--tissue-stiffness-kpa", request->stiffness_kpa,
+                     "Young's modulus of tongue and mucosa [8]", {1.0f, 100.0f, "kPa"});
+    build.callback([request, shape, &run] {
         run = [request, shape] {
             return request->in.empty() ? build_newborn(*request, shape) : build_labelled(*request, shape);
         };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 
 #include "common/math/units.hpp"
@@ -102,20 +101,21 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Run& run) {
-    CLI::App* const check = app.add_subcommand(
+void add_check(CommandLine& app, Run& run) {
+    CommandLine check = app.add_subcommand(
         "check", "Test a model: what must hold, its dimensions beside published ones; fails on a fault");
     struct Typed {
         std::filesystem::path model;
         float jaw_opening_deg = 29.0f;
     };
     const auto typed = std::make_shared<Typed>();
-    check->add_option("MODEL", typed->model, "Model that 'build' wrote, or one of the server's cache")
-        ->required();
-    add_number(*check, "--jaw-opening-deg", typed->jaw_opening_deg,
-               "How far the mouth is open where the axes are compared", {0.0f, 35.0f, "deg"})
-        ->capture_default_str();
-    check->callback(
+    check.add_option("MODEL", typed->model, "Model that 'build' wrote, or one of the server's cache")
+        .required();
+    check
+        .add_number("--jaw-opening-deg", typed->jaw_opening_deg,
+                    "How far the mouth is open where the axes are compared", {0.0f, 35.0f, "deg"})
+        .capture_default_str();
+    check.callback(
         [typed, &run] { run = [typed] { return check_file(typed->model, typed->jaw_opening_deg); }; });
 }
 

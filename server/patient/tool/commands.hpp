@@ -6,26 +6,23 @@
 #include <memory>
 
 #include "common/model/newborn_shape.hpp"
+#include "common/process/command_line.hpp"
 #include "server/patient/imaging/read.hpp"
 #include "server/patient/segmentation/surfaces.hpp"
 #include "server/patient/tool/terminal.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace eti::tool {
 
 /// What the command line asked for; set while it is parsed.
 using Run = std::function<Result()>;
 
-void add_build(CLI::App& app, Run& run);
-void add_check(CLI::App& app, Run& run);
+void add_build(CommandLine& app, Run& run);
+void add_check(CommandLine& app, Run& run);
 
 /// Options for every parameter of the newborn's shape.
 class ShapeOptions {
   public:
-    explicit ShapeOptions(CLI::App& command);
+    explicit ShapeOptions(CommandLine& command);
     /// The shape that was asked for. Throws std::runtime_error where there is no such newborn.
     [[nodiscard]] NewbornShape shape() const;
     /// Whether any of the options was given.

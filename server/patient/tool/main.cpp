@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -179,7 +178,7 @@ Result run_surfaces(const path& in, const path& ct_file, const path& folder,
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app(
+    CommandLine app(
         "Turns CT volumes into labels, surfaces and models; makes CT volumes of a parametric newborn.",
         "eti-anatomy");
     app.set_version_flag("--version", ETI_VERSION);
@@ -188,94 +187,97 @@ int main(int argc, char** argv) {
     bool json = false;
     app.add_flag("--json", json, "Print the result as one JSON object");
 
-    CLI::App* const phantom = app.add_subcommand(
+    CommandLine phantom = app.add_subcommand(
         "phantom",
         "Sample the parametric newborn to a CT volume, with its true labels and landmarks beside it");
     PhantomSettings phantom_settings;
     path phantom_out;
     double spacing_mm = 0.6;
-    const ShapeOptions phantom_shape(*phantom);
+    const ShapeOptions phantom_shape(phantom);
     double jaw_opening_deg = 0.0;
-    add_number(*phantom, "--jaw-opening-deg", jaw_opening_deg, "How far the mouth is open in the volume",
-               {0.0, 25.0, "deg"})
-        ->capture_default_str();
-    add_number(*phantom, "--spacing-mm", spacing_mm,
-               "Distance of the voxels; half of it takes eight times as long", {0.2, 3.0, "mm"})
-        ->capture_default_str();
-    add_number(*phantom, "--noise-hu", phantom_settings.noise, "Standard deviation of the noise",
-               {0.0f, 200.0f, "HU"})
-        ->capture_default_str();
-    add_number(*phantom, "--seed", phantom_settings.seed, "Seed of the noise", {0})->capture_default_str();
-    phantom->add_option("--out", phantom_out, "CT volume to write (.nrrd, .nii, .nii.gz)")->required();
+    phantom
+        .add_number("--jaw-opening-deg", jaw_opening_deg, "How far the mouth is open in the volume",
+                    {0.0, 25.0, "deg"})
+        .capture_default_str();
+    phantom
+        .add_number("--spacing-mm", spacing_mm,
+                    "Distance of the voxels; half of it takes eight times as long", {0.2, 3.0, "mm"})
+        .capture_default_str();
+    phantom
+        .add_number("--noise-hu", phantom_settings.noise, "Standard deviation of the noise",
+                    {0.0f, 200.0f, "HU"})
+        .capture_default_str();
+    phantom.add_number("--seed", phantom_settings.seed, "Seed of the noise", {0}).capture_default_str();
+    phantom.add_option("--out", phantom_out, "CT volume to write (.nrrd, .nii, .nii.gz)").required();
 
-    CLI::App* const segment = app.add_subcommand(
+    CommandLine segment = app.add_subcommand(
         "segment",
         "Cut a CT of head and neck into labels: airway, bone, mandible, spine, tongue, soft tissue");
     SegmentRequest request;
     // What twelve bits of a scanner hold.
     const NumberLimits<float> hounsfield{-1024.0f, 3071.0f, "HU"};
     double closing_mm = 1e3 * static_cast<double>(request.settings.closing);
-    segment->add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project")->required();
-    segment->add_option("--out", request.out, "Labels to write (.nrrd, .nii, .nii.gz)")->required();
-    segment->add_option(
+    segment.add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project").required();
+    segment.add_option("--out", request.out, "Labels to write (.nrrd, .nii, .nii.gz)").required();
+    segment.add_option(
         "--landmarks", request.landmarks,
         "Points 'mandible', 'skull', 'spine', 'tongue', 'mouth' to start from instead of the places found "
         "(3D Slicer, *.mrk.json)");
-    segment->add_option("--picture", request.picture,
-                        "Picture of the result (default: beside the labels, .png)");
-    segment->add_option("--truth", request.truth, "Labels to compare the result with");
-    add_number(*segment, "--air-below-hu", request.settings.air_below, "Air is below", hounsfield)
-        ->capture_default_str();
-    add_number(*segment, "--bone-above-hu", request.settings.bone_above, "Bone is above", hounsfield)
-        ->capture_default_str();
-    add_number(*segment, "--closing-mm", closing_mm, "Radius of the ball that closes lips and nostrils",
-               {0.0, 30.0, "mm"})
-        ->capture_default_str();
+    segment.add_option("--picture", request.picture,
+                       "Picture of the result (default: beside the labels, .png)");
+    segment.add_option("--truth", request.truth, "Labels to compare the result with");
+    segment.add_number("--air-below-hu", request.settings.air_below, "Air is below", hounsfield)
+        .capture_default_str();
+    segment.add_number("--bone-above-hu", request.settings.bone_above, "Bone is above", hounsfield)
+        .capture_default_str();
+    segment
+        .add_number("--closing-mm", closing_mm, "Radius of the ball that closes lips and nostrils",
+                    {0.0, 30.0, "mm"})
+        .capture_default_str();
 
-    CLI::App* const surfaces = app.add_subcommand(
+    CommandLine surfaces = app.add_subcommand(
         "surfaces", "Turn labels into closed surfaces of skin, bone and airway (STL, in mm)");
     path labels;
     path ct;
     path folder;
     SurfaceSettings surface_settings;
-    surfaces->add_option("LABELS", labels, "Labels that 'segment' wrote, or of the same numbers")->required();
-    surfaces->add_option("--volume", ct, "The CT that was segmented: surfaces then follow its grey values");
-    surfaces->add_option("--out", folder, "Folder to write into; made if missing")->required();
+    surfaces.add_option("LABELS", labels, "Labels that 'segment' wrote, or of the same numbers").required();
+    surfaces.add_option("--volume", ct, "The CT that was segmented: surfaces then follow its grey values");
+    surfaces.add_option("--out", folder, "Folder to write into; made if missing").required();
     const NumberLimits<std::size_t> triangles{4, 10'000'000, "triangles"};
-    add_number(*surfaces, "--skin-triangles", surface_settings.skin_triangles, "At most so many", triangles)
-        ->capture_default_str();
-    add_number(*surfaces, "--bone-triangles", surface_settings.bone_triangles, "At most so many", triangles)
-        ->capture_default_str();
-    add_number(*surfaces, "--airway-triangles", surface_settings.airway_triangles, "At most so many",
-               triangles)
-        ->capture_default_str();
-    add_number(*surfaces, "--smoothing", surface_settings.smoothing, "Of the smoothing filter",
-               {0, 100, "passes"})
-        ->capture_default_str();
-    add_number(*surfaces, "--air-below-hu", surface_settings.air_below, "As given to 'segment'", hounsfield)
-        ->capture_default_str();
-    add_number(*surfaces, "--bone-above-hu", surface_settings.bone_above, "As given to 'segment'", hounsfield)
-        ->capture_default_str();
+    surfaces.add_number("--skin-triangles", surface_settings.skin_triangles, "At most so many", triangles)
+        .capture_default_str();
+    surfaces.add_number("--bone-triangles", surface_settings.bone_triangles, "At most so many", triangles)
+        .capture_default_str();
+    surfaces.add_number("--airway-triangles", surface_settings.airway_triangles, "At most so many", triangles)
+        .capture_default_str();
+    surfaces
+        .add_number("--smoothing", surface_settings.smoothing, "Of the smoothing filter", {0, 100, "passes"})
+        .capture_default_str();
+    surfaces.add_number("--air-below-hu", surface_settings.air_below, "As given to 'segment'", hounsfield)
+        .capture_default_str();
+    surfaces.add_number("--bone-above-hu", surface_settings.bone_above, "As given to 'segment'", hounsfield)
+        .capture_default_str();
 
     Run run;
     add_build(app, run);
     add_check(app, run);
 
-    if (const auto status = parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     catch_stop_signals();
     try {
         Result result;
-        if (phantom->parsed()) {
+        if (phantom.parsed()) {
             phantom_settings.spacing = static_cast<float>(1e-3 * spacing_mm);
             phantom_settings.newborn = phantom_shape.shape();
             phantom_settings.newborn.jaw_opening = static_cast<float>(jaw_opening_deg) * degree;
             result = run_phantom(phantom_settings, phantom_out);
-        } else if (segment->parsed()) {
+        } else if (segment.parsed()) {
             request.settings.closing = static_cast<float>(1e-3 * closing_mm);
             result = run_segment(request);
-        } else if (surfaces->parsed()) {
+        } else if (surfaces.parsed()) {
             result = run_surfaces(labels, ct, folder, surface_settings);
         } else {
             result = run();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <optional>
 
@@ -15,20 +14,19 @@ struct ShapeOptions::Typed {
     std::array<std::optional<float>, shape_fields.size()> values;
 };
 
-ShapeOptions::ShapeOptions(CLI::App& command) : typed_(std::make_shared<Typed>()) {
+ShapeOptions::ShapeOptions(CommandLine& command) : typed_(std::make_shared<Typed>()) {
     const NewbornShape usual;
     for (std::size_t i = 0; i < shape_fields.size(); ++i) {
         const ShapeField& field = shape_fields[i];
         std::string name = "--" + field.key();
         std::replace(name.begin(), name.end(), '_', '-');
-        add_number(command, name, typed_->values[i],
-                   fmt::format("{} [{:g}]", field.help, usual.*field.value / field.per_unit),
-                   {field.low, field.high, std::string(field.unit)});
+        command.add_number(name, typed_->values[i],
+                           fmt::format("{} [{:g}]", field.help, usual.*field.value / field.per_unit),
+                           {field.low, field.high, std::string(field.unit)});
     }
     command
         .add_option("--variant", typed_->variant, "Preset of the above; what is given beside it counts more")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(airway_variant_names.begin(), airway_variant_names.end())));
+        .one_of(std::vector<std::string>(airway_variant_names.begin(), airway_variant_names.end()));
 }
 
 NewbornShape ShapeOptions::shape() const {

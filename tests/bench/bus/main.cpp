@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -65,29 +64,27 @@ int main(int argc, char** argv) {
         return run_script(argc, argv);
     }
     eti::set_up_log("eti-bench-bus");
-    CLI::App app("One end of a measurement of the bus; prints a JSON object");
+    eti::CommandLine app("One end of a measurement of the bus; prints a JSON object");
     app.require_subcommand(1);
     PartOptions options;
     options.bus.name = "eti-bench-bus";
     nlohmann::json (*run)(const PartOptions&) = nullptr;
     for (const Part& part : parts) {
-        CLI::App* sub = app.add_subcommand(part.name, part.help);
-        eti::bus::add_options(*sub, options.bus);
+        eti::CommandLine sub = app.add_subcommand(part.name, part.help);
+        eti::bus::add_options(sub, options.bus);
         const eti::NumberLimits<double> time{0.0, 1e6, "s"};
-        eti::add_number(*sub, "--seconds", options.seconds, "Measure for so long", time)
-            ->capture_default_str();
-        eti::add_number(*sub, "--wait", options.wait_s, "Wait for the other end so long", time)
-            ->capture_default_str();
-        eti::add_number(*sub, "--stay", options.stay_s, "Go on after the report for so long", time);
-        eti::add_number(*sub, "--rate", options.rate, "Of poses", {1.0, 10e3, "Hz"});
-        sub->add_flag("--drive", options.drive, "A join counts once the server answers a pose");
-        sub->add_flag("--every-state", options.every_state, "90 Hz of shapes, else 30 Hz");
-        sub->add_option("--keep", options.keep, "Write the states that arrived into this file");
-        sub->add_option("--other", options.other,
-                        "Such a file of another reader: what that one drew wrongly");
-        sub->callback([&run, &part] { run = part.run; });
+        sub.add_number("--seconds", options.seconds, "Measure for so long", time).capture_default_str();
+        sub.add_number("--wait", options.wait_s, "Wait for the other end so long", time)
+            .capture_default_str();
+        sub.add_number("--stay", options.stay_s, "Go on after the report for so long", time);
+        sub.add_number("--rate", options.rate, "Of poses", {1.0, 10e3, "Hz"});
+        sub.add_flag("--drive", options.drive, "A join counts once the server answers a pose");
+        sub.add_flag("--every-state", options.every_state, "90 Hz of shapes, else 30 Hz");
+        sub.add_option("--keep", options.keep, "Write the states that arrived into this file");
+        sub.add_option("--other", options.other, "Such a file of another reader: what that one drew wrongly");
+        sub.callback([&run, &part] { run = part.run; });
     }
-    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     eti::catch_stop_signals();

@@ -2,35 +2,34 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
 #include "common/process/command_line.hpp"
 #include "common/process/log.hpp"
 #include "tests/bench/devices/haptics.hpp"
 
 int main(int argc, char** argv) {
     eti::set_up_log("eti-bench-devices");
-    CLI::App app("Benchmarks of the devices: stability, stiffness and timing of the haptic loop.",
-                 "eti-bench-devices");
+    eti::CommandLine app("Benchmarks of the devices: stability, stiffness and timing of the haptic loop.",
+                         "eti-bench-devices");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     eti::bench::HapticsOptions options;
-    CLI::App* haptics = app.add_subcommand(
+    eti::CommandLine haptics = app.add_subcommand(
         "haptics",
         "The haptic loop: stable stiffness over delay and loss, timing beside a server (ten minutes)");
-    haptics->add_option("--out", options.out, "Folder for the tables")->capture_default_str();
-    eti::add_number(*haptics, "--live-seconds", options.live_seconds, "Of the run beside a server; 0: none",
+    haptics.add_option("--out", options.out, "Folder for the tables").capture_default_str();
+    haptics
+        .add_number("--live-seconds", options.live_seconds, "Of the run beside a server; 0: none",
                     {0.0, 3600.0, "s"})
-        ->capture_default_str();
-    haptics->add_flag("--whole-grid", options.whole_grid,
-                      "Over the bus to a real server: all delays, losses and stiffnesses, not a corner");
-    eti::add_number(*haptics, "--grid-minutes", options.grid_minutes,
-                    "Begin no cell over the bus after this time", {0.1, 600.0, "min"})
-        ->capture_default_str();
-    haptics->add_option("--only", options.only, "One table")
-        ->check(CLI::IsMember(eti::bench::haptics_table_names()));
-    haptics->add_flag("--quick", options.quick, "A corner of the maps, no run beside a server");
-    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+        .capture_default_str();
+    haptics.add_flag("--whole-grid", options.whole_grid,
+                     "Over the bus to a real server: all delays, losses and stiffnesses, not a corner");
+    haptics
+        .add_number("--grid-minutes", options.grid_minutes, "Begin no cell over the bus after this time",
+                    {0.1, 600.0, "min"})
+        .capture_default_str();
+    haptics.add_option("--only", options.only, "One table").one_of(eti::bench::haptics_table_names());
+    haptics.add_flag("--quick", options.quick, "A corner of the maps, no run beside a server");
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     try {

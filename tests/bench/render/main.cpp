@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
 #include "client/render/quality.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/log.hpp"
@@ -12,59 +10,59 @@
 
 int main(int argc, char** argv) {
     eti::set_up_log("eti-bench-render");
-    CLI::App app("What one sees, measured: pictures of scripted attempts against their goals.",
-                 "eti-bench-render");
+    eti::CommandLine app("What one sees, measured: pictures of scripted attempts against their goals.",
+                         "eti-bench-render");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     eti::bench::RenderOptions options;
     bool quick = false;
-    CLI::App* render =
+    eti::CommandLine render =
         app.add_subcommand("render", "Six moments of attempts in every view, against goals (half an hour)");
-    render->add_option("--out", options.out, "Folder for table, pictures and contact sheets")
-        ->capture_default_str();
-    auto* scenarios = render->add_option("--scenario", options.scenarios, "Scenarios by name or path")
-                          ->capture_default_str();
-    auto* operators = render->add_option("--operator", options.operators, "Operators by name or path")
-                          ->capture_default_str();
+    render.add_option("--out", options.out, "Folder for table, pictures and contact sheets")
+        .capture_default_str();
+    const auto scenarios =
+        render.add_option("--scenario", options.scenarios, "Scenarios by name or path").capture_default_str();
+    const auto operators =
+        render.add_option("--operator", options.operators, "Operators by name or path").capture_default_str();
     const eti::NumberLimits<int> side{64, 8192, "pixels"};
-    eti::add_number(*render, "--width", options.width, "Of the pictures", side)->capture_default_str();
-    eti::add_number(*render, "--height", options.height, "Of the pictures", side)->capture_default_str();
-    auto* eyes = eti::add_number(*render, "--eyes", options.eyes, "Eye poses for POGO", {0, 100000})
-                     ->capture_default_str();
-    auto* costs = eti::add_number(*render, "--costs", options.costs,
-                                  "Pictures of each view and size that are timed", {0, 10000})
-                      ->capture_default_str();
-    render->add_flag("--only-costs", options.only_costs, "Only those, of pictures of --width by --height");
+    render.add_number("--width", options.width, "Of the pictures", side).capture_default_str();
+    render.add_number("--height", options.height, "Of the pictures", side).capture_default_str();
+    const auto eyes =
+        render.add_number("--eyes", options.eyes, "Eye poses for POGO", {0, 100000}).capture_default_str();
+    const auto costs =
+        render
+            .add_number("--costs", options.costs, "Pictures of each view and size that are timed", {0, 10000})
+            .capture_default_str();
+    render.add_flag("--only-costs", options.only_costs, "Only those, of pictures of --width by --height");
     render
-        ->add_option("--quality", options.quality,
-                     "Whose cost is measured (default: what the driver can afford)")
-        ->check([](const std::string& name) {
+        .add_option("--quality", options.quality,
+                    "Whose cost is measured (default: what the driver can afford)")
+        .check([](const std::string& name) {
             return eti::render::quality_named(name) != nullptr
                        ? std::string{}
                        : name + ": no such quality; low, medium or high";
         });
-    render->add_flag("!--no-pictures", options.pictures, "Only the table");
-    auto* golden =
-        render->add_option("--golden", options.golden,
-                           "Folder of small pictures to compare with: of every view as the blade comes in "
-                           "and at the best view");
-    render->add_flag("--renew", options.renew, "Write those pictures anew instead of comparing")
-        ->needs(golden);
-    render->add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
-    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+    render.add_flag("!--no-pictures", options.pictures, "Only the table");
+    const auto golden =
+        render.add_option("--golden", options.golden,
+                          "Folder of small pictures to compare with: of every view as the blade comes in "
+                          "and at the best view");
+    render.add_flag("--renew", options.renew, "Write those pictures anew instead of comparing").needs(golden);
+    render.add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     if (quick) {
-        if (scenarios->empty()) {
+        if (scenarios.empty()) {
             options.scenarios = {"term"};
         }
-        if (operators->empty()) {
+        if (operators.empty()) {
             options.operators = {"expert"};
         }
-        if (costs->empty()) {
+        if (costs.empty()) {
             options.costs = 0;
         }
-        if (eyes->empty()) {
+        if (eyes.empty()) {
             options.eyes = 40;
         }
     }

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <thread>
 
 #include "common/process/command_line.hpp"
@@ -18,71 +17,69 @@
 
 int main(int argc, char** argv) {
     eti::set_up_log("eti-bench-physics");
-    CLI::App app("Benchmarks of the physics: charts and tables that decide the shipped settings.",
-                 "eti-bench-physics");
+    eti::CommandLine app("Benchmarks of the physics: charts and tables that decide the shipped settings.",
+                         "eti-bench-physics");
     app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     int threads = 0;
-    eti::add_number(app, "--threads", threads, "Solver threads; 0: one per core (speed: one, then two)",
-                    {0, 256});
+    app.add_number("--threads", threads, "Solver threads; 0: one per core (speed: one, then two)", {0, 256});
 
     eti::bench::SufficiencyOptions sufficiency;
-    CLI::App* shrink = app.add_subcommand(
+    eti::CommandLine shrink = app.add_subcommand(
         "sufficiency",
         "How the outcome of a scripted intubation changes as the model shrinks (half an hour)");
-    shrink->add_option("--out", sufficiency.out, "Folder for the table")->capture_default_str();
-    shrink->add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path")
-        ->capture_default_str();
-    eti::add_number(*shrink, "--seeds", sufficiency.seeds,
-                    "Runs of the shipped model, for the tremor's scatter", {1, 100})
-        ->capture_default_str();
-    shrink->add_flag("--quick", sufficiency.quick, "Two variants only");
+    shrink.add_option("--out", sufficiency.out, "Folder for the table").capture_default_str();
+    shrink.add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path").capture_default_str();
+    shrink
+        .add_number("--seeds", sufficiency.seeds, "Runs of the shipped model, for the tremor's scatter",
+                    {1, 100})
+        .capture_default_str();
+    shrink.add_flag("--quick", sufficiency.quick, "Two variants only");
     eti::bench::AccuracyOptions accuracy;
-    CLI::App* errors =
+    eti::CommandLine errors =
         app.add_subcommand("accuracy", "Error against cost of every method, in cases with a reference");
-    errors->add_option("--out", accuracy.out, "Folder for the table")->capture_default_str();
-    errors->add_flag("--quick", accuracy.quick, "A corner of the sweep");
-    errors->add_option("--only", accuracy.only, "One group of cases")
-        ->check(CLI::IsMember(eti::bench::accuracy_group_names()));
+    errors.add_option("--out", accuracy.out, "Folder for the table").capture_default_str();
+    errors.add_flag("--quick", accuracy.quick, "A corner of the sweep");
+    errors.add_option("--only", accuracy.only, "One group of cases")
+        .one_of(eti::bench::accuracy_group_names());
     eti::bench::CalibrationOptions calibration;
-    CLI::App* moduli = app.add_subcommand(
+    eti::CommandLine moduli = app.add_subcommand(
         "calibration", "What modulus bodies of clusters have, against the modulus that is put in");
-    moduli->add_option("--out", calibration.out, "Folder for the table")->capture_default_str();
-    moduli->add_flag("--quick", calibration.quick, "A corner of the sweep");
+    moduli.add_option("--out", calibration.out, "Folder for the table").capture_default_str();
+    moduli.add_flag("--quick", calibration.quick, "A corner of the sweep");
     eti::bench::StabilityOptions stability;
-    CLI::App* limits = app.add_subcommand("stability", "Where every method survives, recovers or fails");
-    limits->add_option("--out", stability.out, "Folder for the table")->capture_default_str();
-    limits->add_flag("--quick", stability.quick, "The shipped methods and substep only");
-    limits->add_option("--only", stability.only, "One part of the maps")
-        ->check(CLI::IsMember(eti::bench::stability_part_names()));
+    eti::CommandLine limits =
+        app.add_subcommand("stability", "Where every method survives, recovers or fails");
+    limits.add_option("--out", stability.out, "Folder for the table").capture_default_str();
+    limits.add_flag("--quick", stability.quick, "The shipped methods and substep only");
+    limits.add_option("--only", stability.only, "One part of the maps")
+        .one_of(eti::bench::stability_part_names());
     std::string shard;
-    for (CLI::App* sweep : {shrink, errors, limits}) {
-        sweep->add_option(
+    for (eti::CommandLine sweep : {shrink, errors, limits}) {
+        sweep.add_option(
             "--shard", shard,
             "I/N, as 0/4 to 3/4: only a share of the runs, into OUT/shard-I-of-N; 'merge' puts the "
             "shares together");
     }
     std::filesystem::path merged;
     std::vector<std::filesystem::path> shares;
-    CLI::App* together =
+    eti::CommandLine together =
         app.add_subcommand("merge", "The tables of a sweep's shards as one process would have written them");
-    together->add_option("out", merged, "Folder for the tables")->required();
-    together->add_option("shards", shares, "Folders of all shards")
-        ->required()
-        ->check(CLI::ExistingDirectory);
+    together.add_option("out", merged, "Folder for the tables").required();
+    together.add_option("shards", shares, "Folders of all shards").required().existing_folder();
     eti::bench::SpeedOptions speed;
-    CLI::App* costs = app.add_subcommand(
+    eti::CommandLine costs = app.add_subcommand(
         "speed", "Cost of the solver's parts, with one thread and two, or with as many as --threads says");
-    costs->add_flag("--json", speed.json, "Print one JSON object");
-    costs->add_flag("--quick", speed.quick, "Fewer repetitions");
-    costs->add_flag("--sweeps", speed.sweeps, "Only the scene's steps while posture and tissue change");
+    costs.add_flag("--json", speed.json, "Print one JSON object");
+    costs.add_flag("--quick", speed.quick, "Fewer repetitions");
+    costs.add_flag("--sweeps", speed.sweeps, "Only the scene's steps while posture and tissue change");
     eti::bench::SleepOptions sleep;
-    CLI::App* resting = app.add_subcommand(
+    eti::CommandLine resting = app.add_subcommand(
         "sleep", "What an attempt loses and a step saves where tissue at rest sleeps (ten minutes)");
-    resting->add_option("--out", sleep.out, "Folder for the tables")->capture_default_str();
-    resting->add_option("--scenario", sleep.scenarios, "Scenarios by name or path")->capture_default_str();
-    resting->add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
-    if (const auto status = eti::parse_command_line(app, argc, argv)) {
+    resting.add_option("--out", sleep.out, "Folder for the tables").capture_default_str();
+    resting.add_option("--scenario", sleep.scenarios, "Scenarios by name or path").capture_default_str();
+    resting.add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     const tbb::global_control control(
@@ -92,25 +89,25 @@ int main(int argc, char** argv) {
         if (!shard.empty()) {
             accuracy.shard = stability.shard = sufficiency.shard = eti::bench::Shard(shard);
         }
-        if (together->parsed()) {
+        if (together.parsed()) {
             return eti::bench::merge(merged, shares);
         }
-        if (errors->parsed()) {
+        if (errors.parsed()) {
             return eti::bench::accuracy(accuracy);
         }
-        if (moduli->parsed()) {
+        if (moduli.parsed()) {
             return eti::bench::calibration(calibration);
         }
-        if (resting->parsed()) {
+        if (resting.parsed()) {
             return eti::bench::sleep(sleep);
         }
-        if (costs->parsed()) {
+        if (costs.parsed()) {
             if (threads > 0) {
                 speed.threads = {threads};
             }
             return eti::bench::speed(speed);
         }
-        return limits->parsed() ? eti::bench::stability(stability) : eti::bench::sufficiency(sufficiency);
+        return limits.parsed() ? eti::bench::stability(stability) : eti::bench::sufficiency(sufficiency);
     } catch (const std::exception& error) {
         spdlog::error("{}", error.what());
         return 1;

@@ -112,18 +112,16 @@ std::uint64_t move_blade(bus::Node& node, double seconds) {
 
 int main(int argc, char** argv) {
     using namespace eti;
-    CLI::App app("Does what a program of the session should not.", "eti-stranger");
+    CommandLine app("Does what a program of the session should not.", "eti-stranger");
     bus::Options options{.name = "stranger"};
     std::string what;
     double seconds = 3.0, rate = 10'000.0;
-    app.add_option("what", what)
-        ->required()
-        ->check(CLI::IsMember({"pull", "end", "scene", "command", "move"}));
-    add_number(app, "--seconds", seconds, "How long", {0.0, 3600.0, "s"});
-    add_number(app, "--rate", rate, "Of commands", {1.0, 1e6, "a second"});
+    app.add_option("what", what).required().one_of({"pull", "end", "scene", "command", "move"});
+    app.add_number("--seconds", seconds, "How long", {0.0, 3600.0, "s"});
+    app.add_number("--rate", rate, "Of commands", {1.0, 1e6, "a second"});
     app.add_option("--name", options.name, "How it introduces itself");
     bus::add_options(app, options);
-    if (const auto status = parse_command_line(app, argc, argv)) {
+    if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     bus::Node node(options);

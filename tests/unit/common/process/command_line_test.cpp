@@ -3,23 +3,56 @@
 #include "common/process/command_line.hpp"
 
 #include <gtest/gtest.h>
+#include <iostream>
+#include <sstream>
 
 namespace eti {
 namespace {
 
-/// What a program says to these arguments; empty where it takes them.
+/// What a stream writes while this lives.
+class Captured {
+  public:
+    explicit Captured(std::ostream& stream) : stream_(stream), usual_(stream.rdbuf(text_.rdbuf())) {}
+    ~Captured() { stream_.rdbuf(usual_); }
+    Captured(const Captured&) = delete;
+    Captured& operator=(const Captured&) = delete;
+    [[nodiscard]] std::string text() const { return text_.str(); }
+
+  private:
+    std::ostringstream text_;
+    std::ostream& stream_;
+    std::streambuf* usual_;
+};
+
+std::optional<int> parse(CommandLine& app, const std::vector<std::string>& arguments) {
+    std::vector<const char*> words{"program"};
+    for (const std::string& argument : arguments) {
+        words.push_back(argument.c_str());
+    }
+    return app.parse(static_cast<int>(words.size()), words.data());
+}
+
+/// The first line that a program says to these arguments; empty where it takes them.
+std::string refusal(CommandLine& app, const std::vector<std::string>& arguments) {
+    const Captured said(std::cerr);
+    const std::optional<int> status = parse(app, arguments);
+    EXPECT_EQ(status, said.text().empty() ? std::nullopt : std::optional(status_of_misuse));
+    return said.text().substr(0, said.text().find('\n'));
+}
+
+std::string help(CommandLine& app) {
+    const Captured said(std::cout);
+    EXPECT_EQ(parse(app, {"--help"}), 0);
+    return said.text();
+}
+
+/// What a program with one number says to these arguments.
 template <class Value>
 std::string said_to(const std::vector<std::string>& arguments, Value& value,
                     const NumberLimits<typename NumberOf<Value>::type>& limits) {
-    CLI::App app("A program.", "program");
-    add_number(app, "--value", value, "A value", limits);
-    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
-    try {
-        app.parse(reversed);
-        return {};
-    } catch (const CLI::ParseError& error) {
-        return error.what();
-    }
+    CommandLine app("A program.", "program");
+    app.add_number("--value", value, "A value", limits);
+    return refusal(app, arguments);
 }
 
 TEST(CommandLine, TakesNumbersWithinTheirLimitsBothEndsIncluded) {
@@ -89,13 +122,118 @@ TEST(CommandLine, MessagesAreShortAndShowNoControlCharacters) {
 }
 
 TEST(CommandLine, HelpTellsTheRange) {
-    CLI::App app("A program.", "program");
+    CommandLine app("A program.", "program");
     double length = 0.0;
     std::uint64_t seed = 0;
-    add_number(app, "--length-mm", length, "A length", {0.0, 30.0, "mm"});
-    add_number(app, "--seed", seed, "A seed", {0});
-    EXPECT_NE(app.help().find("--length-mm NUMBER [0 to 30 mm]"), std::string::npos) << app.help();
-    EXPECT_NE(app.help().find("--seed COUNT [0 to 18446744073709551615]"), std::string::npos) << app.help();
+    app.add_number("--length-mm", length, "A length", {0.0, 30.0, "mm"});
+    app.add_number("--seed", seed, "A seed", {0});
+    const std::string text = help(app);
+    EXPECT_NE(text.find("--length-mm NUMBER [0 to 30 mm]"), std::string::npos) << text;
+    EXPECT_NE(text.find("--seed COUNT [0 to 18446744073709551615]"), std::string::npos) << text;
+}
+
+TEST(CommandLine, RepeatableTakesOneWordEachTime) {
+    for (const bool repeatable : {true, false}) {
+        CommandLine app("A program.", "program");
+        std::vector<std::string> values;
+        std::string rest;
+        Option option = app.add_option("--value", values, "Values");
+        repeatable ? option.repeatable() : option.allow_extra_args(false);
+        app.add_option("REST", rest, "The rest");
+        EXPECT_EQ(refusal(app, {"--value", "a", "--value", "b", "c"}), "");
+        EXPECT_EQ(values, (std::vector<std::string>{"a", "b"}));
+        EXPECT_EQ(rest, "c");
+        EXPECT_EQ(help(app).find("--value TEXT ...") == std::string::npos, repeatable) << help(app);
+    }
+}
+
+TEST(CommandLine, OptionsNeedAndExcludeOthers) {
+    bool fast = false, by_clock = false, paused = false, given = true;
+    const auto said = [&](const std::vector<std::string>& arguments) {
+        CommandLine app("A program.", "program");
+        const Option option = app.add_flag("--fast", fast, "Fast");
+        app.add_flag("--clock", by_clock, "By the clock").excludes({"--fast"});
+        app.add_flag("--pause", paused, "Paused").needs(option);
+        std::string text = refusal(app, arguments);
+        given = !option.empty();
+        return text;
+    };
+    EXPECT_EQ(said({"--clock", "--fast"}), "--clock excludes --fast");
+    EXPECT_EQ(said({"--pause"}), "--pause requires --fast");
+    EXPECT_FALSE(given);
+    EXPECT_EQ(said({"--pause", "--fast"}), "");
+    EXPECT_TRUE(given);
+}
+
+TEST(CommandLine, ExcludingAnUndeclaredOptionThrows) {
+    CommandLine app("A program.", "program");
+    bool flag = false;
+    EXPECT_THROW(app.add_flag("--flag", flag, "A flag").excludes({"--none"}), std::runtime_error);
+    EXPECT_THROW((void)app.option("--none"), std::runtime_error);
+}
+
+TEST(CommandLine, WordsOutsideTheSetAreRefused) {
+    CommandLine app("A program.", "program");
+    std::string tool;
+    app.add_option("--tool", tool, "A tool").one_of({"tube", "blade"});
+    EXPECT_EQ(refusal(app, {"--tool", "fork"}), "--tool: fork not in {tube,blade}");
+    EXPECT_EQ(refusal(app, {"--tool", "tube"}), "");
+    EXPECT_NE(help(app).find("--tool TEXT:{tube,blade}"), std::string::npos) << help(app);
+}
+
+TEST(CommandLine, SubcommandsOutliveTheirParentsHandle) {
+    bool json = false;
+    std::vector<std::string> files;
+    const auto declared = [&] {
+        CommandLine app("A program.", "program");
+        app.require_subcommand(1);
+        app.fallthrough();
+        app.add_flag("--json", json, "As JSON");
+        CommandLine check = app.add_subcommand("check", "Checks");
+        check.add_option("FILE", files, "Files").required();
+        return std::pair(app, check);
+    };
+    {
+        auto [app, check] = declared();
+        EXPECT_EQ(refusal(app, {"check", "a", "b", "--json"}), "");
+        EXPECT_TRUE(check.parsed());
+        EXPECT_TRUE(json);
+        EXPECT_EQ(files, (std::vector<std::string>{"a", "b"}));
+    }
+    CommandLine check = declared().second;
+    EXPECT_EQ(check.name(), "check");
+    EXPECT_FALSE(check.parsed());
+    auto app = declared().first;
+    EXPECT_EQ(refusal(app, {}), "A subcommand is required");
+}
+
+TEST(CommandLine, UnknownWordsStayWhereExtrasAreAllowed) {
+    CommandLine app("A program.", "program");
+    CommandLine replay = app.add_subcommand("replay", "Replays");
+    EXPECT_EQ(refusal(app, {"replay", "--session", "a"}),
+              "The following arguments were not expected: a --session");
+    replay.allow_extras();
+    EXPECT_EQ(refusal(app, {"replay", "--session", "a"}), "");
+    EXPECT_EQ(replay.remaining(), (std::vector<std::string>{"--session", "a"}));
+}
+
+TEST(CommandLine, CallbacksMayRefuseTheWhole) {
+    bool loop = false, replay = false;
+    int calls = 0;
+    CommandLine app("A program.", "program");
+    app.add_flag("--loop", loop, "Again");
+    app.add_flag("--replay", replay, "Of a file");
+    app.callback([&] {
+        ++calls;
+        if (loop && !replay) {
+            throw UsageError("--loop requires --replay");
+        }
+    });
+    EXPECT_EQ(refusal(app, {"--loop"}), "--loop requires --replay");
+    EXPECT_EQ(refusal(app, {"--loop", "--replay"}), "");
+    EXPECT_EQ(calls, 2);
+    EXPECT_NE(refusal(app, {"--loo"}), "");
+    EXPECT_EQ(calls, 2);
 }
 
 }  // namespace
