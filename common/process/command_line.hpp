@@ -10,10 +10,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 // Command lines as the programs need them. CLI11 parses them, inside command_line.cpp alone: its headers hold
-// all of its code, which would cost each program's main more than ten seconds of compile time.
+// all of its code, which would cost each program's main about ten seconds of compile time.
 
 namespace CLI {
 class App;
@@ -42,50 +43,51 @@ struct NumberOf<std::optional<Value>> {
 /// Exit status of a program that was called wrongly.
 inline constexpr int status_of_misuse = 2;
 
-/// Thrown by a callback of a command line that is wrong as a whole; parse() prints its text.
+/// Thrown by a callback where options that are each well-formed do not go together; parse() prints its text.
 class UsageError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
 /// An option, flag or positional argument of a command line. A handle: copies refer to the same option, and
-/// none may be used once the command line is gone. Setters return the handle, so that they can be chained.
+/// none may be used once the command line is gone. Setters return the handle, to be chained.
 class Option {
   public:
-    /// The command line must give it.
+    /// Refuses a command line that does not give it.
     Option required(bool value = true);
-    /// `--help` shows the variable's present value as the default.
+    /// Shows the variable's present value in `--help` as the default.
     Option capture_default_str();
-    /// `--help` lists it under this heading.
+    /// Lists it in `--help` under this heading.
     Option group(const std::string& heading);
-    /// `--help` calls its value so, instead of TEXT.
+    /// Names its value in `--help`, instead of TEXT.
     Option type_name(const std::string& name);
 
     /// Takes from `least` to `most` values.
     Option expected(int least, int most);
-    /// May be given several times with one value each; all are kept.
+    /// Takes one value each time that it is given, and keeps all.
     Option repeatable();
-    /// False: takes one value each time that it is given, and leaves the next word to others. Unlike
-    /// repeatable() this leaves the dots behind its type in `--help`.
+    /// With false does the same for a vector, but leaves the dots behind its type in `--help`.
     Option allow_extra_args(bool value);
 
-    /// It is refused without `other`, or beside it.
+    /// Refuses it without `other`.
     Option needs(const Option& other);
+    /// Refuses it beside `other`.
     Option excludes(const Option& other);
-    /// The same, of options or flags by name. Throws where one is not declared yet.
+    /// The same for several by name. Throws std::runtime_error where one is not declared yet.
     Option excludes(std::initializer_list<const char*> others);
 
-    /// Refuses a value for the reason that `why_refused` returns; empty: takes it. `--help` calls the value
-    /// `description`.
+    /// Refuses a value where `why_refused` returns a reason, which is printed; an empty one takes the value.
+    /// `description` stands behind the value's type in `--help`.
     Option check(std::function<std::string(const std::string&)> why_refused,
                  const std::string& description = {});
-    /// Takes one of these words alone.
+    /// Refuses what is none of these words.
     Option one_of(const std::vector<std::string>& words);
-    /// Takes the path of what is there.
+    /// Refuses a path that leads to no file.
     Option existing_file();
+    /// Refuses a path that leads to no folder.
     Option existing_folder();
 
-    /// Whether the command line does not give it.
+    /// Returns whether the command line did not give it.
     [[nodiscard]] bool empty() const;
 
   private:
@@ -132,28 +134,28 @@ class CommandLine {
     /// Adds a subcommand. It begins with its parent's fallthrough().
     [[nodiscard]] CommandLine add_subcommand(const std::string& name, const std::string& description);
 
-    /// So many subcommands must be given.
+    /// Refuses a command line without exactly `count` subcommands.
     void require_subcommand(int count);
     /// Leaves options that a subcommand does not know to its parent.
     void fallthrough(bool value = true);
     /// Keeps words that nothing is declared for, in remaining(), instead of refusing them.
     void allow_extras();
-    /// `--help` ends with this text.
+    /// Ends `--help` with this text.
     void footer(const std::string& text);
-    /// Called once all is parsed without a mistake; a subcommand's only where that was given. May throw
-    /// UsageError.
+    /// Has `done` called once all is parsed without a mistake; a subcommand's only where that was given. May
+    /// throw UsageError.
     void callback(std::function<void()> done);
 
-    /// Parses; the exit status where the program is done already: 0 after --help and --version, which are
-    /// printed, 2 after a mistake, which is said. Of a program's command line only.
+    /// Parses. Returns the exit status where the program is done already: 0 after --help and --version, which
+    /// are printed, 2 after a mistake, which is said. Of a program's command line only.
     [[nodiscard]] std::optional<int> parse(int argc, const char* const* argv);
 
     [[nodiscard]] std::string name() const;
-    /// An option by its name; throws std::runtime_error where there is none.
+    /// Returns an option by its name; throws std::runtime_error where there is none.
     [[nodiscard]] Option option(const std::string& name) const;
-    /// Whether it was given; of subcommands.
+    /// Returns whether a subcommand was given.
     [[nodiscard]] bool parsed() const;
-    /// What allow_extras() has kept.
+    /// Returns what allow_extras() has kept.
     [[nodiscard]] std::vector<std::string> remaining() const;
 
   private:

@@ -61,7 +61,7 @@ LIBRARIES = (
     (re.compile(r"boost/"), ("client/review",), "Boost"),
     (re.compile(r"nlopt"), ("client/review",), "NLopt"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
-    # All of its code stands in its headers: more than ten seconds of compile time for each file that includes them.
+    # All of its code stands in its headers: about ten seconds of compile time for each file that includes them.
     (re.compile(r"CLI/"), ("common/process/command_line.cpp",), "CLI11"),
 )
 
