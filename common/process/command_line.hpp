@@ -64,9 +64,9 @@ class Option {
 
     /// Takes from `least` to `most` values.
     Option expected(int least, int most);
-    /// Takes one value each time that it is given, and keeps all.
+    /// May be given several times; all values are kept, and `--help` shows one.
     Option repeatable();
-    /// With false does the same for a vector, but leaves the dots behind its type in `--help`.
+    /// False: takes one value each time that it is given, and leaves the next word to others.
     Option allow_extra_args(bool value);
 
     /// Refuses it without `other`.

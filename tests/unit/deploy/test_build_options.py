@@ -16,7 +16,8 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def run_cmake(folder, preset, *options, **environment):
-    inherited = {name: value for name, value in os.environ.items() if name != "CCACHE_DIR"}
+    inherited = {name: value for name, value in os.environ.items()
+                 if name not in ("CCACHE_DIR", "CMAKE_C_COMPILER_LAUNCHER", "CMAKE_CXX_COMPILER_LAUNCHER")}
     return subprocess.run(["cmake", "--preset", preset, "-S", ROOT, "-B", folder, *options], cwd=ROOT, capture_output=True,
                           text=True, env={**inherited, **environment})
 

@@ -39,6 +39,7 @@ OPTIONAL = {
     ("deploy/setup.sh", "cmake"), ("deploy/setup.sh", "npm"), ("deploy/setup.sh", "node"),
     ("deploy/setup.sh", "sudo"),
     ("deploy/try_bare.sh", "git"),      # files are copied without it where there is no clone
+    ("tests/unit/deploy/test_build_options.py", "node"),    # a name that the test gives to a script of its own
     ("tests/unit/structure/test_contributing.py", "git"),   # history is compared where there is one
 }
 
