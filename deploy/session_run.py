@@ -27,7 +27,7 @@ STALL_LIMIT = 180.0      # [s] without any simulation time passing before a serv
 END_BY_ITSELF = 60.0     # [s] that processes have to notice the session's end (a lease on the bus lasts 1.5 s), and
                          # clients, which yield to others, to draw their last pictures
 END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
-USUAL_SESSION = 25       # [s] of simulation time that the expert's attempt takes
+USUAL_SESSION = 20       # [s] of simulation time that the expert's attempt takes
 LONGEST_SESSION = 120    # [s] of simulation time
 SUCTION = (1.0, 2.0)     # [s] of simulation time, between which the assistant holds the pad's suction button
 PR_SET_PDEATHSIG = 1

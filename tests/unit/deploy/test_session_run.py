@@ -112,7 +112,7 @@ class Watching(unittest.TestCase):
         session.server.wait(5)
         self.assertEqual(session.progress(), (12.0, 3.2))
         session.show_progress(session.progress())
-        self.heard("simulated 12.0 s of about 25 s, 3.2 s behind the clock")
+        self.heard("simulated 12.0 s of about 20 s, 3.2 s behind the clock")
 
     def test_processes_do_not_outlive_the_script(self):
         child = self.folder / "pid"
