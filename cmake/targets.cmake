@@ -24,7 +24,7 @@ if(ETI_SANITIZE)
 endif()
 
 # eti_unity(TARGET BATCH): compiles a target's sources in batches of equal size, at most BATCH each. Most of a source's time
-# goes into its headers; a larger batch saves little more and takes over 1.3 GB of memory. A source with compile options or
+# goes into its headers; a larger batch saves little more and takes over 1.4 GB of memory. A source with compile options or
 # definitions of its own stays by itself, and so does one whose SKIP_UNITY_BUILD_INCLUSION is set.
 function(eti_unity target batch)
   get_target_property(sources ${target} SOURCES)

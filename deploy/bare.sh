@@ -68,10 +68,12 @@ bare_as() {
         sh -c 'cd "$HOME" && exec "$@"' sh "$@"
 }
 
-# bare_enter FOLDER FUNCTION ARGUMENT...: runs a function of the calling script in namespaces of their own, and removes
-# FOLDER at the end, also after Ctrl-C. Returns the function's status.
+# bare_enter NAME ARGUMENT...: runs the calling script with --inside SYSTEM ARGUMENT... in namespaces of their own, where
+# SYSTEM lies in a temporary folder that is removed at the end, also after Ctrl-C. Returns the script's status.
 bare_enter() {
-    local folder=$1 child status
+    local folder child='' status
+    folder=$(mktemp -d -p "${TMPDIR:-/var/tmp}" "eti-$1-XXXXXX") || return 1
+    chmod 755 "$folder"
     shift
     # KILL: unshare passes no other signal on, and ends all inside when it dies; with it go the mounts, which are seen
     # nowhere else. So the folder holds nothing of this system when it is removed.
@@ -82,7 +84,7 @@ bare_enter() {
     }
     trap bare_finish EXIT
     trap 'exit 130' INT TERM
-    unshare --mount --propagation private --pid --fork --kill-child "$0" --inside "$@" &
+    unshare --mount --propagation private --pid --fork --kill-child "$0" --inside "$folder/system" "$@" &
     child=$!
     wait $child
     status=$?

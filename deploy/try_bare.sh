@@ -132,7 +132,5 @@ done
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
 mkdir -p "$logs" || eti_fail "cannot make $logs; choose another folder with --logs"
-folder=$(mktemp -d -p "${TMPDIR:-/var/tmp}" eti-bare-XXXXXX) || exit 1
-chmod 755 "$folder"
-bare_enter "$folder" "$folder/bare" "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
+bare_enter bare "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
 eti_say "On a bare Debian 12 every command passed."

@@ -88,7 +88,5 @@ done
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
 ls "$packages"/neoeti*.deb >/dev/null 2>&1 || "$ETI_ROOT/deploy/package.sh" --out "$packages" >/dev/null || exit 1
-folder=$(mktemp -d -p "${TMPDIR:-/var/tmp}" eti-packages-XXXXXX) || exit 1
-chmod 755 "$folder"
-bare_enter "$folder" "$folder/system" "$(realpath "$packages")" "$mirror" || exit 1
+bare_enter packages "$(realpath "$packages")" "$mirror" || exit 1
 eti_say "The packages install on a bare Debian 12, the demo runs from them, and they leave nothing behind."

@@ -39,8 +39,8 @@ if(ETI_NODE AND ETI_NPM)
     # npm runs the first Node.js on the path. Its cache is the user's, unless that cannot be written.
     get_filename_component(node_folder ${ETI_NODE} DIRECTORY)
     set(settings "PATH=${node_folder}:$ENV{PATH}")
-    execute_process(COMMAND test -w "$ENV{HOME}/.npm" -o ! -e "$ENV{HOME}/.npm" -a -w "$ENV{HOME}" RESULT_VARIABLE unwritable)
-    if(unwritable)
+    eti_writable(writable "$ENV{HOME}/.npm")
+    if(NOT writable)
       list(APPEND settings npm_config_cache=${page_build}/npm-cache)
     endif()
     execute_process(COMMAND ${CMAKE_COMMAND} -E env ${settings} ${ETI_NPM} ci --ignore-scripts --prefer-offline
