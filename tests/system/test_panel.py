@@ -37,8 +37,8 @@ class Panel(support.Programs):
     def open_client(self, *options):
         self.start("client", "eti-client", "--size", f"{WIDTH}x{HEIGHT}", "--view", "eye", "--quality", "low", "--json",
                    *options)
-        self.display.find("NeoETI")
         self.wait_for("client", "shows the patient")
+        self.display.find("NeoETI")
         time.sleep(2)  # nothing tells when the window has the keyboard
 
     def type_value(self, words, value):

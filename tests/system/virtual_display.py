@@ -34,10 +34,10 @@ class VirtualDisplay:
                               env={**os.environ, "DISPLAY": self.name}).stdout
 
     def find(self, title, seconds=60):
-        """The window of that title, which has the keyboard from now on."""
+        """The window of that title, which has the keyboard from now on; only one that is mapped can take it."""
         end = time.monotonic() + seconds
         while True:
-            found = subprocess.run(["xdotool", "search", "--name", title], capture_output=True, text=True, timeout=120,
+            found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", title], capture_output=True, text=True, timeout=120,
                                    env={**os.environ, "DISPLAY": self.name}).stdout.split()
             if found:
                 self._do("windowmove", "--sync", found[-1], 0, 0)
