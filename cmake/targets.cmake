@@ -87,6 +87,8 @@ function(eti_test name)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/tests/support/allocations.cpp
                               PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   eti_unity(${name} 12)
+  # What a test itself does takes no time; compiling it does, a fifth less so. After -O3, of which the last counts.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   eti_test_label(label)
   if(label STREQUAL unit)
